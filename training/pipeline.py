@@ -1,0 +1,163 @@
+"""The image pipeline around the network: exposure, radiance transform, base image, padding, and their inverses.
+
+Images are [batch, channels, height, width] linear radiance; x is the transformed low-resolution colour the network sees.
+"""
+import math
+
+import torch
+import torch.nn.functional as F
+
+EPSILON = 0.02        # added to the albedo before dividing and multiplying
+ALBEDO_MAX = 4.0
+TRANSFORMED_MAX = 11.0
+SIGMA_SPACE, SIGMA_NORMAL, SIGMA_ALBEDO = 0.75, 0.2, 0.5
+LOGIT_MAX = 8.0
+REC709 = (0.2126, 0.7152, 0.0722)
+
+
+def auto_exposure(colour):
+    """0.18 / exp(mean(log L)) over the pixels [3, h, w] with finite Rec. 709 luminance L > 1e-8; 1 if there are none."""
+    luminance = sum(weight * channel for weight, channel in zip(REC709, colour.double()))
+    luminance = luminance[torch.isfinite(luminance) & (luminance > 1e-8)]
+    return 0.18 / math.exp(luminance.log().mean().item()) if luminance.numel() else 1.0
+
+
+def transform(x, transfer):
+    """T: log(1 + max(x, 0)) or identity."""
+    return torch.log1p(x.clamp(min=0)) if transfer == "log1p" else x
+
+
+def inverse_transform(x, transfer):
+    """T^-1."""
+    return torch.expm1(x) if transfer == "log1p" else x
+
+
+def box_mean(x, scale):
+    """Mean over scale x scale pixels: [b, c, s*h, s*w] -> [b, c, h, w]."""
+    return F.avg_pool2d(x, scale) if scale > 1 else x
+
+
+def bicubic(x, scale):
+    """Cubic upsampling, parameter -0.75, half-pixel centres, edge replication."""
+    return F.interpolate(x, scale_factor=scale, mode="bicubic", align_corners=False) if scale > 1 else x
+
+
+def clamped_albedo(aux, config):
+    """[b, 3, H, W] albedo in [0, 4], or None when the model has no albedo."""
+    if "albedo" not in config.aux_inputs:
+        return None
+    first = 3 * config.aux_inputs.index("albedo")
+    return aux[:, first:first + 3].clamp(0, ALBEDO_MAX)
+
+
+def network_aux(aux, config):
+    """The auxiliary input of the network: the images in the order of the model, the albedo clamped."""
+    if not config.aux_inputs:
+        return None
+    first = 3 * config.aux_inputs.index("albedo") if "albedo" in config.aux_inputs else None
+    if first is None:
+        return aux
+    return torch.cat([aux[:, :first], clamped_albedo(aux, config), aux[:, first + 3:]], 1)
+
+
+def network_colour(exposed, albedo, config):
+    """x [b, 3, h, w]: T(eI), or T(eI / (b + 0.02)) for the bases that demodulate."""
+    if config.base in ("demodulated", "guided"):
+        exposed = exposed / (box_mean(albedo, config.scale) + EPSILON)
+    return transform(exposed, config.transfer)
+
+
+def neighbours(x):
+    """[b, c, h, w] -> [b, c, 25, h, w]: the 5 x 5 values around each pixel, row-major over (dy, dx), clamped at the border."""
+    b, c, h, w = x.shape
+    padded = F.pad(x, (2, 2, 2, 2), mode="replicate")
+    return torch.stack([padded[:, :, dy:dy + h, dx:dx + w] for dy in range(5) for dx in range(5)], 2)
+
+
+def guided_log_weights(albedo, normal, scale):
+    """[b, 25, H, W] logarithms of the joint bilateral weights; albedo, normal: [b, 3, H, W], normal may be None.
+
+    The spatial term uses the neighbour's true position; values outside of the image are those of its border.
+    round(q) is the low-resolution pixel that holds p, since q lies within half a pixel of it.
+    """
+    b, _, height, width = albedo.shape
+    h, w = height // scale, width // scale
+
+    def distances(image, sigma):
+        guide = neighbours(box_mean(image, scale))
+        pixels = image.view(b, 3, 1, h, scale, w, scale)
+        square = (pixels - guide.view(b, 3, 25, h, 1, w, 1)).square().sum(1)
+        return square / (-2 * sigma ** 2)
+
+    similarity = distances(albedo, SIGMA_ALBEDO)
+    if normal is not None:
+        similarity = similarity + distances(normal, SIGMA_NORMAL)
+    offset = (torch.arange(scale, dtype=albedo.dtype, device=albedo.device) + 0.5) / scale - 0.5
+    d = torch.arange(-2, 3, dtype=albedo.dtype, device=albedo.device)
+    axis = (offset[None, :] - d[:, None]).square() / (-2 * SIGMA_SPACE ** 2)
+    space = (axis[:, None, :, None] + axis[None, :, None, :]).view(1, 25, 1, scale, 1, scale)
+    return (space + torch.log(similarity.exp() + 1e-6)).reshape(b, 25, height, width)
+
+
+def kernel_average(x_neighbours, log_weights, scale):
+    """Weighted mean of the 5 x 5 neighbours: [b, c, 25, h, w] and [b, 25, s*h, s*w] -> [b, c, s*h, s*w]."""
+    b, c, _, h, w = x_neighbours.shape
+    weights = torch.softmax(log_weights, 1).view(b, 25, h, scale, w, scale)
+    return torch.einsum("bjyuxv,bcjyx->bcyuxv", weights, x_neighbours).reshape(b, c, h * scale, w * scale)
+
+
+def base_image(x, aux, config, logits=None):
+    """The base in the transformed domain [b, 3, H, W], or None for base=none. logits: [b, 25, H, W] learned kernels."""
+    if config.base == "none":
+        return None
+    if config.base in ("bicubic", "demodulated"):
+        return bicubic(x, config.scale)
+    normal = None
+    if "normal" in config.aux_inputs:
+        first = 3 * config.aux_inputs.index("normal")
+        normal = aux[:, first:first + 3]
+    log_weights = guided_log_weights(clamped_albedo(aux, config), normal, config.scale)
+    if logits is not None:
+        log_weights = log_weights + logits.clamp(-LOGIT_MAX, LOGIT_MAX)
+    return kernel_average(neighbours(x), log_weights, config.scale)
+
+
+def to_radiance(transformed, albedo, exposure, config):
+    """Inverse of the pipeline: clamp when there is a base, T^-1, times albedo for the bases that demodulate, over exposure."""
+    if config.base != "none":
+        transformed = transformed.clamp(0, TRANSFORMED_MAX)
+    radiance = inverse_transform(transformed, config.transfer)
+    if config.base in ("demodulated", "guided"):
+        radiance = radiance * (albedo + EPSILON)
+    return radiance / exposure
+
+
+def pad_inputs(x, aux, config):
+    """Edge replication on the right and at the bottom to a multiple of the window (aux: to scale times that)."""
+    def pad(image, multiple):
+        height, width = image.shape[-2:]
+        return F.pad(image, (0, -width % multiple, 0, -height % multiple), mode="replicate")
+    return pad(x, config.window), None if aux is None else pad(aux, config.window * config.scale)
+
+
+def baseline(colour, aux, config, exposure=None):
+    """What a network of zeros would give: the base alone, as radiance [b, 3, H, W]."""
+    exposure = auto_exposure(colour[0]) if exposure is None else exposure
+    albedo = clamped_albedo(aux, config)
+    x = network_colour(colour * exposure, albedo, config)
+    return to_radiance(base_image(x, aux, config), albedo, exposure, config)
+
+
+def upscale(network, colour, aux=None, exposure=None):
+    """Runs a model on one image: colour [1, 3, h, w] and aux [1, A, s*h, s*w] -> (radiance [1, 3, H, W], raw output [1, 3 (+ 25), H, W], exposure)."""
+    config = network.config
+    exposure = auto_exposure(colour[0]) if exposure is None else exposure
+    albedo = clamped_albedo(aux, config)
+    x = network_colour(colour * exposure, albedo, config)
+    height, width = (side * config.scale for side in x.shape[-2:])
+    raw = network(*pad_inputs(x, network_aux(aux, config), config))[:, :, :height, :width]
+    transformed, logits = raw[:, :3], raw[:, 3:] if config.kernels else None
+    base = base_image(x, aux, config, logits)
+    if base is not None:
+        transformed = base + transformed
+    return to_radiance(transformed, albedo, exposure, config), raw, exposure

@@ -1,0 +1,108 @@
+"""Sizes of the network against the paper's tables 9 and 10, and properties of the pipeline."""
+import torch
+import pytest
+
+import pipeline
+import weights
+from network import Network, NetworkConfig, initialise, multiply_accumulates, relative_position_index, shift_mask
+
+SMALL = dict(channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1, window=4)
+
+
+@pytest.mark.parametrize("groups, blocks, giga, million", [
+    (3, 5, 723.68, 9.36), (3, 3, 519.13, 6.21), (3, 1, 314.59, 3.06), (2, 5, 507.86, 6.42), (1, 5, 292.04, 3.49)])
+def test_sizes_match_the_paper(groups, blocks, giga, million):
+    config = NetworkConfig(groups=groups, blocks=blocks, base="none", transfer="none")
+    assert round(multiply_accumulates(config, 1024, 1024) / 1e9, 2) == giga
+    parameters = sum(p.numel() for p in Network(config).parameters())
+    assert parameters / 1e6 == pytest.approx(million, rel=0.005)
+
+
+def test_weight_names():
+    config = NetworkConfig(scale=4, **{**SMALL, "groups": 2})
+    names = set(Network(config).state_dict())
+    for name in ["lr_conv.weight", "aux_conv.bias", "aux_blocks.1.conv2.weight", "deshuffle.2.1.weight",
+                 "groups.1.lr_conv.weight", "groups.0.aux_conv.weight", "groups.0.xm.self_attn.qkv.weight",
+                 "groups.0.xm.cross_attn.kv.bias", "groups.0.xm.cross_attn.relative_position_bias_table",
+                 "groups.0.xm.norm_aux.weight", "groups.0.xm.norm3.bias", "groups.0.xm.mlp.fc1.weight",
+                 "groups.1.blocks.0.layers.2.attn.qkv.weight", "groups.1.blocks.0.layers.2.mlp.fc2.bias",
+                 "groups.1.blocks.0.grow.2.weight", "groups.1.blocks.0.conv.weight", "groups.1.conv.weight",
+                 "fuse.weight", "body_conv.weight", "up_pre.weight", "up.1.weight", "out.bias"]:
+        assert name in names
+    assert not any(name.endswith("index") for name in names)
+
+
+def test_relative_position_index():
+    index = relative_position_index(4)
+    assert index[0, 0] == 3 * 7 + 3          # the token itself: the table's centre
+    assert index[0, 15] == 0                 # query top left, key bottom right
+    assert index[4, 0] == 4 * 7 + 3          # query one row below the key
+
+
+def test_shifted_windows_do_not_mix_opposite_borders():
+    mask = shift_mask(8, 8, 4, "cpu")
+    assert mask.shape == (4, 16, 16)
+    assert (mask[0] == 0).all()              # the first window wraps nothing
+    assert mask[3, 0, 3] == -float("inf") and mask[3, 0, 1] == 0
+
+
+@pytest.mark.parametrize("scale", [1, 2, 4, 8, 16])
+def test_zero_output_layer_gives_the_base(scale):
+    torch.manual_seed(scale)
+    config = NetworkConfig(scale=scale, kernels=5, aux_skip=1, **SMALL)
+    network = Network(config).eval()
+    initialise(network, torch.Generator().manual_seed(1))
+    colour, aux = torch.rand(1, 3, 5, 6) * 3, torch.rand(1, 6, 5 * scale, 6 * scale)
+    radiance, raw, _ = pipeline.upscale(network, colour, aux)
+    assert raw.shape == (1, 28, 5 * scale, 6 * scale)
+    assert torch.allclose(radiance, pipeline.baseline(colour, aux, config), rtol=1e-5, atol=1e-6)
+
+
+def test_guided_weights_against_the_formula():
+    torch.manual_seed(0)
+    scale, h, w = 4, 3, 5
+    albedo, normal = torch.rand(1, 3, 4 * h, 4 * w).double(), torch.randn(1, 3, 4 * h, 4 * w).double() * 0.3
+    log_weights = pipeline.guided_log_weights(albedo, normal, scale)
+    b, m = pipeline.box_mean(albedo, scale)[0], pipeline.box_mean(normal, scale)[0]
+    for py, px, j in [(0, 0, 0), (11, 19, 24), (5, 7, 13), (9, 2, 6)]:
+        qy, qx = (py + 0.5) / scale - 0.5, (px + 0.5) / scale - 0.5
+        iy, ix = round(qy) + j // 5 - 2, round(qx) + j % 5 - 2
+        cy, cx = min(max(iy, 0), h - 1), min(max(ix, 0), w - 1)
+        n = ((normal[0, :, py, px] - m[:, cy, cx]) ** 2).sum() / (2 * 0.2 ** 2)
+        a = ((albedo[0, :, py, px] - b[:, cy, cx]) ** 2).sum() / (2 * 0.5 ** 2)
+        space = ((qy - iy) ** 2 + (qx - ix) ** 2) / (2 * 0.75 ** 2)
+        expected = torch.exp(torch.tensor(-space)) * (torch.exp(-n) * torch.exp(-a) + 1e-6)
+        assert log_weights[0, j, py, px].exp() == pytest.approx(expected.item(), rel=1e-6)
+
+
+def test_exposure_ignores_black_and_non_finite_pixels():
+    colour = torch.full((3, 2, 2), 0.36)
+    colour[:, 0, 0] = 0
+    colour[0, 1, 1] = float("nan")
+    assert pipeline.auto_exposure(colour) == pytest.approx(0.5)
+    assert pipeline.auto_exposure(torch.zeros(3, 2, 2)) == 1.0
+
+
+def test_model_file_round_trip(tmp_path):
+    config = NetworkConfig(scale=2, kernels=5, aux_skip=1, **SMALL)
+    network = Network(config)
+    initialise(network, torch.Generator().manual_seed(3))
+    path = tmp_path / "m.safetensors"
+    weights.save_model(path, network, {"license": "MIT"})
+    again, metadata = weights.load_model(path)
+    assert again.config == config and metadata["license"] == "MIT" and metadata["format"] == "xrds"
+    for name, value in network.state_dict().items():
+        assert torch.equal(value.half().float(), again.state_dict()[name]), name
+
+
+def test_model_without_kernel_fields_is_the_plain_form():
+    metadata = weights.metadata_of(NetworkConfig(**SMALL))
+    del metadata["kernels"], metadata["aux_skip"], metadata["block"]
+    assert weights.config_of(metadata) == NetworkConfig(**SMALL)
+
+
+@pytest.mark.parametrize("wrong", [dict(base="guided", aux_inputs=("normal",)), dict(kernels=5, base="bicubic"),
+                                   dict(scale=3), dict(aux_skip=1, aux_inputs=(), base="none"), dict(head_channels=3)])
+def test_misuse_is_refused(wrong):
+    with pytest.raises(ValueError):
+        NetworkConfig(**{**SMALL, **wrong})
