@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include "engine/device.h"
+
+namespace xrds {
+
+/// One device allocation that dispatches read and write: the arena of a session, or its weights. Host access goes
+/// straight to memory where the device shares it with the host, else through a staging copy.
+class Buffer {
+ public:
+  /// Throws Error if the device has not that much memory or does not allow an allocation of that size.
+  Buffer(Gpu& gpu, uint64_t byteSize);
+  ~Buffer();
+  Buffer(Buffer&&) noexcept;
+  Buffer& operator=(Buffer&&) noexcept;
+
+  uint64_t byteSize() const;
+  /// Copies host bytes in; blocks until a later dispatch sees them.
+  void upload(uint64_t byteOffset, std::span<const std::byte> bytes);
+  /// Copies bytes out, after everything that was run.
+  void download(uint64_t byteOffset, std::span<std::byte> bytes) const;
+  /// Fills the whole buffer with a 32-bit pattern (NaN in tests).
+  void fill(uint32_t pattern);
+
+  struct Handles;
+  const Handles& handles() const { return *handles_; }
+
+ private:
+  std::unique_ptr<Handles> handles_;
+};
+
+}  // namespace xrds

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/dispatch.h"
+
+namespace xrds {
+
+enum class DeviceKind : uint8_t { discrete, integrated, virtualGpu, cpu, other };
+
+/// What a Vulkan device says of itself.
+struct DeviceDescription {
+  uint32_t index = 0;  // in listDevices()
+  std::string name;
+  DeviceKind kind = DeviceKind::other;
+  std::string uuid;        // 32 hexadecimal digits, deviceUUID
+  std::string driver;      // driver name and its version text
+  std::string apiVersion;  // "1.3.230"
+  uint64_t memoryBytes = 0;  // of the largest device-local heap
+};
+
+/// Finds the SPIR-V words of a program by its name; empty if there is none.
+using ProgramSource = std::function<std::span<const uint32_t>(std::string_view)>;
+
+struct DeviceOptions {
+  /// Empty: the best one (discrete, integrated, virtual, CPU). Else an index, a part of the name, or a UUID.
+  std::string select;
+  /// Validation and synchronization validation; their messages go to onMessage. Throws if the layer is missing.
+  bool validation = false;
+  std::function<void(std::string_view)> onMessage;
+  /// Pipelines and driver caches are kept here; empty: the user's cache folder.
+  std::filesystem::path cacheFolder;
+  ProgramSource programs;
+};
+
+/// Every Vulkan 1.2 device with a compute queue. Throws Error if the machine has no Vulkan loader.
+std::vector<DeviceDescription> listDevices();
+
+/// An open Vulkan device: instance, queue, compiled programs. One thread at a time.
+class Gpu {
+ public:
+  /// Throws Error if no device fits the selection (it names those there are) or Vulkan fails.
+  explicit Gpu(DeviceOptions options);
+  ~Gpu();
+  Gpu(Gpu&&) noexcept;
+  Gpu& operator=(Gpu&&) noexcept;
+
+  const DeviceDescription& description() const;
+  const DeviceTraits& traits() const;
+  /// Overrides the kernel family or limits, for tests that compare families.
+  void setTraits(const DeviceTraits& traits);
+
+  struct Handles;  // Vulkan objects; defined in engine/handles.h, for engine sources only
+  Handles& handles() { return *handles_; }
+
+ private:
+  std::unique_ptr<Handles> handles_;
+};
+
+}  // namespace xrds

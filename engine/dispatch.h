@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+
+#include "engine/tensor.h"
+
+namespace xrds {
+
+/// The written version of a kernel: `plain` is the readable one and runs anywhere, `lane` keeps one token a lane for
+/// CPU devices, `tile` shares memory for GPUs, `matrix` uses matrix units. A missing one falls back to `plain`.
+enum class KernelFamily : uint8_t { plain, lane, tile, matrix };
+
+/// The properties of a device that decide how work is dispatched: plain numbers, testable without a device.
+struct DeviceTraits {
+  KernelFamily family = KernelFamily::plain;
+  uint32_t subgroupSize = 8;
+  uint64_t maxStorageBufferRange = uint64_t{128} << 20;
+  uint64_t maxTexelBufferElements = uint64_t{1} << 27;
+  uint32_t maxSharedBytes = 32768;
+  uint32_t maxGroupInvocations = 1024;
+  bool shaderInt64 = false;
+};
+
+enum class Access : uint8_t { read, write };
+/// Reads go through uniform texel buffers of vec4 (which convert f16 for free), writes through storage buffers.
+enum class BindingKind : uint8_t { storage, texel };
+
+/// One descriptor: a byte range inside a value, and what the kernel does with it.
+struct Binding {
+  ValueId value = kNoValue;
+  Access access = Access::read;
+  BindingKind kind = BindingKind::texel;
+  DataType type = DataType::f32;  // of a texel: rgba32f or rgba16f
+  uint64_t byteOffset = 0;        // inside the value; a multiple of kBindingAlignment
+  uint64_t byteSize = 0;          // kWeights: 0 means all of them
+};
+
+/// Every offset that is bound is a multiple of this, which satisfies any Vulkan device.
+inline constexpr uint64_t kBindingAlignment = 256;
+inline constexpr uint32_t kMaxPushConstantBytes = 128;
+
+/// One kernel launch as plain data. Descriptor i of set 0 is bindings[i]; constant_id i is specialization[i].
+struct Dispatch {
+  std::string program;  // operator, family and storage type of the output: "layer_norm_plain_f32"
+  std::vector<uint32_t> specialization;
+  std::vector<Binding> bindings;
+  std::vector<std::byte> pushConstants;
+  std::array<uint32_t, 3> groupCount{1, 1, 1};
+  std::string label;          // the node's name in the graph
+  uint64_t multiplyAdds = 0;  // for the profile and for cutting submissions
+};
+
+template <class T>
+std::vector<std::byte> pushBytes(const T& parameters) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= kMaxPushConstantBytes);
+  std::vector<std::byte> bytes(sizeof(T));
+  std::memcpy(bytes.data(), &parameters, sizeof(T));
+  return bytes;
+}
+
+constexpr uint32_t ceilDivide(uint64_t a, uint64_t b) { return static_cast<uint32_t>((a + b - 1) / b); }
+
+/// Reads all of the tensor behind the view, as vec4 texels.
+inline Binding readTexels(const TensorView& view) {
+  return {view.value, Access::read, BindingKind::texel, view.type, 0, view.storedByteSize()};
+}
+
+/// Reads the packed weights of the dispatch, as vec4 texels.
+inline Binding readWeights(DataType type) { return {kWeights, Access::read, BindingKind::texel, type, 0, 0}; }
+
+/// Writes the rows of the tensor behind the view. The binding starts at the aligned offset at or below the first row;
+/// the kernel subtracts storeOrigin() from its vec4 index.
+inline Binding writeRows(const TensorView& view, RowRange rows) {
+  const uint64_t begin = rows.begin * view.rowByteSize() / kBindingAlignment * kBindingAlignment;
+  return {view.value, Access::write, BindingKind::storage, view.type, begin, rows.end * view.rowByteSize() - begin};
+}
+
+/// The vec4 index, counted from the start of the tensor, at which the binding of writeRows() starts.
+inline uint32_t storeOrigin(const TensorView& view, RowRange rows) {
+  return static_cast<uint32_t>(writeRows(view, rows).byteOffset / (4 * byteSize(view.type)));
+}
+
+/// "layer_norm" + "plain" + "f16" -> the name under which CMake embeds that variant.
+std::string programName(const char* op, KernelFamily family, DataType stored);
+
+}  // namespace xrds

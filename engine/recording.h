@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/buffer.h"
+#include "engine/device.h"
+
+namespace xrds {
+
+/// Where one binding of a dispatch lies: bytes of a buffer. Offsets are multiples of kBindingAlignment.
+struct ByteRange {
+  const Buffer* buffer = nullptr;
+  uint64_t byteOffset = 0, byteSize = 0;
+};
+
+/// A dispatch whose bindings have been given their place: ranges[i] belongs to dispatch.bindings[i].
+struct PlacedDispatch {
+  Dispatch dispatch;
+  std::vector<ByteRange> ranges;
+};
+
+struct RecordingOptions {
+  bool timestamps = false;
+  /// A submission is cut once it holds this much work, so that none runs past a driver's watchdog.
+  uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
+};
+
+/// A list of dispatches, recorded once with the barriers that their byte ranges need, and replayed at will.
+/// The buffers must outlive it and stay where they are.
+class Recording {
+ public:
+  /// Compiles the programs that are not compiled yet. Throws Error if Vulkan fails, std::logic_error if a dispatch
+  /// breaks a limit of the device or names no program.
+  Recording(Gpu& gpu, std::span<const PlacedDispatch> dispatches, RecordingOptions options = {});
+  ~Recording();
+  Recording(Recording&&) noexcept;
+  Recording& operator=(Recording&&) noexcept;
+
+  /// Submits everything and waits for the end. `progress`, if given, is called with the number of finished
+  /// submissions and their total, and stops the run by returning false. Returns false if it was stopped.
+  bool run(const std::function<bool(size_t, size_t)>& progress = {});
+
+  /// Device time of each dispatch in the last run, in microseconds; empty without timestamps.
+  std::vector<double> gpuMicroseconds() const;
+  size_t barrierCount() const;
+
+ private:
+  struct Handles;
+  std::unique_ptr<Handles> handles_;
+};
+
+}  // namespace xrds

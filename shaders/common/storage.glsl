@@ -1,0 +1,13 @@
+// Stores of four channels at once; XRDS_F16 selects the storage type of the output. Reads are texelFetch.
+#ifndef XRDS_SHADERS_COMMON_STORAGE_GLSL
+#define XRDS_SHADERS_COMMON_STORAGE_GLSL
+
+#ifdef XRDS_F16
+#define STORED4 uvec2
+uvec2 stored4(vec4 v) { return uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw)); }
+#else
+#define STORED4 vec4
+vec4 stored4(vec4 v) { return v; }
+#endif
+
+#endif

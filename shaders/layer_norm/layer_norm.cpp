@@ -1,0 +1,51 @@
+#include "shaders/layer_norm/layer_norm.h"
+
+#include <cmath>
+
+namespace xrds {
+
+TensorShape outputShape(const LayerNorm& op) {
+  checkView(op.input, op.input.shape());
+  XRDS_CHECK_EQ(op.weight.size(), size_t{op.input.channels});
+  XRDS_CHECK_EQ(op.bias.size(), size_t{op.input.channels});
+  return op.input.shape();
+}
+
+Dispatch dispatch(const LayerNorm& op, const DeviceTraits&) {
+  checkView(op.output, outputShape(op));
+  const RowRange rows = resolve(op.rows, op.output.height);
+  shader::LayerNormParams params{};
+  params.source = sliceOf(op.input);
+  params.target = sliceOf(op.output);
+  params.tokenBegin = rows.begin * op.input.width;
+  params.tokenEnd = rows.end * op.input.width;
+  params.storeOrigin = storeOrigin(op.output, rows);
+  params.epsilon = op.epsilon;
+  return {.program = programName("layer_norm", KernelFamily::plain, op.output.type),
+          .specialization = {op.input.channels},
+          .bindings = {readTexels(op.input), readWeights(DataType::f32), writeRows(op.output, rows)},
+          .pushConstants = pushBytes(params),
+          .groupCount = {ceilDivide(params.tokenEnd - params.tokenBegin, 64), 1, 1}};
+}
+
+std::vector<float> packedWeights(const LayerNorm& op, const DeviceTraits&) {
+  std::vector<float> packed(op.weight.begin(), op.weight.end());
+  packed.insert(packed.end(), op.bias.begin(), op.bias.end());
+  return packed;
+}
+
+void reference(const LayerNorm& op, HostMemory& memory) {
+  const auto [height, width, channels] = outputShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      double mean = 0, variance = 0;
+      for (uint32_t c = 0; c < channels; ++c) mean += memory.at(op.input, y, x, c) / channels;
+      for (uint32_t c = 0; c < channels; ++c) variance += std::pow(memory.at(op.input, y, x, c) - mean, 2) / channels;
+      const double scale = 1 / std::sqrt(variance + op.epsilon);
+      for (uint32_t c = 0; c < channels; ++c)
+        memory.at(op.output, y, x, c) = (memory.at(op.input, y, x, c) - mean) * scale * op.weight[c] + op.bias[c];
+    }
+}
+
+}  // namespace xrds
