@@ -1,0 +1,67 @@
+#include "image/exr_attributes.h"
+
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "image/exr_attributes_stored.h"
+
+namespace xrds {
+
+ExrAttributes::ExrAttributes() : stored_(std::make_unique<Stored>()) {}
+ExrAttributes::ExrAttributes(std::unique_ptr<Stored> stored) : stored_(std::move(stored)) {}
+ExrAttributes::ExrAttributes(const ExrAttributes& other) : stored_(std::make_unique<Stored>(*other.stored_)) {}
+ExrAttributes::ExrAttributes(ExrAttributes&& other) noexcept = default;
+ExrAttributes::~ExrAttributes() = default;
+
+ExrAttributes& ExrAttributes::operator=(ExrAttributes other) noexcept {
+  stored_ = std::move(other.stored_);
+  return *this;
+}
+
+std::vector<std::string> ExrAttributes::names() const {
+  std::vector<std::string> result;
+  for (auto entry = stored_->header.begin(); entry != stored_->header.end(); ++entry) {
+    if (describesPicture(entry.name())) {
+      result.emplace_back(entry.name());
+    }
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::optional<std::string> ExrAttributes::text(const std::string& name) const {
+  const auto* attribute = stored_->header.findTypedAttribute<Imf::StringAttribute>(name);
+  return attribute == nullptr ? std::nullopt : std::optional(attribute->value());
+}
+
+bool describesPicture(std::string_view attributeName) {
+  static constexpr std::array<std::string_view, 17> kEncoding = {
+      "channels",
+      "chunkCount",
+      "compression",
+      "dataWindow",
+      "deepImageState",
+      "displayWindow",
+      "lineOrder",
+      "maxSamplesPerPixel",
+      "multiView",
+      "name",
+      "preview",
+      "tiles",
+      "type",
+      "version",
+      "view",
+      "dwaCompressionLevel",
+      "zipCompressionLevel",
+  };
+  return std::find(kEncoding.begin(), kEncoding.end(), attributeName) == kEncoding.end();
+}
+
+ExrAttributes attributesOf(const Imf::Header& header) {
+  return ExrAttributes(std::make_unique<ExrAttributes::Stored>(ExrAttributes::Stored{header}));
+}
+
+}  // namespace xrds

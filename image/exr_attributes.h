@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace xrds {
+
+/// What an EXR header says about its picture rather than about its own encoding: camera, frame, colour space and
+/// whatever the renderer added. Opaque, so that types which this library does not know travel unharmed; a plain value.
+class ExrAttributes {
+ public:
+  struct Stored;  ///< The OpenEXR side, known to the sources of this folder only.
+
+  /// No attributes.
+  ExrAttributes();
+  explicit ExrAttributes(std::unique_ptr<Stored> stored);
+  ExrAttributes(const ExrAttributes& other);
+  ExrAttributes(ExrAttributes&& other) noexcept;
+  ExrAttributes& operator=(ExrAttributes other) noexcept;
+  ~ExrAttributes();
+
+  /// The names of the attributes in alphabetical order.
+  [[nodiscard]] std::vector<std::string> names() const;
+
+  /// The text of a string attribute; nothing when there is none of this name or it is no string.
+  [[nodiscard]] std::optional<std::string> text(const std::string& name) const;
+
+  [[nodiscard]] const Stored& stored() const { return *stored_; }
+
+ private:
+  std::unique_ptr<Stored> stored_;
+};
+
+}  // namespace xrds

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <OpenEXR/ImfHeader.h>
+
+#include <memory>
+#include <string_view>
+
+#include "image/exr_attributes.h"
+
+namespace xrds {
+
+/// The attributes as OpenEXR holds them: a header of which only the entries that `describesPicture` names count.
+struct ExrAttributes::Stored {
+  Imf::Header header;
+};
+
+/// Whether an attribute speaks of the picture, so that it may be passed on to another file, and not of the way one
+/// file stores it (channels, compression, tiles, windows, part and view names, preview and the like).
+[[nodiscard]] bool describesPicture(std::string_view attributeName);
+
+/// The attributes of a header that was read from a file.
+[[nodiscard]] ExrAttributes attributesOf(const Imf::Header& header);
+
+}  // namespace xrds

@@ -1,0 +1,154 @@
+#include "image/exr_file.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfTileDescription.h>
+
+#include <algorithm>
+
+#include "image/exr_attributes_stored.h"
+#include "image/exr_open.h"
+
+namespace xrds {
+namespace {
+
+constexpr std::int64_t kMaxBlockByteSize = std::int64_t{4} << 30;
+
+ExrPixelType pixelTypeOf(Imf::PixelType type) {
+  switch (type) {
+    case Imf::HALF:
+      return ExrPixelType::kHalf;
+    case Imf::FLOAT:
+      return ExrPixelType::kFloat;
+    default:
+      return ExrPixelType::kUint;
+  }
+}
+
+Window windowOf(const Imath::Box2i& box) { return {box.min.x, box.min.y, box.max.x, box.max.y}; }
+
+std::vector<ExrLayer> layersOf(const Imf::ChannelList& channels) {
+  std::vector<ExrLayer> layers;
+  for (auto entry = channels.begin(); entry != channels.end(); ++entry) {
+    ExrChannel channel;
+    channel.name = entry.name();
+    channel.type = pixelTypeOf(entry.channel().type);
+    channel.xSampling = entry.channel().xSampling;
+    channel.ySampling = entry.channel().ySampling;
+    const std::size_t dot = channel.name.rfind('.');
+    const std::string layerName = dot == std::string::npos ? "" : channel.name.substr(0, dot);
+    channel.suffix = dot == std::string::npos ? channel.name : channel.name.substr(dot + 1);
+    auto layer = std::find_if(layers.begin(), layers.end(), [&](const ExrLayer& l) { return l.name == layerName; });
+    if (layer == layers.end()) {
+      layer = layers.insert(layers.end(), ExrLayer{layerName, {}});
+    }
+    layer->channels.push_back(std::move(channel));
+  }
+  return layers;
+}
+
+// How many rows OpenEXR decodes at once, which bounds the buffers that it allocates for a part.
+std::int64_t rowsPerBlock(const Imf::Header& header) {
+  if (header.hasTileDescription()) {
+    return header.tileDescription().ySize;
+  }
+  switch (header.compression()) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16;
+    case Imf::DWAB_COMPRESSION:
+      return 256;
+    default:
+      return 32;
+  }
+}
+
+void checkSize(const ExrFile& file, const Window& window, const Imf::Header& header) {
+  const std::int64_t width = window.width();
+  const std::int64_t height = window.height();
+  if (width < 1 || height < 1 || width > kMaxPixelCount / height) {
+    throw Error("cannot read '" + file.path.string() + "': expected at most " + std::to_string(kMaxPixelCount) +
+                " pixels, found a data window of " + toString(window) + "; crop the frame or check that it is intact");
+  }
+  const std::int64_t blockWidth =
+      header.hasTileDescription() ? std::max<std::int64_t>(width, header.tileDescription().xSize) : width;
+  std::int64_t channelCount = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    ++channelCount;
+  }
+  const double blockByteSize = static_cast<double>(blockWidth) * static_cast<double>(rowsPerBlock(header)) *
+                               static_cast<double>(channelCount) * sizeof(float);
+  if (blockByteSize > static_cast<double>(kMaxBlockByteSize)) {
+    throw Error("cannot read '" + file.path.string() + "': expected blocks of at most 4 GiB, found " +
+                std::to_string(channelCount) + " channels in blocks of " + std::to_string(blockWidth) + " x " +
+                std::to_string(rowsPerBlock(header)) + " pixels; check that it is intact");
+  }
+}
+
+ExrPart partOf(const ExrFile& file, const Imf::Header& header) {
+  ExrPart part;
+  part.name = header.hasName() ? header.name() : "";
+  part.view = header.hasView() ? header.view() : "";
+  part.dataWindow = windowOf(header.dataWindow());
+  part.displayWindow = windowOf(header.displayWindow());
+  part.deep = header.hasType() && (header.type() == Imf::DEEPSCANLINE || header.type() == Imf::DEEPTILE);
+  part.tiled = header.hasTileDescription();
+  part.layers = layersOf(header.channels());
+  part.attributes = attributesOf(header);
+  checkSize(file, part.dataWindow, header);
+  return part;
+}
+
+std::string typeName(ExrPixelType type) {
+  switch (type) {
+    case ExrPixelType::kHalf:
+      return "half";
+    case ExrPixelType::kFloat:
+      return "float";
+    default:
+      return "uint";
+  }
+}
+
+}  // namespace
+
+ExrFile readExrHeader(const std::filesystem::path& path) {
+  return withExrErrors(path, [&] {
+    ExrFile file;
+    file.path = path;
+    const auto input = openExr(path);
+    for (int part = 0; part < input->parts(); ++part) {
+      const Imf::Header& header = input->header(part);
+      file.parts.push_back(partOf(file, header));
+      if (part == 0 && Imf::hasMultiView(header)) {
+        file.views = Imf::multiView(header);
+      }
+    }
+    return file;
+  });
+}
+
+std::string describe(const ExrFile& file) {
+  std::string text = "'" + file.path.string() + "' holds";
+  for (std::size_t number = 0; number < file.parts.size(); ++number) {
+    const ExrPart& part = file.parts[number];
+    for (const ExrLayer& layer : part.layers) {
+      text += "\n  part " + std::to_string(number) + (part.name.empty() ? "" : " '" + part.name + "'") +
+              (part.view.empty() ? "" : " view '" + part.view + "'") + (part.deep ? " (deep)" : "") + ", " +
+              std::to_string(part.dataWindow.width()) + " x " + std::to_string(part.dataWindow.height()) + ": " +
+              (layer.name.empty() ? "(unnamed)" : layer.name) + " [";
+      for (const ExrChannel& channel : layer.channels) {
+        text += (&channel == &layer.channels.front() ? "" : " ") + channel.suffix;
+      }
+      text += "] " + typeName(layer.channels.front().type);
+    }
+  }
+  return text;
+}
+
+}  // namespace xrds

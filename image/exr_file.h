@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "image/exr_attributes.h"
+#include "image/window.h"
+
+namespace xrds {
+
+/// How a channel stores its numbers.
+enum class ExrPixelType { kHalf, kFloat, kUint };
+
+/// One channel of a layer; `name` is the full name in the file, `suffix` what follows its last dot.
+struct ExrChannel {
+  std::string name;
+  std::string suffix;
+  ExrPixelType type = ExrPixelType::kFloat;
+  int xSampling = 1;
+  int ySampling = 1;
+};
+
+/// The channels of a part whose names agree up to their last dot; the layer of channels without a dot has no name.
+struct ExrLayer {
+  std::string name;
+  std::vector<ExrChannel> channels;
+};
+
+/// One part of an EXR file: layers of one size under one header.
+struct ExrPart {
+  std::string name;  ///< Empty where the file gives none.
+  std::string view;  ///< Empty where the file gives none.
+  Window dataWindow;
+  Window displayWindow;
+  bool deep = false;
+  bool tiled = false;
+  std::vector<ExrLayer> layers;
+  ExrAttributes attributes;
+};
+
+/// What the headers of an EXR file say; no pixels.
+struct ExrFile {
+  std::filesystem::path path;
+  std::vector<std::string> views;  ///< The views that share its parts (`multiView`), the default one first.
+  std::vector<ExrPart> parts;
+};
+
+/// The most pixels that one layer may have (16384 x 16384). Larger frames are refused before anything is allocated.
+inline constexpr std::int64_t kMaxPixelCount = std::int64_t{1} << 28;
+
+/// Reads the headers of an OpenEXR file: scan lines or tiles, one part or several, one layer or several. Deep parts are
+/// listed but cannot be read. Throws Error when the file is absent, damaged, no OpenEXR file or larger than
+/// kMaxPixelCount. Safe to call from several threads.
+[[nodiscard]] ExrFile readExrHeader(const std::filesystem::path& path);
+
+/// What the file holds, one line a layer, with sizes and channels: for messages that must say what there is to choose.
+[[nodiscard]] std::string describe(const ExrFile& file);
+
+}  // namespace xrds

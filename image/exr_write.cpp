@@ -1,0 +1,174 @@
+#include "image/exr_write.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <vector>
+
+#include "image/exr_attributes_stored.h"
+#include "image/pending_file.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+// OpenEXR finishes a file in a destructor that swallows failures; this stream remembers them until `finish`.
+class StrictStream : public Imf::OStream {
+ public:
+  explicit StrictStream(const std::filesystem::path& path)
+      : Imf::OStream(path.string().c_str()), file_(path, std::ios::binary | std::ios::trunc) {
+    require(file_.is_open(), "the file cannot be created");
+  }
+
+  void write(const char* bytes, int byteSize) override {
+    file_.write(bytes, byteSize);
+    require(file_.good(), "the disk is full or cannot be written");
+  }
+  uint64_t tellp() override { return static_cast<uint64_t>(file_.tellp()); }
+  void seekp(uint64_t position) override {
+    file_.seekp(static_cast<std::streamoff>(position));
+    require(file_.good(), "the disk is full or cannot be written");
+  }
+
+  void finish() {
+    file_.close();
+    require(!failed_ && file_.good(), "the disk is full or cannot be written");
+  }
+
+ private:
+  void require(bool condition, const char* failure) {
+    if (!condition) {
+      failed_ = true;
+      throw std::runtime_error(failure);
+    }
+  }
+
+  std::ofstream file_;
+  bool failed_ = false;
+};
+
+std::vector<std::string> channelNamesFor(const Image& image) {
+  switch (image.channels) {
+    case 1:
+      return {"Y"};
+    case 3:
+      return {"R", "G", "B"};
+    case 4:
+      return {"R", "G", "B", "A"};
+    default:
+      throw Error("an image of " + std::to_string(image.channels) +
+                  " channels cannot be written as OpenEXR: expected 1, 3 or 4");
+  }
+}
+
+Imath::Box2i boxOf(const Window& w) { return {Imath::V2i(w.minX, w.minY), Imath::V2i(w.maxX, w.maxY)}; }
+
+Imf::Header headerFor(const Image& image, const ExrOutput& output) {
+  Imf::Header header(boxOf(output.displayWindow), boxOf(output.dataWindow));
+  const Imf::Header& source = output.attributes.stored().header;
+  for (auto entry = source.begin(); entry != source.end(); ++entry) {
+    if (describesPicture(entry.name())) {
+      header.insert(entry.name(), entry.attribute());
+    }
+  }
+  for (const auto& [name, text] : output.texts) {
+    header.erase(name);
+    header.insert(name, Imf::StringAttribute(text));
+  }
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.lineOrder() = Imf::INCREASING_Y;
+  for (const std::string& name : channelNamesFor(image)) {
+    header.channels().insert(name, Imf::Channel(output.pixelType == ExrPixelType::kHalf ? Imf::HALF : Imf::FLOAT));
+  }
+  return header;
+}
+
+// Converts from 32-bit floats row by row, so that half precision needs no second image.
+void writeHalfRows(Imf::OutputFile& file, const Image& image, const Window& window,
+                   const std::vector<std::string>& names) {
+  const std::size_t rowLength = static_cast<std::size_t>(image.width) * names.size();
+  std::vector<half> row(rowLength);
+  for (int y = 0; y < image.height; ++y) {
+    std::transform(image.pixels.begin() + static_cast<std::ptrdiff_t>(image.index(0, y)),
+                   image.pixels.begin() + static_cast<std::ptrdiff_t>(image.index(0, y) + rowLength), row.begin(),
+                   [](float value) {
+                     constexpr auto kLargest = static_cast<float>(HALF_MAX);
+                     return half(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
+                   });
+    Imf::FrameBuffer buffer;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      buffer.insert(names[c], Imf::Slice::Make(Imf::HALF, &row[c], Imath::V2i(window.minX, window.minY + y),
+                                               image.width, 1, names.size() * sizeof(half), rowLength * sizeof(half)));
+    }
+    file.setFrameBuffer(buffer);
+    file.writePixels(1);
+  }
+}
+
+void writeFloatRows(Imf::OutputFile& file, const Image& image, const Window& window,
+                    const std::vector<std::string>& names) {
+  Imf::FrameBuffer buffer;
+  const std::size_t pixelStride = names.size() * sizeof(float);
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    buffer.insert(names[c],
+                  Imf::Slice::Make(Imf::FLOAT, &image.pixels[c], Imath::V2i(window.minX, window.minY), image.width,
+                                   image.height, pixelStride, pixelStride * static_cast<std::size_t>(image.width)));
+  }
+  file.setFrameBuffer(buffer);
+  file.writePixels(image.height);
+}
+
+void checkFits(const std::filesystem::path& path, const Image& image, const ExrOutput& output) {
+  const std::string start = "cannot write '" + path.string() + "': ";
+  if (output.dataWindow.width() != image.width || output.dataWindow.height() != image.height || image.pixels.empty()) {
+    throw Error(start + "expected an image that fills its data window, found " + std::to_string(image.width) + " x " +
+                std::to_string(image.height) + " pixels for " + toString(output.dataWindow));
+  }
+  if (output.pixelType == ExrPixelType::kUint) {
+    throw Error(start + "expected half or float pixels, found whole numbers");
+  }
+}
+
+}  // namespace
+
+ExrOutput scaledOutput(const ExrPart& source, int scale) {
+  ExrOutput output;
+  output.dataWindow = scaledWindow(source.dataWindow, scale);
+  output.displayWindow = scaledWindow(source.displayWindow, scale);
+  output.attributes = source.attributes;
+  return output;
+}
+
+void writeExr(const std::filesystem::path& path, const Image& image, const ExrOutput& output) {
+  checkFits(path, image, output);
+  PendingFile pending(path);
+  try {
+    StrictStream stream(pending.temporaryPath());
+    {
+      Imf::OutputFile file(stream, headerFor(image, output));
+      const std::vector<std::string> names = channelNamesFor(image);
+      if (output.pixelType == ExrPixelType::kHalf) {
+        writeHalfRows(file, image, output.dataWindow, names);
+      } else {
+        writeFloatRows(file, image, output.dataWindow, names);
+      }
+    }
+    stream.finish();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& reason) {
+    throw Error("cannot write '" + path.string() + "': " + reason.what() +
+                "; check the folder's permissions and the free space of its disk");
+  }
+  pending.commit();
+}
+
+}  // namespace xrds

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "image/exr_attributes.h"
+#include "image/exr_file.h"
+#include "image/image.h"
+#include "image/window.h"
+
+namespace xrds {
+
+/// Everything that an EXR file is to say beside its pixels.
+struct ExrOutput {
+  Window dataWindow;
+  Window displayWindow;
+  ExrAttributes attributes;                       ///< Passed on from the file that the image was made of.
+  std::map<std::string, std::string> texts;       ///< Further string attributes, such as "xrds:version".
+  ExrPixelType pixelType = ExrPixelType::kFloat;  ///< kFloat or kHalf.
+};
+
+/// The output that belongs to a frame upscaled from `source`: its attributes, and both of its windows scaled exactly.
+/// Throws Error when the windows do not fit in 32 bits.
+[[nodiscard]] ExrOutput scaledOutput(const ExrPart& source, int scale);
+
+/// Writes an image of one (Y), three (R, G, B) or four (R, G, B, A) channels as one flat scan-line part with ZIP
+/// compression. The file appears whole or not at all: it is written beside `path` under a temporary name and renamed.
+/// With kHalf, finite values beyond the range of half become its largest number. Throws Error when the image does not
+/// fill the data window, the pixel type is kUint, the folder cannot be written or the disk is full.
+void writeExr(const std::filesystem::path& path, const Image& image, const ExrOutput& output);
+
+}  // namespace xrds

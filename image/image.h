@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace xrds {
+
+/// A rectangle of floating-point pixels: rows from top to bottom, pixels from left to right, the channels of a pixel
+/// side by side. Radiance and albedo are linear, normals lie in [-1, 1].
+struct Image {
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+  std::vector<float> pixels;
+
+  Image() = default;
+
+  /// An image of w x h pixels with c channels whose every value is `fill`. None of the sizes may be negative.
+  Image(int w, int h, int c, float fill = 0.0F)
+      : width(w),
+        height(h),
+        channels(c),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c), fill) {}
+
+  /// The number of pixels, whatever their channels.
+  [[nodiscard]] std::size_t pixelCount() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+
+  /// Where channel `c` of the pixel in column `x` and row `y` lies in `pixels`; all three must be inside the image.
+  [[nodiscard]] std::size_t index(int x, int y, int c = 0) const {
+    return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+               static_cast<std::size_t>(channels) +
+           static_cast<std::size_t>(c);
+  }
+
+  /// The value of channel `c` of the pixel in column `x` and row `y`; all three must be inside the image.
+  [[nodiscard]] float at(int x, int y, int c) const { return pixels[index(x, y, c)]; }
+  [[nodiscard]] float& at(int x, int y, int c) { return pixels[index(x, y, c)]; }
+
+  bool operator==(const Image&) const = default;
+};
+
+}  // namespace xrds

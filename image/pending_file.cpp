@@ -1,0 +1,56 @@
+#include "image/pending_file.h"
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <system_error>
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path temporaryBeside(const fs::path& path) {
+  std::random_device random;
+  const std::uint64_t number = (std::uint64_t{random()} << 32U) | random();
+  return path.parent_path() / (".xrds-" + std::to_string(number) + ".part");
+}
+
+}  // namespace
+
+PendingFile::PendingFile(const fs::path& path) {
+  std::error_code failure;
+  path_ = fs::is_symlink(path, failure) ? fs::weakly_canonical(path, failure) : path;
+  const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+  if (path_.filename().empty() || !fs::is_directory(folder, failure)) {
+    throw Error("cannot write '" + path.string() + "': expected an existing folder, found none at '" + folder.string() +
+                "'; create it or choose another place");
+  }
+  const fs::file_status status = fs::status(path_, failure);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw Error("cannot write '" + path.string() +
+                "': expected a free name or a regular file, found something else; choose another name");
+  }
+  temporaryPath_ = temporaryBeside(path_);
+}
+
+PendingFile::~PendingFile() {
+  if (!committed_) {
+    std::error_code ignored;
+    fs::remove(temporaryPath_, ignored);
+  }
+}
+
+void PendingFile::commit() {
+  std::error_code failure;
+  fs::rename(temporaryPath_, path_, failure);
+  if (failure) {
+    throw Error("cannot write '" + path_.string() + "': renaming the finished file failed (" + failure.message() +
+                "); check the permissions of the folder");
+  }
+  committed_ = true;
+}
+
+}  // namespace xrds

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+
+namespace xrds {
+
+/// A file on its way: written under a temporary name in the folder of its final one and renamed when complete, so that
+/// nobody ever sees half of it. Dropped without `commit`, it removes the temporary. Not for sharing between threads.
+class PendingFile {
+ public:
+  /// Chooses the temporary name. Symbolic links are followed, so that a link stays a link. Throws Error when the folder
+  /// does not exist or `path` names something that is no regular file.
+  explicit PendingFile(const std::filesystem::path& path);
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  /// Where to write; not created by this type.
+  [[nodiscard]] const std::filesystem::path& temporaryPath() const { return temporaryPath_; }
+
+  /// Renames the finished temporary to the final name, replacing an older file. Call it once, after the file has been
+  /// closed. Throws Error when the rename fails; the temporary is then removed.
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporaryPath_;
+  bool committed_ = false;
+};
+
+}  // namespace xrds

@@ -1,0 +1,79 @@
+#include "image/window.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+std::int32_t checkedCoordinate(std::int64_t value, const Window& window, int scale) {
+  if (value < std::numeric_limits<std::int32_t>::min() || value > std::numeric_limits<std::int32_t>::max()) {
+    throw Error("the window " + toString(window) + " cannot be scaled by " + std::to_string(scale) +
+                ": expected corners within 32 bits, found " + std::to_string(value) + "; use a smaller scale");
+  }
+  return static_cast<std::int32_t>(value);
+}
+
+}  // namespace
+
+std::string toString(const Window& window) {
+  return std::to_string(window.width()) + " x " + std::to_string(window.height()) + " at (" +
+         std::to_string(window.minX) + ", " + std::to_string(window.minY) + ")";
+}
+
+Window scaledWindow(const Window& window, int scale) {
+  if (scale < 1) {
+    throw Error("a window cannot be scaled by " + std::to_string(scale) + ": expected a positive whole number");
+  }
+  const std::int64_t s = scale;
+  Window result;
+  result.minX = checkedCoordinate(window.minX * s, window, scale);
+  result.minY = checkedCoordinate(window.minY * s, window, scale);
+  result.maxX = checkedCoordinate((window.maxX + std::int64_t{1}) * s - 1, window, scale);
+  result.maxY = checkedCoordinate((window.maxY + std::int64_t{1}) * s - 1, window, scale);
+  return result;
+}
+
+int scaleBetween(const Window& low, const Window& high) {
+  const bool divides = low.width() > 0 && low.height() > 0 && high.width() >= low.width() &&
+                       high.height() >= low.height() && high.width() % low.width() == 0 &&
+                       high.width() / low.width() <= std::numeric_limits<std::int32_t>::max() &&
+                       high.width() / low.width() * low.height() == high.height();
+  if (!divides) {
+    throw Error(
+        "the auxiliary frame is no whole multiple of the colour frame: expected the same whole scale in both "
+        "directions, found " +
+        toString(low) + " and " + toString(high) + "; render both from one camera at matching sizes");
+  }
+  return static_cast<int>(high.width() / low.width());
+}
+
+Image placedInWindow(const Image& image, const Window& from, const Window& to) {
+  if (image.width != from.width() || image.height != from.height()) {
+    throw Error("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                " pixels cannot be placed: expected the size of its window, " + toString(from));
+  }
+  if (from == to) {
+    return image;
+  }
+  Image result(static_cast<int>(to.width()), static_cast<int>(to.height()), image.channels);
+  const int firstX = std::max(from.minX, to.minX);
+  const int lastX = std::min(from.maxX, to.maxX);
+  const int firstY = std::max(from.minY, to.minY);
+  const int lastY = std::min(from.maxY, to.maxY);
+  if (firstX > lastX) {
+    return result;
+  }
+  const std::int64_t valueCount = (std::int64_t{lastX} - firstX + 1) * image.channels;
+  for (int y = firstY; y <= lastY; ++y) {
+    const auto source =
+        image.pixels.begin() + static_cast<std::ptrdiff_t>(image.index(firstX - from.minX, y - from.minY));
+    std::copy_n(source, valueCount,
+                result.pixels.begin() + static_cast<std::ptrdiff_t>(result.index(firstX - to.minX, y - to.minY)));
+  }
+  return result;
+}
+
+}  // namespace xrds
