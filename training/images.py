@@ -1,0 +1,40 @@
+"""OpenEXR images as float32 tensors [3, height, width]; channel names of Cycles, and the plain names R, G, B."""
+import numpy
+import OpenEXR
+import torch
+
+# For each image the endings of its channel names, in order of preference; {} is R, G, B or X, Y, Z.
+LAYERS = {
+    "colour": ("Combined.{rgb}", "{rgb}", "beauty.{rgb}"),
+    "albedo": ("Denoising Albedo.{rgb}", "albedo.{rgb}", "Albedo.{rgb}"),
+    "normal": ("Denoising Normal.{xyz}", "normal.{xyz}", "Normal.{xyz}", "normal.{rgb}", "N.{xyz}"),
+}
+
+
+def channels_of(path):
+    """{name: float32 array [height, width]} of the first part."""
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        return {name: numpy.asarray(channel.pixels, numpy.float32) for name, channel in file.channels().items()}
+
+
+def read_exr(path, *kinds):
+    """The images named in `kinds` (colour, albedo, normal), a tensor for one kind, else a tuple."""
+    channels = channels_of(path)
+
+    def find(kind):
+        for pattern in LAYERS[kind]:
+            endings = [pattern.format(rgb=a, xyz=b) for a, b in zip("RGB", "XYZ")]
+            for prefix in sorted({name[:-len(endings[0])] for name in channels if name.endswith(endings[0])}, key=len):
+                names = [prefix + ending for ending in endings]
+                if prefix[-1:] in ("", ".") and all(name in channels for name in names):
+                    return torch.from_numpy(numpy.stack([channels[name] for name in names]))
+        raise ValueError(f"{path} has no {kind}; its channels are {', '.join(sorted(channels))}")
+
+    found = tuple(find(kind) for kind in kinds)
+    return found[0] if len(found) == 1 else found
+
+
+def write_exr(path, image):
+    """Writes [3, height, width] as float32 R, G, B."""
+    pixels = numpy.ascontiguousarray(image.permute(1, 2, 0).float().numpy())
+    OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, {"RGB": pixels}).write(str(path))
