@@ -1,0 +1,40 @@
+#include "shaders/box_mean/box_mean.h"
+
+namespace xrds {
+
+TensorShape outputShape(const BoxMean& op) {
+  checkView(op.input, op.input.shape());
+  checkScale(op.scale);
+  XRDS_CHECK_EQ(op.input.height % op.scale, 0u);
+  XRDS_CHECK_EQ(op.input.width % op.scale, 0u);
+  return {op.input.height / op.scale, op.input.width / op.scale, op.input.channels};
+}
+
+Dispatch dispatch(const BoxMean& op, const DeviceTraits&) {
+  checkView(op.output, outputShape(op));
+  const RowRange rows = resolve(op.rows, op.output.height);
+  const shader::BoxMeanParams params{imageOf(op.input), imageOf(op.output), targetRows(op.output, rows)};
+  return {.program = programName("box_mean", KernelFamily::plain, op.output.type),
+          .specialization = {op.output.channels, op.scale},
+          .bindings = {readTexels(op.input), writeRows(op.output, rows)},
+          .pushConstants = pushBytes(params),
+          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+}
+
+std::vector<float> packedWeights(const BoxMean&, const DeviceTraits&) { return {}; }
+
+void reference(const BoxMean& op, HostMemory& memory) {
+  const auto [height, width, channels] = outputShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  const uint32_t s = op.scale;
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t c = 0; c < channels; ++c) {
+        double sum = 0;
+        for (uint32_t dy = 0; dy < s; ++dy)
+          for (uint32_t dx = 0; dx < s; ++dx) sum += memory.at(op.input, y * s + dy, x * s + dx, c);
+        memory.at(op.output, y, x, c) = sum / (s * s);
+      }
+}
+
+}  // namespace xrds

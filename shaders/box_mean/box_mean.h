@@ -1,0 +1,36 @@
+#ifndef XRDS_SHADERS_BOX_MEAN_H
+#define XRDS_SHADERS_BOX_MEAN_H
+#include "shaders/common/image.h"
+
+XRDS_SHARED_BEGIN
+struct BoxMeanParams {
+  Image source, target;
+  TargetRows rows;
+};
+XRDS_SHARED_END
+
+#ifdef __cplusplus
+namespace xrds {
+
+/// Mean over scale x scale pixels: brings the auxiliary images to the colour's resolution.
+struct BoxMean {
+  TensorView input, output;  // [s h, s w, c], [h, w, c]
+  uint32_t scale = 1;        // s: 1, 2, 4, 8 or 16
+  RowRange rows{};
+};
+
+/// [h, w, c]. Throws std::logic_error if the input is no multiple of the scale.
+TensorShape outputShape(const BoxMean& op);
+
+/// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.
+Dispatch dispatch(const BoxMean& op, const DeviceTraits& device);
+
+/// None.
+std::vector<float> packedWeights(const BoxMean& op, const DeviceTraits& device);
+
+/// Double precision, in the order of the formula.
+void reference(const BoxMean& op, HostMemory& memory);
+
+}  // namespace xrds
+#endif
+#endif

@@ -1,0 +1,22 @@
+// Addresses of pixels, edge replication, and three channels that may straddle two texels.
+#ifndef XRDS_SHADERS_COMMON_IMAGE_GLSL
+#define XRDS_SHADERS_COMMON_IMAGE_GLSL
+#include "shaders/common/image.h"
+
+int texelAt(Image image, ivec2 position) {
+  return (position.y * image.width + position.x) * image.stride + image.offset;
+}
+
+// The pixel of an image of that size nearest to the position.
+ivec2 replicated(ivec2 position, ivec2 size) { return clamp(position, ivec2(0), size - 1); }
+
+// Channels first .. first + 2 of the pixel that starts at the texel; `first` is a specialization constant.
+vec3 fetchThree(samplerBuffer source, int texel, int first) {
+  const vec4 a = texelFetch(source, texel + first / 4);
+  if (first % 4 == 0) return a.xyz;
+  if (first % 4 == 1) return a.yzw;
+  const vec4 b = texelFetch(source, texel + first / 4 + 1);
+  return first % 4 == 2 ? vec3(a.zw, b.x) : vec3(a.w, b.xy);
+}
+
+#endif

@@ -1,0 +1,54 @@
+// Images for the kernels of the image pipeline: one invocation a pixel, rows from a range.
+#ifndef XRDS_SHADERS_COMMON_IMAGE_H
+#define XRDS_SHADERS_COMMON_IMAGE_H
+#include "shaders/common/shared.h"
+
+XRDS_SHARED_BEGIN
+/// A TensorView as an image: pixel (x, y), channel quad q is texel (y * width + x) * stride + offset + q.
+struct Image {
+  int offset, stride, width, height;
+};
+
+/// The rows of the target that one dispatch computes, and the vec4 index at which the target's binding starts.
+struct TargetRows {
+  int begin, end, storeOrigin;
+};
+
+const uint kImageGroupWidth = 32;
+const uint kImageGroupHeight = 8;
+XRDS_SHARED_END
+
+#ifdef __cplusplus
+namespace xrds {
+
+inline shader::Image imageOf(const TensorView& view) {
+  return {int(view.channelOffset / 4), int(view.channelStride / 4), int(view.width), int(view.height)};
+}
+
+inline shader::TargetRows targetRows(const TensorView& view, RowRange rows) {
+  return {int(rows.begin), int(rows.end), int(storeOrigin(view, rows))};
+}
+
+/// Workgroups that cover `width` x `height` invocations.
+inline std::array<uint32_t, 3> imageGroups(uint32_t width, uint32_t height) {
+  return {ceilDivide(width, shader::kImageGroupWidth), ceilDivide(height, shader::kImageGroupHeight), 1};
+}
+
+/// Checks the vec4 rule and that the view holds at least the shape.
+inline void checkHolds(const TensorView& view, const TensorShape& shape) {
+  checkView(view, view.shape());
+  XRDS_CHECK_LE(shape.height, view.height);
+  XRDS_CHECK_LE(shape.width, view.width);
+  XRDS_CHECK_LE(shape.channels, view.channels);
+}
+
+/// The factors between the resolutions that the network knows: 1, 2, 4, 8 or 16.
+inline void checkScale(uint32_t scale) {
+  XRDS_CHECK_LE(1u, scale);
+  XRDS_CHECK_LE(scale, 16u);
+  XRDS_CHECK_EQ(scale & (scale - 1), 0u);
+}
+
+}  // namespace xrds
+#endif
+#endif

@@ -1,0 +1,27 @@
+// transform(transfer, x) and its inverse on three channels; `transfer` is a specialization constant. GLSL has neither
+// log1p nor expm1, and log is exact only to 2^-21 near 1, so small arguments go through a series: relative error < 1e-6.
+#ifndef XRDS_SHADERS_COMMON_TRANSFER_GLSL
+#define XRDS_SHADERS_COMMON_TRANSFER_GLSL
+#include "shaders/common/transfer.h"
+
+// log(1 + x) for x >= 0. Below 1: 2 atanh(x / (2 + x)), whose argument is at most 1/3.
+vec3 log1p(vec3 x) {
+  const vec3 z = x / (2.0 + x);
+  const vec3 s = z * z;
+  const vec3 series =
+      1.0 + s * (1.0 / 3.0 + s * (0.2 + s * (1.0 / 7.0 + s * (1.0 / 9.0 + s * (1.0 / 11.0 + s * (1.0 / 13.0))))));
+  return mix(log(1.0 + x), 2.0 * z * series, lessThan(x, vec3(1)));
+}
+
+// exp(x) - 1. Within a half of 0: eight terms of the series.
+vec3 expm1(vec3 x) {
+  const vec3 tail = 1.0 + x / 5.0 * (1.0 + x / 6.0 * (1.0 + x / 7.0 * (1.0 + x / 8.0)));
+  const vec3 series = x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * tail)));
+  return mix(exp(x) - 1.0, series, lessThan(abs(x), vec3(0.5)));
+}
+
+vec3 transform(uint transfer, vec3 x) { return transfer == kTransferLog1p ? log1p(max(x, 0.0)) : x; }
+
+vec3 inverseTransform(uint transfer, vec3 x) { return transfer == kTransferLog1p ? expm1(x) : x; }
+
+#endif

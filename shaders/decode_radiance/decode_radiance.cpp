@@ -1,0 +1,57 @@
+#include "shaders/decode_radiance/decode_radiance.h"
+
+namespace xrds {
+
+TensorShape outputShape(const DecodeRadiance& op) {
+  checkHolds(op.output, {1, 1, 4});
+  const TensorShape shape{op.output.height, op.output.width, 4};
+  checkHolds(op.network, shape);
+  checkView(op.exposure, {1, 1, 4});
+  XRDS_CHECK_LE(-1, op.albedoOffset);
+  if (op.base.exists()) checkHolds(op.base, shape);
+  if (op.albedoOffset >= 0) checkHolds(op.aux, {shape.height, shape.width, op.albedoOffset + 3u});
+  return shape;
+}
+
+Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits&) {
+  checkView(op.output, outputShape(op));
+  const RowRange rows = resolve(op.rows, op.output.height);
+  // An unread binding must still name something.
+  const TensorView& base = op.base.exists() ? op.base : op.network;
+  const TensorView& aux = op.albedoOffset >= 0 ? op.aux : op.network;
+  const shader::DecodeRadianceParams params{.network = imageOf(op.network),
+                                            .base = imageOf(base),
+                                            .aux = imageOf(aux),
+                                            .target = imageOf(op.output),
+                                            .rows = targetRows(op.output, rows),
+                                            .exposure = imageOf(op.exposure).offset};
+  return {.program = programName("decode_radiance", KernelFamily::plain, op.output.type),
+          .specialization = {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset),
+                             op.base.exists()},
+          .bindings = {readTexels(op.network), readTexels(base), readTexels(aux), readTexels(op.exposure),
+                       writeRows(op.output, rows)},
+          .pushConstants = pushBytes(params),
+          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+}
+
+std::vector<float> packedWeights(const DecodeRadiance&, const DeviceTraits&) { return {}; }
+
+void reference(const DecodeRadiance& op, HostMemory& memory) {
+  const auto [height, width, channels] = outputShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  const double exposure = memory.at(op.exposure, 0, 0, 0);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      for (uint32_t c = 0; c < 3; ++c) {
+        double value = memory.at(op.network, y, x, c);
+        if (op.base.exists())
+          value = std::clamp(memory.at(op.base, y, x, c) + value, 0.0, double{shader::kTransformedMax});
+        value = inverseTransform(op.transfer, value);
+        if (op.albedoOffset >= 0) value *= memory.at(op.aux, y, x, op.albedoOffset + c) + shader::kAlbedoEpsilon;
+        memory.at(op.output, y, x, c) = value / exposure;
+      }
+      memory.at(op.output, y, x, 3) = 0;
+    }
+}
+
+}  // namespace xrds

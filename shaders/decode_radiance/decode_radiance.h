@@ -1,0 +1,44 @@
+#ifndef XRDS_SHADERS_DECODE_RADIANCE_H
+#define XRDS_SHADERS_DECODE_RADIANCE_H
+#include "shaders/common/image.h"
+#include "shaders/common/transfer.h"
+
+XRDS_SHARED_BEGIN
+struct DecodeRadianceParams {
+  Image network, base, aux, target;
+  TargetRows rows;
+  int exposure;  // texel of (e, 1 / e, ...)
+};
+XRDS_SHARED_END
+
+#ifdef __cplusplus
+namespace xrds {
+
+/// The result image: T^-1(clamp(base + network, 0, 11)) (a + 0.02) / e with the albedo a, cropped to the real image.
+/// Without a base T^-1(network) is not clamped; without demodulation there is no factor (a + 0.02).
+struct DecodeRadiance {
+  TensorView network;     // [>= H, >= W, >= 4], of which three channels are read
+  TensorView base{};      // optional [>= H, >= W, 4]
+  TensorView aux{};       // [>= H, >= W, c], needed to demodulate
+  TensorView exposure;    // [1, 1, 4] e, 1 / e
+  TensorView output;      // [H, W, 4] linear radiance, the fourth channel zero
+  int albedoOffset = -1;  // first channel of a in aux; -1: no demodulation
+  Transfer transfer = Transfer::none;
+  RowRange rows{};
+};
+
+/// The shape of the output, whose size states the crop. Throws std::logic_error if an input does not hold it.
+TensorShape outputShape(const DecodeRadiance& op);
+
+/// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.
+Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits& device);
+
+/// None.
+std::vector<float> packedWeights(const DecodeRadiance& op, const DeviceTraits& device);
+
+/// Double precision, in the order of the formula.
+void reference(const DecodeRadiance& op, HostMemory& memory);
+
+}  // namespace xrds
+#endif
+#endif

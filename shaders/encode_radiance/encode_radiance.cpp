@@ -1,0 +1,53 @@
+#include "shaders/encode_radiance/encode_radiance.h"
+
+namespace xrds {
+
+TensorShape outputShape(const EncodeRadiance& op) {
+  checkHolds(op.colour, {1, 1, 4});
+  checkView(op.exposure, {1, 1, 4});
+  checkHolds(op.output, {op.colour.height, op.colour.width, 4});
+  XRDS_CHECK_LE(-1, op.albedoOffset);
+  if (op.albedoOffset >= 0) {
+    checkView(op.auxMean, {op.output.height, op.output.width, op.auxMean.channels});
+    XRDS_CHECK_LE(op.albedoOffset + 3, static_cast<int>(op.auxMean.channels));
+  }
+  return {op.output.height, op.output.width, 4};
+}
+
+Dispatch dispatch(const EncodeRadiance& op, const DeviceTraits&) {
+  checkView(op.output, outputShape(op));
+  const RowRange rows = resolve(op.rows, op.output.height);
+  // An unread binding must still name something.
+  const TensorView& auxMean = op.albedoOffset >= 0 ? op.auxMean : op.colour;
+  const shader::EncodeRadianceParams params{.colour = imageOf(op.colour),
+                                            .auxMean = imageOf(auxMean),
+                                            .target = imageOf(op.output),
+                                            .rows = targetRows(op.output, rows),
+                                            .exposure = imageOf(op.exposure).offset};
+  return {.program = programName("encode_radiance", KernelFamily::plain, op.output.type),
+          .specialization = {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset)},
+          .bindings = {readTexels(op.colour), readTexels(op.exposure), readTexels(auxMean), writeRows(op.output, rows)},
+          .pushConstants = pushBytes(params),
+          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+}
+
+std::vector<float> packedWeights(const EncodeRadiance&, const DeviceTraits&) { return {}; }
+
+void reference(const EncodeRadiance& op, HostMemory& memory) {
+  const auto [height, width, channels] = outputShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  const double exposure = memory.at(op.exposure, 0, 0, 0);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const uint32_t fromY = std::min(y, op.colour.height - 1), fromX = std::min(x, op.colour.width - 1);
+      for (uint32_t c = 0; c < 3; ++c) {
+        double value = memory.at(op.colour, fromY, fromX, c) * exposure;
+        if (op.albedoOffset >= 0)
+          value /= memory.at(op.auxMean, fromY, fromX, op.albedoOffset + c) + shader::kAlbedoEpsilon;
+        memory.at(op.output, y, x, c) = transform(op.transfer, value);
+      }
+      memory.at(op.output, y, x, 3) = 0;
+    }
+}
+
+}  // namespace xrds

@@ -1,0 +1,40 @@
+// e = 0.18 / exp(mean(log L)) over the pixels with finite Rec. 709 luminance L > 1e-8; 1 if there are none.
+// colour: [pixels][4]; target: (e, 1 / e, count, 0). One workgroup; each invocation sums every 256th pixel, 64 at a time
+// (long sums of single pixels would lose digits), then a tree: the order never changes. fp32.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/common/storage.glsl"
+#include "shaders/exposure/exposure.h"
+layout(local_size_x = kExposureGroup) in;
+layout(binding = 0) uniform samplerBuffer colour;
+layout(binding = 1, std430) writeonly buffer Target { STORED4 target[]; };
+layout(push_constant) uniform Push { ExposureParams p; };
+
+shared vec2 partial[kExposureGroup];  // sum of logarithms, count
+
+void main() {
+  const uint lane = gl_LocalInvocationIndex;
+  vec2 total = vec2(0);
+  for (uint begin = lane; begin < p.pixelCount; begin += 64 * kExposureGroup) {
+    const uint end = min(begin + 64 * kExposureGroup, p.pixelCount);
+    vec2 sum = vec2(0);
+    for (uint pixel = begin; pixel < end; pixel += kExposureGroup) {
+      const vec3 value = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
+      const float luminance = dot(value, vec3(0.2126, 0.7152, 0.0722));
+      // The second comparison fails for infinity, both fail for NaN.
+      const bool counts = luminance > kExposureMinLuminance && luminance < 3.4e38;
+      sum += counts ? vec2(log(luminance), 1.0) : vec2(0);
+    }
+    total += sum;
+  }
+  partial[lane] = total;
+
+  for (uint width = kExposureGroup / 2; width > 0; width /= 2) {
+    barrier();
+    if (lane < width) partial[lane] += partial[lane + width];
+  }
+  if (lane != 0) return;
+  const float count = partial[0].y;
+  const float exposure = count > 0.0 ? kExposureKey / exp(partial[0].x / count) : 1.0;
+  target[p.target] = stored4(vec4(exposure, 1.0 / exposure, count, 0));
+}

@@ -1,0 +1,93 @@
+// out(p) = sum_i v_i x_i / sum_i v_i over the 5 x 5 low-resolution pixels i around q = (p + 0.5) / s - 0.5, with
+// v_i = exp(-|q - i|^2 / (2 0.75^2)) (exp(-|n_p - m_i|^2 / (2 0.2^2) - |a_p - b_i|^2 / (2 0.5^2)) + 1e-6) exp(k_i).
+// x, b, m: low resolution, read at i clamped to the real image; a, n, logits k: at p. All are [rows, columns, channels].
+// An invocation makes a run of kRun pixels of a column inside one low-resolution pixel: they share every load. fp32.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/common/image.glsl"
+#include "shaders/common/storage.glsl"
+#include "shaders/joint_bilateral/joint_bilateral.h"
+layout(local_size_x = kImageGroupWidth, local_size_y = kImageGroupHeight) in;
+layout(constant_id = 0) const int kScale = 1;
+layout(constant_id = 1) const int kRun = 1;
+layout(constant_id = 2) const int kAlbedoOffset = 0;
+layout(constant_id = 3) const int kNormalOffset = -1;
+layout(constant_id = 4) const bool kLearned = false;
+layout(binding = 0) uniform samplerBuffer source;
+layout(binding = 1) uniform samplerBuffer aux;
+layout(binding = 2) uniform samplerBuffer auxMean;
+layout(binding = 3) uniform samplerBuffer network;
+layout(binding = 4, std430) writeonly buffer Target { STORED4 target[]; };
+layout(push_constant) uniform Push { JointBilateralParams p; };
+
+// What a pixel looks like, in units of the standard deviations: two of them compare as exp(-|difference|^2 / 2).
+struct Guide {
+  vec3 albedo, normal;
+};
+
+Guide guideAt(samplerBuffer image, int texel) {
+  Guide guide;
+  guide.albedo = fetchThree(image, texel, kAlbedoOffset) / kSigmaAlbedo;
+  guide.normal = vec3(0);
+  if (kNormalOffset >= 0) guide.normal = fetchThree(image, texel, kNormalOffset) / kSigmaNormal;
+  return guide;
+}
+
+float likeness(Guide a, Guide b) {
+  const vec3 albedo = a.albedo - b.albedo;
+  float square = dot(albedo, albedo);
+  if (kNormalOffset >= 0) {
+    const vec3 normal = a.normal - b.normal;
+    square += dot(normal, normal);
+  }
+  return exp(-0.5 * square);
+}
+
+// exp(-(q - i)^2 / (2 sigma^2)) along one axis, for the pixel `inside` of its low-resolution pixel and i = step - 2.
+float nearness(int inside, int step) {
+  const float distance = (float(inside) + 0.5) / float(kScale) - 0.5 - float(step - 2);
+  return exp(distance * distance * (-0.5 / (kSigmaSpace * kSigmaSpace)));
+}
+
+void main() {
+  const int firstRow = p.rows.begin / kRun * kRun;
+  const ivec2 at = ivec2(gl_GlobalInvocationID.x, firstRow + kRun * int(gl_GlobalInvocationID.y));
+  if (at.x >= p.target.width || at.y >= p.rows.end) return;
+  const ivec2 centre = at / kScale;
+  const ivec2 size = ivec2(p.target.width, p.target.height) / kScale;
+
+  Guide guides[kRun];
+  vec3 sums[kRun];
+  float totals[kRun];
+  vec4 logits[kRun];
+  [[unroll]] for (int r = 0; r < kRun; r++) {
+    guides[r] = guideAt(aux, texelAt(p.aux, at + ivec2(0, r)));
+    sums[r] = vec3(0);
+    totals[r] = 0.0;
+  }
+
+  [[unroll]] for (int j = 0; j < 25; j++) {
+    const ivec2 neighbour = replicated(centre + ivec2(j % 5, j / 5) - 2, size);
+    const Guide mean = guideAt(auxMean, texelAt(p.auxMean, neighbour));
+    const vec3 value = texelFetch(source, texelAt(p.source, neighbour)).rgb;
+    const float column = nearness(at.x % kScale, j % 5);
+    [[unroll]] for (int r = 0; r < kRun; r++) {
+      float weight = column * nearness(at.y % kScale + r, j / 5) * (likeness(guides[r], mean) + kBilateralFloor);
+      if (kLearned) {
+        const int channel = j + kFirstLogit;
+        if (j == 0 || channel % 4 == 0)
+          logits[r] = texelFetch(network, texelAt(p.network, at + ivec2(0, r)) + channel / 4);
+        weight *= exp(clamp(logits[r][channel % 4], -kLogitMax, kLogitMax));
+      }
+      sums[r] += weight * value;
+      totals[r] += weight;
+    }
+  }
+
+  [[unroll]] for (int r = 0; r < kRun; r++) {
+    const ivec2 to = at + ivec2(0, r);
+    if (to.y >= p.rows.begin && to.y < p.rows.end)
+      target[texelAt(p.target, to) - p.rows.storeOrigin] = stored4(vec4(sums[r] / totals[r], 0));
+  }
+}

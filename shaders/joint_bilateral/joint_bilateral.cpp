@@ -1,0 +1,87 @@
+#include "shaders/joint_bilateral/joint_bilateral.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace xrds {
+namespace {
+
+// exp(-|d|^2 / (2 sigma^2)) for the distance of three channels of two pixels.
+double likeness(const HostMemory& memory, int offset, double sigma, const TensorView& aux, uint32_t y, uint32_t x,
+                const TensorView& auxMean, uint32_t meanY, uint32_t meanX) {
+  if (offset < 0) return 1;
+  double square = 0;
+  for (uint32_t c = offset; c < offset + 3u; ++c)
+    square += std::pow(memory.at(aux, y, x, c) - memory.at(auxMean, meanY, meanX, c), 2);
+  return std::exp(-square / (2 * sigma * sigma));
+}
+
+// How many pixels of a column share the loads of their neighbours.
+uint32_t runLength(const JointBilateral& op) { return std::min(op.scale, 4u); }
+
+void referencePixel(const JointBilateral& op, HostMemory& memory, uint32_t y, uint32_t x) {
+  const double s = op.scale;
+  const int h = static_cast<int>(op.output.height / op.scale), w = static_cast<int>(op.output.width / op.scale);
+  const double qy = (y + 0.5) / s - 0.5, qx = (x + 0.5) / s - 0.5;
+  double sum[3] = {}, total = 0;
+  for (int j = 0; j < 25; ++j) {
+    const int iy = static_cast<int>(y / op.scale) + j / 5 - 2, ix = static_cast<int>(x / op.scale) + j % 5 - 2;
+    const uint32_t ny = std::clamp(iy, 0, h - 1), nx = std::clamp(ix, 0, w - 1);
+    const double space = std::exp(-((qy - iy) * (qy - iy) + (qx - ix) * (qx - ix)) / (2 * 0.75 * 0.75));
+    double weight = space * (likeness(memory, op.normalOffset, 0.2, op.aux, y, x, op.auxMean, ny, nx) *
+                                 likeness(memory, op.albedoOffset, 0.5, op.aux, y, x, op.auxMean, ny, nx) +
+                             1e-6);
+    if (op.network.exists())
+      weight *= std::exp(std::clamp(memory.at(op.network, y, x, shader::kFirstLogit + j), -8.0, 8.0));
+    for (uint32_t c = 0; c < 3; ++c) sum[c] += weight * memory.at(op.input, ny, nx, c);
+    total += weight;
+  }
+  for (uint32_t c = 0; c < 3; ++c) memory.at(op.output, y, x, c) = sum[c] / total;
+  memory.at(op.output, y, x, 3) = 0;
+}
+
+}  // namespace
+
+TensorShape outputShape(const JointBilateral& op) {
+  checkHolds(op.output, {1, 1, 4});
+  checkScale(op.scale);
+  XRDS_CHECK_EQ(op.output.height % op.scale, 0u);
+  XRDS_CHECK_EQ(op.output.width % op.scale, 0u);
+  XRDS_CHECK_LE(0, op.albedoOffset);
+  XRDS_CHECK_LE(-1, op.normalOffset);
+  const uint32_t h = op.output.height / op.scale, w = op.output.width / op.scale;
+  const uint32_t auxChannels = std::max(op.albedoOffset, op.normalOffset) + 3;
+  checkHolds(op.input, {h, w, 4});
+  checkHolds(op.aux, {op.output.height, op.output.width, auxChannels});
+  checkHolds(op.auxMean, {h, w, auxChannels});
+  if (op.network.exists()) checkHolds(op.network, {op.output.height, op.output.width, shader::kFirstLogit + 25u});
+  return {op.output.height, op.output.width, 4};
+}
+
+Dispatch dispatch(const JointBilateral& op, const DeviceTraits&) {
+  checkView(op.output, outputShape(op));
+  const RowRange rows = resolve(op.rows, op.output.height);
+  const uint32_t run = runLength(op);
+  const bool learned = op.network.exists();
+  const TensorView& network = learned ? op.network : op.input;  // an unread binding must still name something
+  const shader::JointBilateralParams params{imageOf(op.input), imageOf(op.aux),    imageOf(op.auxMean),
+                                            imageOf(network),  imageOf(op.output), targetRows(op.output, rows)};
+  return {.program = programName("joint_bilateral", KernelFamily::plain, op.output.type),
+          .specialization = {op.scale, run, static_cast<uint32_t>(op.albedoOffset),
+                             static_cast<uint32_t>(op.normalOffset), learned},
+          .bindings = {readTexels(op.input), readTexels(op.aux), readTexels(op.auxMean), readTexels(network),
+                       writeRows(op.output, rows)},
+          .pushConstants = pushBytes(params),
+          .groupCount = imageGroups(op.output.width, ceilDivide(rows.end, run) - rows.begin / run)};
+}
+
+std::vector<float> packedWeights(const JointBilateral&, const DeviceTraits&) { return {}; }
+
+void reference(const JointBilateral& op, HostMemory& memory) {
+  outputShape(op);
+  const RowRange rows = resolve(op.rows, op.output.height);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < op.output.width; ++x) referencePixel(op, memory, y, x);
+}
+
+}  // namespace xrds

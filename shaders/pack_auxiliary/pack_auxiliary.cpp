@@ -1,0 +1,43 @@
+#include "shaders/pack_auxiliary/pack_auxiliary.h"
+
+#include "shaders/common/transfer.h"
+
+namespace xrds {
+
+TensorShape outputShape(const PackAuxiliary& op) {
+  checkHolds(op.input, {1, 1, 4});
+  checkHolds(op.output, op.input.shape());
+  XRDS_CHECK_EQ(op.output.channels, op.input.channels);
+  XRDS_CHECK_LE(-1, op.albedoOffset);
+  XRDS_CHECK_LE(op.albedoOffset + 3, static_cast<int>(op.input.channels));
+  return op.output.shape();
+}
+
+Dispatch dispatch(const PackAuxiliary& op, const DeviceTraits&) {
+  checkView(op.output, outputShape(op));
+  const RowRange rows = resolve(op.rows, op.output.height);
+  const shader::PackAuxiliaryParams params{imageOf(op.input), imageOf(op.output), targetRows(op.output, rows)};
+  return {.program = programName("pack_auxiliary", KernelFamily::plain, op.output.type),
+          .specialization = {op.output.channels, static_cast<uint32_t>(op.albedoOffset)},
+          .bindings = {readTexels(op.input), writeRows(op.output, rows)},
+          .pushConstants = pushBytes(params),
+          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+}
+
+std::vector<float> packedWeights(const PackAuxiliary&, const DeviceTraits&) { return {}; }
+
+void reference(const PackAuxiliary& op, HostMemory& memory) {
+  const auto [height, width, channels] = outputShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t c = 0; c < channels; ++c) {
+        const double value =
+            memory.at(op.input, std::min(y, op.input.height - 1), std::min(x, op.input.width - 1), c);
+        const int albedoChannel = static_cast<int>(c) - op.albedoOffset;
+        const bool isAlbedo = op.albedoOffset >= 0 && albedoChannel >= 0 && albedoChannel < 3;
+        memory.at(op.output, y, x, c) = isAlbedo ? std::clamp(value, 0.0, double{shader::kAlbedoMax}) : value;
+      }
+}
+
+}  // namespace xrds

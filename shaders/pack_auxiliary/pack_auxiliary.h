@@ -1,0 +1,37 @@
+#ifndef XRDS_SHADERS_PACK_AUXILIARY_H
+#define XRDS_SHADERS_PACK_AUXILIARY_H
+#include "shaders/common/image.h"
+
+XRDS_SHARED_BEGIN
+struct PackAuxiliaryParams {
+  Image source, target;
+  TargetRows rows;
+};
+XRDS_SHARED_END
+
+#ifdef __cplusplus
+namespace xrds {
+
+/// The auxiliary images as the network reads them: padded on the right and at the bottom by edge replication, the
+/// albedo clamped to [0, 4], in the type of the output.
+struct PackAuxiliary {
+  TensorView input, output;  // [H, W, c], [Hp, Wp, c]
+  int albedoOffset = -1;     // first channel of the albedo; -1: there is none
+  RowRange rows{};
+};
+
+/// The shape of the output, whose size states the padding. Throws std::logic_error if the input does not fit it.
+TensorShape outputShape(const PackAuxiliary& op);
+
+/// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.
+Dispatch dispatch(const PackAuxiliary& op, const DeviceTraits& device);
+
+/// None.
+std::vector<float> packedWeights(const PackAuxiliary& op, const DeviceTraits& device);
+
+/// Double precision, in the order of the formula.
+void reference(const PackAuxiliary& op, HostMemory& memory);
+
+}  // namespace xrds
+#endif
+#endif
