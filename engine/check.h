@@ -15,11 +15,11 @@ template <class A, class B>
 
 }  // namespace xrds
 
-#define XRDS_CHECK_RELATION(a, op, b)                                                                  \
-  do {                                                                                                 \
-    const auto xrdsA = (a);                                                                            \
-    const auto xrdsB = (b);                                                                            \
-    if (!(xrdsA op xrdsB)) ::xrds::failCheck(#a " " #op " " #b, xrdsA, xrdsB, __FILE__, __LINE__);     \
+#define XRDS_CHECK_RELATION(a, op, b)                                                              \
+  do {                                                                                             \
+    const auto xrdsA = (a);                                                                        \
+    const auto xrdsB = (b);                                                                        \
+    if (!(xrdsA op xrdsB)) ::xrds::failCheck(#a " " #op " " #b, xrdsA, xrdsB, __FILE__, __LINE__); \
   } while (false)
 #define XRDS_CHECK_EQ(a, b) XRDS_CHECK_RELATION(a, ==, b)
 #define XRDS_CHECK_LE(a, b) XRDS_CHECK_RELATION(a, <=, b)

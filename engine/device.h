@@ -19,9 +19,9 @@ struct DeviceDescription {
   uint32_t index = 0;  // in listDevices()
   std::string name;
   DeviceKind kind = DeviceKind::other;
-  std::string uuid;        // 32 hexadecimal digits, deviceUUID
-  std::string driver;      // driver name and its version text
-  std::string apiVersion;  // "1.3.230"
+  std::string uuid;          // 32 hexadecimal digits, deviceUUID
+  std::string driver;        // driver name and its version text
+  std::string apiVersion;    // "1.3.230"
   uint64_t memoryBytes = 0;  // of the largest device-local heap
 };
 
@@ -36,6 +36,8 @@ struct DeviceOptions {
   std::function<void(std::string_view)> onMessage;
   /// Pipelines and driver caches are kept here; empty: the user's cache folder.
   std::filesystem::path cacheFolder;
+  /// Copies through a staging buffer even where the host sees the device's memory, for tests.
+  bool forceStaging = false;
   ProgramSource programs;
 };
 

@@ -1,0 +1,213 @@
+#include "engine/device.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/cache_file.h"
+#include "engine/environment.h"
+#include "engine/handles.h"
+#include "engine/selection.h"
+#include "engine/vulkan_result.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+// The one place that decides which written version of the kernels a device runs.
+KernelFamily familyFor(DeviceKind kind) { return kind == DeviceKind::cpu ? KernelFamily::lane : KernelFamily::plain; }
+
+bool hasDeviceExtension(VkPhysicalDevice device, const char* name) {
+  uint32_t count = 0;
+  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr),
+              "vkEnumerateDeviceExtensionProperties");
+  std::vector<VkExtensionProperties> extensions(count);
+  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()),
+              "vkEnumerateDeviceExtensionProperties");
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return !std::strcmp(e.extensionName, name); });
+}
+
+void chooseQueue(Gpu::Handles& gpu) {
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(gpu.physicalDevice, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(gpu.physicalDevice, &count, families.data());
+  // A family with graphics is the main engine of a GPU; compute-only ones are meant for work beside it.
+  const auto rank = [](const auto& f) {
+    if (!(f.queueFlags & VK_QUEUE_COMPUTE_BIT)) return 0;
+    return f.queueFlags & VK_QUEUE_GRAPHICS_BIT ? 2 : 1;
+  };
+  const auto best = std::max_element(families.begin(), families.end(),
+                                     [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  gpu.queueFamily = static_cast<uint32_t>(best - families.begin());
+  gpu.timestampValidBits = best->timestampValidBits;
+}
+
+std::string hexadecimal(std::span<const uint8_t> bytes) {
+  std::string text;
+  for (const uint8_t byte : bytes) {
+    text += "0123456789abcdef"[byte >> 4];
+    text += "0123456789abcdef"[byte & 15];
+  }
+  return text;
+}
+
+void probe(Gpu::Handles& gpu) {
+  VkPhysicalDeviceVulkan11Properties version11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &version11};
+  vkGetPhysicalDeviceProperties2(gpu.physicalDevice, &properties);
+  VkPhysicalDeviceFeatures features;
+  vkGetPhysicalDeviceFeatures(gpu.physicalDevice, &features);
+  vkGetPhysicalDeviceMemoryProperties(gpu.physicalDevice, &gpu.memory);
+  gpu.limits = properties.properties.limits;
+  gpu.maxAllocationBytes = version11.maxMemoryAllocationSize;
+  gpu.traits = {.family = familyFor(gpu.description.kind),
+                .subgroupSize = version11.subgroupSize,
+                .maxStorageBufferRange = gpu.limits.maxStorageBufferRange,
+                .maxTexelBufferElements = gpu.limits.maxTexelBufferElements,
+                .maxSharedBytes = gpu.limits.maxComputeSharedMemorySize,
+                .maxGroupInvocations = gpu.limits.maxComputeWorkGroupInvocations,
+                .shaderInt64 = features.shaderInt64 == VK_TRUE};
+  gpu.pipelineCacheKey = hexadecimal(properties.properties.pipelineCacheUUID) + "-" +
+                         hexadecimal(version11.driverUUID) + "-" + std::to_string(properties.properties.driverVersion);
+  gpu.pipelineCacheFile = gpu.options.cacheFolder / ("pipelines-" + gpu.pipelineCacheKey + ".bin");
+}
+
+void openDevice(Gpu::Handles& gpu) {
+  const float priority = 1;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = gpu.queueFamily;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  VkPhysicalDeviceFeatures features{};
+  features.shaderInt64 = gpu.traits.shaderInt64;
+  // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
+  const char* portability = "VK_KHR_portability_subset";
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  info.pEnabledFeatures = &features;
+  info.enabledExtensionCount = hasDeviceExtension(gpu.physicalDevice, portability) ? 1 : 0;
+  info.ppEnabledExtensionNames = &portability;
+  checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
+  volkLoadDeviceTable(&gpu.vk, gpu.device);
+  gpu.vk.vkGetDeviceQueue(gpu.device, gpu.queueFamily, 0, &gpu.queue);
+}
+
+void makeCommandObjects(Gpu::Handles& gpu) {
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = gpu.queueFamily;
+  checkResult(gpu.vk.vkCreateCommandPool(gpu.device, &pool, nullptr, &gpu.commandPool), "vkCreateCommandPool");
+  VkCommandBufferAllocateInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  commands.commandPool = gpu.commandPool;
+  commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  commands.commandBufferCount = 1;
+  checkResult(gpu.vk.vkAllocateCommandBuffers(gpu.device, &commands, &gpu.copyCommands), "vkAllocateCommandBuffers");
+  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  checkResult(gpu.vk.vkCreateFence(gpu.device, &fence, nullptr, &gpu.copyFence), "vkCreateFence");
+}
+
+void loadPipelineCache(Gpu::Handles& gpu) {
+  const auto content = readCacheFile(gpu.pipelineCacheFile, gpu.pipelineCacheKey);
+  gpu.loadedCacheBytes = content.size();
+  VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  info.initialDataSize = content.size();
+  info.pInitialData = content.empty() ? nullptr : content.data();
+  checkResult(gpu.vk.vkCreatePipelineCache(gpu.device, &info, nullptr, &gpu.pipelineCache), "vkCreatePipelineCache");
+}
+
+}  // namespace
+
+std::vector<DeviceDescription> listDevices() {
+  widenCpuVectors();
+  std::vector<DeviceDescription> descriptions;
+  if (const auto instance = openInstance(false, {}))
+    for (const auto& found : findDevices(*instance)) descriptions.push_back(found.description);
+  return descriptions;
+}
+
+Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
+  Handles& gpu = *handles_;
+  gpu.options = std::move(options);
+  if (gpu.options.cacheFolder.empty()) gpu.options.cacheFolder = defaultCacheFolder();
+  widenCpuVectors();
+  separateShaderCache(gpu.options.cacheFolder);
+  gpu.instance = openInstance(gpu.options.validation, gpu.options.onMessage);
+  const auto found = gpu.instance ? findDevices(*gpu.instance) : std::vector<FoundDevice>{};
+  std::vector<DeviceDescription> descriptions;
+  for (const auto& device : found) descriptions.push_back(device.description);
+  const FoundDevice& chosen = found[selectDevice(descriptions, gpu.options.select)];
+  gpu.physicalDevice = chosen.physicalDevice;
+  gpu.description = chosen.description;
+  chooseQueue(gpu);
+  probe(gpu);
+  openDevice(gpu);
+  makeCommandObjects(gpu);
+  loadPipelineCache(gpu);
+}
+
+Gpu::~Gpu() = default;
+Gpu::Gpu(Gpu&&) noexcept = default;
+Gpu& Gpu::operator=(Gpu&&) noexcept = default;
+
+const DeviceDescription& Gpu::description() const { return handles_->description; }
+const DeviceTraits& Gpu::traits() const { return handles_->traits; }
+void Gpu::setTraits(const DeviceTraits& traits) { handles_->traits = traits; }
+
+Gpu::Handles::~Handles() {
+  if (!device) return;
+  staging.reset();
+  savePipelineCache(*this);
+  for (const auto& [key, made] : pipelines) {
+    vk.vkDestroyPipeline(device, made.pipeline, nullptr);
+    vk.vkDestroyPipelineLayout(device, made.layout, nullptr);
+    vk.vkDestroyDescriptorSetLayout(device, made.setLayout, nullptr);
+  }
+  vk.vkDestroyPipelineCache(device, pipelineCache, nullptr);
+  vk.vkDestroyFence(device, copyFence, nullptr);
+  vk.vkDestroyCommandPool(device, commandPool, nullptr);
+  vk.vkDestroyDevice(device, nullptr);
+}
+
+void savePipelineCache(Gpu::Handles& gpu) noexcept {
+  size_t byteSize = 0;
+  if (!gpu.pipelineCache) return;
+  if (gpu.vk.vkGetPipelineCacheData(gpu.device, gpu.pipelineCache, &byteSize, nullptr) != VK_SUCCESS) return;
+  if (byteSize <= gpu.loadedCacheBytes) return;
+  try {
+    std::vector<std::byte> content(byteSize);
+    if (gpu.vk.vkGetPipelineCacheData(gpu.device, gpu.pipelineCache, &byteSize, content.data()) != VK_SUCCESS) return;
+    content.resize(byteSize);
+    writeCacheFile(gpu.pipelineCacheFile, gpu.pipelineCacheKey, content);
+  } catch (const std::exception&) {  // out of memory: the next process compiles again
+  }
+}
+
+void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& record) {
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  checkResult(gpu.vk.vkBeginCommandBuffer(gpu.copyCommands, &begin), "vkBeginCommandBuffer");
+  fullBarrier(gpu, gpu.copyCommands);
+  record(gpu.copyCommands);
+  fullBarrier(gpu, gpu.copyCommands);
+  checkResult(gpu.vk.vkEndCommandBuffer(gpu.copyCommands), "vkEndCommandBuffer");
+  VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &gpu.copyCommands;
+  checkResult(gpu.vk.vkQueueSubmit(gpu.queue, 1, &submit, gpu.copyFence), "vkQueueSubmit");
+  checkResult(gpu.vk.vkWaitForFences(gpu.device, 1, &gpu.copyFence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  checkResult(gpu.vk.vkResetFences(gpu.device, 1, &gpu.copyFence), "vkResetFences");
+}
+
+void fullBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands) {
+  constexpr VkPipelineStageFlags kStages =
+      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_HOST_BIT;
+  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                          VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_READ_BIT | VK_ACCESS_HOST_WRITE_BIT;
+  gpu.vk.vkCmdPipelineBarrier(commands, kStages, kStages, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+}
+
+}  // namespace xrds

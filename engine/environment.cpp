@@ -1,0 +1,65 @@
+#include "engine/environment.h"
+
+#include <cstdlib>
+#include <string>
+
+namespace xrds {
+namespace {
+
+std::string variable(const char* name) {
+  const char* text = std::getenv(name);
+  return text ? text : "";
+}
+
+void setVariable(const char* name, const std::string& text) {
+#ifdef _WIN32
+  _putenv_s(name, text.c_str());
+#else
+  setenv(name, text.c_str(), 1);
+#endif
+}
+
+bool cpuHasAvx512() {
+#if (defined(__x86_64__) || defined(__i386__)) && defined(__GNUC__)
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+#else
+  return false;
+#endif
+}
+
+constexpr const char* kWidth = "LP_NATIVE_VECTOR_WIDTH";
+constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
+
+// What this process has set itself; a value that differs from it is the user's.
+std::string ourWidth, ourShaderCache;
+
+}  // namespace
+
+std::filesystem::path defaultCacheFolder() {
+  if (const auto folder = variable("XDG_CACHE_HOME"); !folder.empty()) return std::filesystem::path(folder) / "xrds";
+#ifdef _WIN32
+  if (const auto folder = variable("LOCALAPPDATA"); !folder.empty()) return std::filesystem::path(folder) / "xrds";
+#endif
+  if (const auto home = variable("HOME"); !home.empty()) return std::filesystem::path(home) / ".cache" / "xrds";
+  return std::filesystem::temp_directory_path() / "xrds-cache";
+}
+
+void widenCpuVectors() {
+  if (!variable(kWidth).empty() || !cpuHasAvx512()) return;
+  ourWidth = "512";
+  setVariable(kWidth, ourWidth);
+}
+
+void separateShaderCache(const std::filesystem::path& cacheFolder) {
+  const std::string width = variable(kWidth), present = variable(kShaderCache);
+  const bool usersCache = !present.empty() && present != ourShaderCache;
+  // A user who chose both knows; a user who chose the folder alone did not expect another width in it.
+  if (width.empty() || (usersCache && width != ourWidth)) return;
+  const auto folder = (usersCache ? std::filesystem::path(present) : cacheFolder) / ("mesa-w" + width);
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  ourShaderCache = folder.string();
+  setVariable(kShaderCache, ourShaderCache);
+}
+
+}  // namespace xrds

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <tuple>
+
+#include "engine/buffer.h"
+#include "engine/device.h"
+#include "engine/instance.h"
+
+namespace xrds {
+
+/// What decides a compiled pipeline. Two dispatches with the same key share it.
+struct PipelineKey {
+  std::string program;
+  std::vector<uint32_t> specialization;
+  std::vector<BindingKind> kinds;
+  uint32_t pushConstantBytes = 0;
+  auto operator<=>(const PipelineKey&) const = default;
+};
+
+struct Pipeline {
+  VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+};
+
+/// The Vulkan objects of an open device. Members are null until they are made, so that a constructor that throws
+/// half-way is cleaned up here.
+struct Gpu::Handles {
+  Handles() = default;
+  ~Handles();
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+
+  DeviceOptions options;
+  DeviceDescription description;
+  DeviceTraits traits;
+
+  std::unique_ptr<Instance> instance;
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+  VkPhysicalDeviceLimits limits{};
+  VkPhysicalDeviceMemoryProperties memory{};
+  uint64_t maxAllocationBytes = 0;
+  uint32_t queueFamily = 0;
+  uint32_t timestampValidBits = 0;
+
+  VkDevice device = VK_NULL_HANDLE;
+  VolkDeviceTable vk{};
+  VkQueue queue = VK_NULL_HANDLE;
+  VkCommandPool commandPool = VK_NULL_HANDLE;
+  VkCommandBuffer copyCommands = VK_NULL_HANDLE;
+  VkFence copyFence = VK_NULL_HANDLE;
+  std::unique_ptr<Buffer::Handles> staging;  // made at the first copy that needs it
+
+  VkPipelineCache pipelineCache = VK_NULL_HANDLE;
+  std::filesystem::path pipelineCacheFile;
+  std::string pipelineCacheKey;
+  size_t loadedCacheBytes = 0;
+  std::map<PipelineKey, Pipeline> pipelines;
+};
+
+struct Buffer::Handles {
+  explicit Handles(Gpu::Handles& owner) : gpu(owner) {}
+  ~Handles();
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+
+  Gpu::Handles& gpu;
+  uint64_t byteSize = 0;  // of the allocation, a multiple of kBindingAlignment
+  uint64_t askedByteSize = 0;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  std::byte* mapped = nullptr;  // null if the host cannot see the memory
+};
+
+/// Records commands, submits them and waits for their end.
+void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& record);
+
+/// Orders everything recorded or done by the host before against everything after.
+void fullBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands);
+
+/// Compiles what the keys name and the device has not compiled yet, in parallel if it is much.
+void compilePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys);
+
+/// Writes the pipeline cache to its file if it has grown. Failing to write is no error: it is only a cache.
+void savePipelineCache(Gpu::Handles& gpu) noexcept;
+
+}  // namespace xrds

@@ -1,0 +1,118 @@
+// Compiles programs to compute pipelines.
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <thread>
+
+#include "engine/handles.h"
+#include "engine/vulkan_result.h"
+
+namespace xrds {
+namespace {
+
+VkDescriptorSetLayout makeSetLayout(const Gpu::Handles& gpu, std::span<const BindingKind> kinds) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  for (const BindingKind kind : kinds)
+    bindings.push_back({.binding = static_cast<uint32_t>(bindings.size()),
+                        .descriptorType = kind == BindingKind::texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                                                     : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                        .descriptorCount = 1,
+                        .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT});
+  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  info.bindingCount = static_cast<uint32_t>(bindings.size());
+  info.pBindings = bindings.data();
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  checkResult(gpu.vk.vkCreateDescriptorSetLayout(gpu.device, &info, nullptr, &layout), "vkCreateDescriptorSetLayout");
+  return layout;
+}
+
+VkPipelineLayout makeLayout(const Gpu::Handles& gpu, VkDescriptorSetLayout setLayout, uint32_t pushConstantBytes) {
+  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes};
+  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  info.setLayoutCount = 1;
+  info.pSetLayouts = &setLayout;
+  info.pushConstantRangeCount = pushConstantBytes ? 1 : 0;
+  info.pPushConstantRanges = &push;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  checkResult(gpu.vk.vkCreatePipelineLayout(gpu.device, &info, nullptr, &layout), "vkCreatePipelineLayout");
+  return layout;
+}
+
+VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipelineLayout layout) {
+  const auto words = gpu.options.programs ? gpu.options.programs(key.program) : std::span<const uint32_t>{};
+  if (words.empty()) throw std::logic_error("there is no program \"" + key.program + "\"");
+  VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  moduleInfo.codeSize = words.size_bytes();
+  moduleInfo.pCode = words.data();
+  VkShaderModule module = VK_NULL_HANDLE;
+  checkResult(gpu.vk.vkCreateShaderModule(gpu.device, &moduleInfo, nullptr, &module), "vkCreateShaderModule");
+
+  std::vector<VkSpecializationMapEntry> entries;
+  for (uint32_t id = 0; id < key.specialization.size(); ++id) entries.push_back({id, id * 4, 4});
+  const VkSpecializationInfo specialization{static_cast<uint32_t>(entries.size()), entries.data(),
+                                            key.specialization.size() * 4, key.specialization.data()};
+  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = module;
+  info.stage.pName = "main";
+  info.stage.pSpecializationInfo = &specialization;
+  info.layout = layout;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  const VkResult result = gpu.vk.vkCreateComputePipelines(gpu.device, gpu.pipelineCache, 1, &info, nullptr, &pipeline);
+  gpu.vk.vkDestroyShaderModule(gpu.device, module, nullptr);
+  checkResult(result, ("vkCreateComputePipelines for " + key.program).c_str());
+  return pipeline;
+}
+
+// The members are filled as they are made, so that the owner destroys them if a later step throws.
+void compile(const Gpu::Handles& gpu, const PipelineKey& key, Pipeline& made) {
+  made.setLayout = makeSetLayout(gpu, key.kinds);
+  made.layout = makeLayout(gpu, made.setLayout, key.pushConstantBytes);
+  made.pipeline = makePipeline(gpu, key, made.layout);
+}
+
+void destroy(const Gpu::Handles& gpu, const Pipeline& made) {
+  gpu.vk.vkDestroyPipeline(gpu.device, made.pipeline, nullptr);
+  gpu.vk.vkDestroyPipelineLayout(gpu.device, made.layout, nullptr);
+  gpu.vk.vkDestroyDescriptorSetLayout(gpu.device, made.setLayout, nullptr);
+}
+
+}  // namespace
+
+void compilePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys) {
+  std::vector<std::pair<const PipelineKey, Pipeline>*> missing;
+  for (const PipelineKey& key : keys)
+    if (const auto [place, isNew] = gpu.pipelines.try_emplace(key); isNew) missing.push_back(&*place);
+
+  constexpr size_t kFew = 4;
+  const size_t threadCount =
+      missing.size() <= kFew ? 0 : std::min<size_t>(missing.size(), std::thread::hardware_concurrency());
+  std::atomic<size_t> next = 0;
+  std::vector<std::exception_ptr> failures(missing.size());
+  const auto work = [&] {
+    for (size_t i = next++; i < missing.size(); i = next++) {
+      try {
+        compile(gpu, missing[i]->first, missing[i]->second);
+      } catch (...) {
+        failures[i] = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (size_t i = 1; i < threadCount; ++i) threads.emplace_back(work);
+    work();
+  }
+
+  std::exception_ptr first;
+  for (size_t i = 0; i < missing.size(); ++i) {
+    if (!failures[i]) continue;
+    if (!first) first = failures[i];
+    destroy(gpu, missing[i]->second);
+    gpu.pipelines.erase(gpu.pipelines.find(missing[i]->first));
+  }
+  if (first) std::rethrow_exception(first);
+}
+
+}  // namespace xrds

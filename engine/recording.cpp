@@ -1,0 +1,316 @@
+#include "engine/recording.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "engine/handles.h"
+#include "engine/hazards.h"
+#include "engine/vulkan_result.h"
+
+namespace xrds {
+namespace {
+
+using ViewKey = std::tuple<VkBuffer, uint64_t, uint64_t, DataType>;
+
+// Dispatches [begin, end) that are submitted together.
+struct Submission {
+  size_t begin = 0, end = 0;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  VkFence fence = VK_NULL_HANDLE;
+};
+
+PipelineKey keyOf(const Dispatch& dispatch) {
+  PipelineKey key{.program = dispatch.program,
+                  .specialization = dispatch.specialization,
+                  .pushConstantBytes = static_cast<uint32_t>(dispatch.pushConstants.size())};
+  for (const Binding& binding : dispatch.bindings) key.kinds.push_back(binding.kind);
+  return key;
+}
+
+void checkBinding(const Gpu::Handles& gpu, const Binding& binding, const ByteRange& range) {
+  XRDS_CHECK(range.buffer != nullptr);
+  XRDS_CHECK_EQ(range.byteOffset % kBindingAlignment, 0u);
+  XRDS_CHECK_LT(0u, range.byteSize);
+  XRDS_CHECK_LE(range.byteOffset + range.byteSize, range.buffer->byteSize());
+  if (binding.kind == BindingKind::storage) {
+    XRDS_CHECK_EQ(range.byteSize % 4, 0u);
+    XRDS_CHECK_LE(range.byteSize, uint64_t{gpu.limits.maxStorageBufferRange});
+    return;
+  }
+  const uint64_t texelBytes = 4 * byteSize(binding.type);
+  XRDS_CHECK_EQ(range.byteSize % texelBytes, 0u);
+  XRDS_CHECK_LE(range.byteSize / texelBytes, uint64_t{gpu.limits.maxTexelBufferElements});
+  XRDS_CHECK(binding.access == Access::read);
+}
+
+void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
+  const Dispatch& dispatch = placed.dispatch;
+  XRDS_CHECK_EQ(placed.ranges.size(), dispatch.bindings.size());
+  XRDS_CHECK_LE(dispatch.pushConstants.size(), size_t{kMaxPushConstantBytes});
+  XRDS_CHECK_EQ(dispatch.pushConstants.size() % 4, 0u);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    XRDS_CHECK_LT(0u, dispatch.groupCount[axis]);
+    XRDS_CHECK_LE(dispatch.groupCount[axis], gpu.limits.maxComputeWorkGroupCount[axis]);
+  }
+  for (size_t i = 0; i < placed.ranges.size(); ++i) checkBinding(gpu, dispatch.bindings[i], placed.ranges[i]);
+}
+
+std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
+  std::vector<RangeAccess> accesses;
+  for (size_t i = 0; i < placed.ranges.size(); ++i) {
+    const ByteRange& range = placed.ranges[i];
+    accesses.push_back({.buffer = reinterpret_cast<uintptr_t>(range.buffer),
+                        .byteOffset = range.byteOffset,
+                        .byteSize = range.byteSize,
+                        .access = placed.dispatch.bindings[i].access});
+  }
+  return accesses;
+}
+
+std::vector<Submission> cut(std::span<const PlacedDispatch> dispatches, uint64_t multiplyAddsPerSubmission) {
+  std::vector<Submission> submissions;
+  uint64_t held = 0;
+  for (size_t i = 0; i < dispatches.size(); ++i) {
+    if (submissions.empty() || held >= multiplyAddsPerSubmission) {
+      submissions.push_back({.begin = i});
+      held = 0;
+    }
+    held += dispatches[i].dispatch.multiplyAdds;
+    submissions.back().end = i + 1;
+  }
+  return submissions;
+}
+
+}  // namespace
+
+struct Recording::Handles {
+  explicit Handles(Gpu::Handles& owner) : gpu(owner) {}
+  ~Handles();
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+
+  void makePools(std::span<const PlacedDispatch> dispatches, bool timestamps);
+  VkBufferView viewOf(const ByteRange& range, DataType type);
+  VkDescriptorSet describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout);
+  void record(Submission& submission, std::span<const PlacedDispatch> dispatches);
+  void recordDispatch(VkCommandBuffer commands, const PlacedDispatch& placed);
+  uint32_t firstQuery(const Submission& submission) const;
+  void readTimestamps();
+  void submit(const Submission& submission);
+  void wait(const Submission& submission);
+
+  Gpu::Handles& gpu;
+  VkCommandPool commandPool = VK_NULL_HANDLE;
+  VkDescriptorPool descriptorPool = VK_NULL_HANDLE;
+  VkQueryPool queryPool = VK_NULL_HANDLE;
+  std::map<ViewKey, VkBufferView> views;
+  std::vector<bool> barriers;
+  std::vector<Submission> submissions;
+  std::vector<double> gpuMicroseconds;
+};
+
+Recording::Handles::~Handles() {
+  for (const Submission& submission : submissions) gpu.vk.vkDestroyFence(gpu.device, submission.fence, nullptr);
+  for (const auto& [key, view] : views) gpu.vk.vkDestroyBufferView(gpu.device, view, nullptr);
+  gpu.vk.vkDestroyQueryPool(gpu.device, queryPool, nullptr);
+  gpu.vk.vkDestroyDescriptorPool(gpu.device, descriptorPool, nullptr);
+  gpu.vk.vkDestroyCommandPool(gpu.device, commandPool, nullptr);
+}
+
+void Recording::Handles::makePools(std::span<const PlacedDispatch> dispatches, bool timestamps) {
+  VkCommandPoolCreateInfo commands{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  commands.queueFamilyIndex = gpu.queueFamily;
+  checkResult(gpu.vk.vkCreateCommandPool(gpu.device, &commands, nullptr, &commandPool), "vkCreateCommandPool");
+
+  uint32_t storages = 0, texels = 0;
+  for (const auto& placed : dispatches)
+    for (const Binding& binding : placed.dispatch.bindings)
+      ++(binding.kind == BindingKind::storage ? storages : texels);
+  // One more of each, because a pool of zero is not allowed.
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, texels + 1}};
+  VkDescriptorPoolCreateInfo descriptors{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  descriptors.maxSets = static_cast<uint32_t>(dispatches.size());
+  descriptors.poolSizeCount = 2;
+  descriptors.pPoolSizes = sizes;
+  checkResult(gpu.vk.vkCreateDescriptorPool(gpu.device, &descriptors, nullptr, &descriptorPool),
+              "vkCreateDescriptorPool");
+
+  if (!timestamps || gpu.timestampValidBits == 0) return;
+  VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  queries.queryCount = static_cast<uint32_t>(dispatches.size() + submissions.size());
+  checkResult(gpu.vk.vkCreateQueryPool(gpu.device, &queries, nullptr, &queryPool), "vkCreateQueryPool");
+}
+
+VkBufferView Recording::Handles::viewOf(const ByteRange& range, DataType type) {
+  const VkBuffer buffer = range.buffer->handles().buffer;
+  VkBufferView& view = views[{buffer, range.byteOffset, range.byteSize, type}];
+  if (view) return view;
+  VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+  info.buffer = buffer;
+  info.format = type == DataType::f32 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+  info.offset = range.byteOffset;
+  info.range = range.byteSize;
+  checkResult(gpu.vk.vkCreateBufferView(gpu.device, &info, nullptr, &view), "vkCreateBufferView");
+  return view;
+}
+
+VkDescriptorSet Recording::Handles::describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout) {
+  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  info.descriptorPool = descriptorPool;
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  checkResult(gpu.vk.vkAllocateDescriptorSets(gpu.device, &info, &set), "vkAllocateDescriptorSets");
+
+  const size_t count = placed.ranges.size();
+  std::vector<VkDescriptorBufferInfo> buffers(count);
+  std::vector<VkBufferView> texels(count);
+  std::vector<VkWriteDescriptorSet> writes(count, {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
+  for (size_t i = 0; i < count; ++i) {
+    const ByteRange& range = placed.ranges[i];
+    const Binding& binding = placed.dispatch.bindings[i];
+    writes[i].dstSet = set;
+    writes[i].dstBinding = static_cast<uint32_t>(i);
+    writes[i].descriptorCount = 1;
+    if (binding.kind == BindingKind::texel) {
+      texels[i] = viewOf(range, binding.type);
+      writes[i].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+      writes[i].pTexelBufferView = &texels[i];
+    } else {
+      buffers[i] = {range.buffer->handles().buffer, range.byteOffset, range.byteSize};
+      writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+      writes[i].pBufferInfo = &buffers[i];
+    }
+  }
+  gpu.vk.vkUpdateDescriptorSets(gpu.device, static_cast<uint32_t>(count), writes.data(), 0, nullptr);
+  return set;
+}
+
+void Recording::Handles::recordDispatch(VkCommandBuffer commands, const PlacedDispatch& placed) {
+  const Dispatch& dispatch = placed.dispatch;
+  const Pipeline& made = gpu.pipelines.at(keyOf(dispatch));
+  const VkDescriptorSet set = describe(placed, made.setLayout);
+  gpu.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made.pipeline);
+  gpu.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made.layout, 0, 1, &set, 0, nullptr);
+  if (!dispatch.pushConstants.empty())
+    gpu.vk.vkCmdPushConstants(commands, made.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                              static_cast<uint32_t>(dispatch.pushConstants.size()), dispatch.pushConstants.data());
+  const auto [x, y, z] = dispatch.groupCount;
+  gpu.vk.vkCmdDispatch(commands, x, y, z);
+}
+
+// Each submission has one timestamp before its first dispatch and one after each.
+uint32_t Recording::Handles::firstQuery(const Submission& submission) const {
+  return static_cast<uint32_t>(submission.begin + (&submission - submissions.data()));
+}
+
+void Recording::Handles::record(Submission& submission, std::span<const PlacedDispatch> dispatches) {
+  VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  info.commandPool = commandPool;
+  info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  info.commandBufferCount = 1;
+  checkResult(gpu.vk.vkAllocateCommandBuffers(gpu.device, &info, &submission.commands), "vkAllocateCommandBuffers");
+  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  checkResult(gpu.vk.vkCreateFence(gpu.device, &fence, nullptr, &submission.fence), "vkCreateFence");
+
+  const VkCommandBuffer commands = submission.commands;
+  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  checkResult(gpu.vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
+  uint32_t query = firstQuery(submission);
+  const auto stamp = [&](VkPipelineStageFlagBits stage) {
+    if (queryPool) gpu.vk.vkCmdWriteTimestamp(commands, stage, queryPool, query++);
+  };
+  if (queryPool)
+    gpu.vk.vkCmdResetQueryPool(commands, queryPool, query,
+                               static_cast<uint32_t>(submission.end - submission.begin + 1));
+  fullBarrier(gpu, commands);
+  stamp(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
+  for (size_t i = submission.begin; i < submission.end; ++i) {
+    if (barriers[i] && i > submission.begin) {
+      VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+      barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
+      barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
+      gpu.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                  0, 1, &barrier, 0, nullptr, 0, nullptr);
+    }
+    recordDispatch(commands, dispatches[i]);
+    stamp(VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
+  }
+  fullBarrier(gpu, commands);
+  checkResult(gpu.vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+}
+
+void Recording::Handles::submit(const Submission& submission) {
+  checkResult(gpu.vk.vkResetFences(gpu.device, 1, &submission.fence), "vkResetFences");
+  VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  info.commandBufferCount = 1;
+  info.pCommandBuffers = &submission.commands;
+  checkResult(gpu.vk.vkQueueSubmit(gpu.queue, 1, &info, submission.fence), "vkQueueSubmit");
+}
+
+void Recording::Handles::wait(const Submission& submission) {
+  checkResult(gpu.vk.vkWaitForFences(gpu.device, 1, &submission.fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+}
+
+void Recording::Handles::readTimestamps() {
+  const uint64_t mask = gpu.timestampValidBits >= 64 ? ~uint64_t{0} : (uint64_t{1} << gpu.timestampValidBits) - 1;
+  for (const Submission& submission : submissions) {
+    std::vector<uint64_t> ticks(submission.end - submission.begin + 1);
+    checkResult(gpu.vk.vkGetQueryPoolResults(gpu.device, queryPool, firstQuery(submission),
+                                             static_cast<uint32_t>(ticks.size()), ticks.size() * 8, ticks.data(), 8,
+                                             VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                "vkGetQueryPoolResults");
+    for (size_t i = 1; i < ticks.size(); ++i)
+      gpuMicroseconds.push_back(static_cast<double>((ticks[i] - ticks[i - 1]) & mask) *
+                                static_cast<double>(gpu.limits.timestampPeriod) / 1000);
+  }
+}
+
+Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> dispatches, RecordingOptions options)
+    : handles_(std::make_unique<Handles>(gpu.handles())) {
+  XRDS_CHECK_LT(0u, dispatches.size());
+  std::vector<PipelineKey> keys;
+  std::vector<std::vector<RangeAccess>> accesses;
+  for (const PlacedDispatch& placed : dispatches) {
+    checkLimits(gpu.handles(), placed);
+    keys.push_back(keyOf(placed.dispatch));
+    accesses.push_back(accessesOf(placed));
+  }
+  compilePipelines(gpu.handles(), keys);
+  handles_->barriers = barriersBefore(accesses);
+  handles_->submissions = cut(dispatches, options.multiplyAddsPerSubmission);
+  handles_->makePools(dispatches, options.timestamps);
+  for (Submission& submission : handles_->submissions) handles_->record(submission, dispatches);
+}
+
+Recording::~Recording() = default;
+Recording::Recording(Recording&&) noexcept = default;
+Recording& Recording::operator=(Recording&&) noexcept = default;
+
+bool Recording::run(const std::function<bool(size_t, size_t)>& progress) {
+  const auto& submissions = handles_->submissions;
+  handles_->gpuMicroseconds.clear();
+  // Two are in flight, so that the device has work while the host turns around.
+  size_t submitted = 0, finished = 0;
+  bool stopped = false;
+  while (finished < submitted || (submitted < submissions.size() && !stopped)) {
+    while (!stopped && submitted < submissions.size() && submitted < finished + 2)
+      handles_->submit(submissions[submitted++]);
+    handles_->wait(submissions[finished++]);
+    if (progress && !stopped) stopped = !progress(finished, submissions.size());
+  }
+  if (finished < submissions.size()) return false;
+  if (handles_->queryPool) handles_->readTimestamps();
+  return !stopped;
+}
+
+std::vector<double> Recording::gpuMicroseconds() const { return handles_->gpuMicroseconds; }
+
+size_t Recording::barrierCount() const {
+  return static_cast<size_t>(std::count(handles_->barriers.begin(), handles_->barriers.end(), true));
+}
+
+}  // namespace xrds

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "engine/device.h"
+
+namespace xrds {
+
+/// The position in `devices` that the text of DeviceOptions::select means. One or two digits are an index, 32
+/// hexadecimal digits (dashes allowed) a UUID, anything else a name or a part of one, whatever its case.
+/// Throws Error that names the devices if none or more than one fits.
+size_t selectDevice(std::span<const DeviceDescription> devices, std::string_view select);
+
+}  // namespace xrds

@@ -1,0 +1,67 @@
+#include "shaders/layer_norm/layer_norm.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+using test::view;
+
+struct Shape {
+  uint32_t height, width, channels;
+  uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
+  RowRange rows{};
+};
+
+// Odd ones first: one token, an uneven number of tokens, slices, rows that start inside an aligned block.
+constexpr Shape kShapes[] = {{1, 1, 4},
+                             {3, 5, 12},
+                             {7, 13, 20, 4, 28, 8, 36},
+                             {9, 3, 8, 0, 8, 4, 12, {2, 7}},
+                             {5, 1, 4, 0, 0, 0, 0, {1, 2}},
+                             {16, 16, 64},
+                             {11, 17, 128, 128, 256}};
+
+class LayerNormShapes : public testing::TestWithParam<std::tuple<Shape, DataType, DataType>> {};
+
+TEST_P(LayerNormShapes, MatchesReference) {
+  const auto& [s, inputType, outputType] = GetParam();
+  const auto weight = test::randomNumbers(s.channels, 1), bias = test::randomNumbers(s.channels, 2);
+  test::expectMatchesReference(
+      LayerNorm{.input = view(0, inputType, s.height, s.width, s.channels, s.inputOffset, s.inputStride),
+                .output = view(1, outputType, s.height, s.width, s.channels, s.outputOffset, s.outputStride),
+                .weight = weight,
+                .bias = bias,
+                .rows = s.rows});
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LayerNormShapes,
+                         testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
+                                          testing::Values(DataType::f32, DataType::f16)));
+
+TEST(LayerNorm, OfTwoLevelsIsPlusMinusOne) {
+  const std::vector<float> weight(4, 1), bias(4, 0);
+  HostMemory memory;
+  const LayerNorm op{.input = view(0, DataType::f32, 1, 1, 4),
+                     .output = view(1, DataType::f32, 1, 1, 4),
+                     .weight = weight,
+                     .bias = bias,
+                     .epsilon = 0};
+  memory.storage(op.input) = {5, 7, 7, 5};
+  reference(op, memory);
+  EXPECT_EQ(memory.storage(op.output), (std::vector<double>{-1, 1, 1, -1}));
+}
+
+TEST(LayerNorm, RefusesWeightsOfAnotherWidth) {
+  const std::vector<float> weight(8, 1), bias(4, 0);
+  const LayerNorm op{.input = view(0, DataType::f32, 1, 1, 4),
+                     .output = view(1, DataType::f32, 1, 1, 4),
+                     .weight = weight,
+                     .bias = bias};
+  EXPECT_THROW(dispatch(op, {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace xrds

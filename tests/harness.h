@@ -1,0 +1,70 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <type_traits>
+
+#include "engine/device.h"
+#include "engine/tensor.h"
+
+namespace xrds::test {
+
+/// The device of the tests: opened once, with validation unless XRDS_TEST_NO_VALIDATION is set, chosen by
+/// XRDS_TEST_DEVICE. Every message of the validation layer fails the test that runs. Throws Error without a device.
+Gpu& gpu();
+
+/// Messages collected since the last call; a test that provokes some takes them, so that they do not fail it.
+std::vector<std::string> takeMessages();
+
+/// How far a kernel may be from its reference, both relative to the RMS of the reference.
+struct Tolerance {
+  double rms = 0, max = 0;
+};
+
+/// The one tolerance of each storage type.
+constexpr Tolerance toleranceOf(DataType type) {
+  return type == DataType::f32 ? Tolerance{1e-5, 1e-4} : Tolerance{1e-3, 1e-2};
+}
+
+/// What values hold before the dispatch, by value: all elements of the stored tensor. Those left out are random.
+using Contents = std::map<ValueId, std::vector<float>>;
+
+/// `count` numbers from a uniform distribution in [-1, 1), the same on every machine.
+std::vector<float> randomNumbers(size_t count, uint32_t seed);
+
+/// A dispatch and what it shall compute, without the operator's type.
+struct KernelCase {
+  Dispatch dispatch;
+  std::vector<float> weights;  // as packedWeights() gives them
+  TensorView output;
+  RowRange rows;
+  std::function<void(HostMemory&)> reference;
+};
+
+void expectMatchesReference(const KernelCase& kernel, Tolerance tolerance, const Contents& contents);
+
+/// Runs the operator on the device and by its reference() on the same values and compares the output. What is read
+/// holds random numbers or `contents`; all else holds NaN. Nothing but the output's rows and channels may change.
+template <class Op>
+void expectMatchesReference(const Op& op, const DeviceTraits& traits, Tolerance tolerance,
+                            const Contents& contents = {}) {
+  KernelCase kernel{.dispatch = dispatch(op, traits), .output = op.output};
+  if constexpr (requires { packedWeights(op, traits); }) kernel.weights = packedWeights(op, traits);
+  if constexpr (requires { op.rows; }) kernel.rows = op.rows;
+  kernel.reference = [&op](HostMemory& memory) { reference(op, memory); };
+  expectMatchesReference(kernel, tolerance, contents);
+}
+
+/// With the traits of the device and the tolerance of the output's type.
+template <class Op>
+void expectMatchesReference(const Op& op, const Contents& contents = {}) {
+  expectMatchesReference(op, gpu().traits(), toleranceOf(op.output.type), contents);
+}
+
+/// A whole tensor as a view: channelStride 0 means `channels`, a larger one makes it a slice.
+inline TensorView view(ValueId value, DataType type, uint32_t height, uint32_t width, uint32_t channels,
+                       uint32_t channelOffset = 0, uint32_t channelStride = 0) {
+  return {value, type, height, width, channels, channelOffset, channelStride ? channelStride : channels};
+}
+
+}  // namespace xrds::test
