@@ -1,0 +1,80 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "graph/config.h"
+#include "graph/planner.h"
+#include "shaders/bicubic/bicubic.h"
+#include "shaders/box_mean/box_mean.h"
+#include "shaders/conv3x3/conv3x3.h"
+#include "shaders/decode_radiance/decode_radiance.h"
+#include "shaders/encode_radiance/encode_radiance.h"
+#include "shaders/exposure/exposure.h"
+#include "shaders/joint_bilateral/joint_bilateral.h"
+#include "shaders/layer_norm/layer_norm.h"
+#include "shaders/linear/linear.h"
+#include "shaders/pack_auxiliary/pack_auxiliary.h"
+#include "shaders/window_attention/window_attention.h"
+
+namespace xrds {
+
+/// Any operator of shaders/, as a value.
+using Operator = std::variant<Linear, Conv3x3, LayerNorm, WindowAttention, PackAuxiliary, BoxMean, Exposure,
+                              EncodeRadiance, Bicubic, JointBilateral, DecodeRadiance>;
+
+/// One step of the forward pass.
+struct Node {
+  std::string name;  // the layer's name in the weight file, or the operator's
+  Operator op;
+};
+
+/// A stored tensor; its index in Graph::values is its ValueId.
+struct Value {
+  std::string name;
+  DataType type = DataType::f32;
+  TensorShape shape;
+  uint64_t byteSize() const { return uint64_t{shape.height} * shape.width * shape.channels * xrds::byteSize(type); }
+};
+
+/// The forward pass of one frame shape: values and the steps that compute them, in order.
+struct Graph {
+  std::vector<Value> values;
+  std::vector<Node> nodes;
+  TensorView colour;     // input [h, w, 4] f32: linear radiance, 4th channel 0
+  TensorView auxiliary;  // input [s h, s w, ceil4(A)] f32, AOVs packed in the model's order; absent without inputs
+  TensorView exposure;   // input or computed [1, 1, 4] f32: (e, 1/e, count, 0)
+  TensorView network;    // the network's raw output, padded
+  TensorView output;     // [s h, s w, 4] f32: linear radiance
+
+  /// Adds a value and returns the view of all of it.
+  TensorView create(std::string name, DataType type, TensorShape shape);
+  std::vector<TensorView> inputs() const;
+  bool computesExposure() const;
+};
+
+/// Multiplications of a node: of linear maps and convolutions, and of the token pairs in attention.
+struct NodeCost {
+  uint64_t multiplyAdds = 0, attentionMultiplyAdds = 0;
+};
+NodeCost cost(const Node& node);
+
+/// One dispatch of a node; a node becomes several where its output exceeds what the device can bind at once.
+struct LoweredDispatch {
+  uint32_t node = 0;
+  Dispatch dispatch;
+};
+
+/// The dispatches of the graph in order. Pure.
+std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device);
+
+/// Which storage each value uses: itself, or the value whose bytes it continues. A residual sum is written over its
+/// residual when nothing reads that afterwards. Pure.
+std::vector<ValueId> inPlaceStorage(const Graph& graph);
+
+/// When each storage holds bytes: step 0 is the upload of inputs, step i + 1 is node i, the last step is the download
+/// of the output. Values that continue another have size 0. Pure.
+std::vector<Lifetime> lifetimes(const Graph& graph, const std::vector<ValueId>& storage);
+
+}  // namespace xrds

@@ -1,0 +1,320 @@
+#include "graph/network.h"
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+uint32_t roundUp(uint32_t value, uint32_t multiple) { return ceilDivide(value, multiple) * multiple; }
+
+/// The network as a list of nodes: the functions below read like the paper's section 3, each returning the view that
+/// its last node writes. `into` names a slice to write to, so that a concatenation is never copied.
+class NetworkBuilder {
+ public:
+  NetworkBuilder(const NetworkConfig& config, const WeightLookup& weights, Graph& graph, DataType stored)
+      : config_(config), weights_(weights), graph_(graph), stored_(stored) {}
+
+  TensorView network(TensorView x, TensorView aux);
+
+ private:
+  struct ConvOptions {
+    TensorView into{}, residual{};
+    Activation activation = Activation::none;
+    bool unshuffle = false, shuffle = false;
+  };
+  TensorView conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs, ConvOptions options);
+  TensorView conv(const std::string& name, TensorView x, uint32_t outputs) {
+    return conv(name, x, x.channels, outputs, {});
+  }
+  TensorView linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into = {},
+                    TensorView residual = {}, Activation activation = Activation::none);
+  TensorView layerNorm(const std::string& name, TensorView x);
+  TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted);
+  TensorView selfAttention(const std::string& name, TensorView x, TensorView residual, bool shifted);
+  TensorView mlp(const std::string& name, TensorView x, uint32_t ratio, TensorView residual);
+  TensorView copy(const std::string& name, TensorView x, TensorView into);
+
+  TensorView deshuffle(uint32_t i, TensorView h, TensorView into);
+  TensorView crossModule(const std::string& name, TensorView f, TensorView e);
+  TensorView swinLayer(const std::string& name, TensorView t, bool shifted);
+  TensorView denseBlock(const std::string& name, TensorView dense, uint32_t block, TensorView into);
+  TensorView group(uint32_t g, TensorView f, TensorView d, TensorView into);
+
+  std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
+    return weights_(name, std::span(shape.begin(), shape.size()));
+  }
+  TensorView create(const std::string& name, const TensorView& like, uint32_t channels) {
+    return graph_.create(name, stored_, {like.height, like.width, channels});
+  }
+
+  const NetworkConfig& config_;
+  const WeightLookup& weights_;
+  Graph& graph_;
+  DataType stored_;
+};
+
+TensorView NetworkBuilder::conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs,
+                                ConvOptions options) {
+  TensorShape shape{x.height, x.width, roundUp(outputs, 4)};
+  if (options.unshuffle) shape = {x.height / 2, x.width / 2, shape.channels};
+  if (options.shuffle) shape = {2 * shape.height, 2 * shape.width, outputs / 4};
+  Conv3x3 op;
+  op.input = x;
+  op.output = options.into.exists() ? options.into : graph_.create(name, stored_, shape);
+  op.residual = options.residual;
+  op.weight = weight(name + ".weight", {outputs, inputs, 3, 3});
+  op.bias = weight(name + ".bias", {outputs});
+  op.inputChannels = inputs;
+  op.outputChannels = outputs;
+  op.activation = options.activation;
+  op.unshuffleInput = options.unshuffle;
+  op.shuffleOutput = options.shuffle;
+  op.weightType = stored_;
+  graph_.nodes.push_back({name, op});
+  return op.output;
+}
+
+TensorView NetworkBuilder::linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                                  TensorView residual, Activation activation) {
+  Linear op;
+  op.input = x;
+  op.output = into.exists() ? into : create(name, x, outputs);
+  op.residual = residual;
+  op.weight = weight(name + ".weight", {outputs, x.channels});
+  op.bias = weight(name + ".bias", {outputs});
+  op.activation = activation;
+  op.weightType = stored_;
+  graph_.nodes.push_back({name, op});
+  return op.output;
+}
+
+TensorView NetworkBuilder::layerNorm(const std::string& name, TensorView x) {
+  LayerNorm op;
+  op.input = x;
+  op.output = create(name, x, x.channels);
+  op.weight = weight(name + ".weight", {x.channels});
+  op.bias = weight(name + ".bias", {x.channels});
+  graph_.nodes.push_back({name, op});
+  return op.output;
+}
+
+TensorView NetworkBuilder::attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted) {
+  const uint32_t side = 2 * config_.window - 1;
+  WindowAttention op;
+  op.queries = q;
+  op.keys = k;
+  op.values = v;
+  op.output = create(name, q, q.channels);
+  op.biasTable = weight(name + ".relative_position_bias_table", {side * side, q.channels / config_.headChannels});
+  op.window = config_.window;
+  op.headChannels = config_.headChannels;
+  op.shift = shifted ? config_.window / 2 : 0;
+  graph_.nodes.push_back({name, op});
+  return op.output;
+}
+
+TensorView NetworkBuilder::selfAttention(const std::string& name, TensorView x, TensorView residual, bool shifted) {
+  const uint32_t c = x.channels;
+  const TensorView qkv = linear(name + ".qkv", x, 3 * c);
+  const TensorView heads = attention(name, slice(qkv, 0, c), slice(qkv, c, c), slice(qkv, 2 * c, c), shifted);
+  return linear(name + ".proj", heads, c, {}, residual);
+}
+
+TensorView NetworkBuilder::mlp(const std::string& name, TensorView x, uint32_t ratio, TensorView residual) {
+  const TensorView hidden = linear(name + ".fc1", x, ratio * x.channels, {}, {}, Activation::gelu);
+  return linear(name + ".fc2", hidden, x.channels, {}, residual);
+}
+
+TensorView NetworkBuilder::copy(const std::string& name, TensorView x, TensorView into) {
+  graph_.nodes.push_back({name, BoxMean{.input = x, .output = into, .scale = 1}});  // the mean of one pixel
+  return into;
+}
+
+// D_i = deshuffle_i(H_i): n steps of pixel-unshuffle and convolution, the last one to C channels.
+TensorView NetworkBuilder::deshuffle(uint32_t i, TensorView h, TensorView into) {
+  const std::string name = "deshuffle." + std::to_string(i) + ".";
+  if (config_.steps() == 0) return conv(name + "0", h, h.channels, config_.channels, {.into = into});
+  for (uint32_t j = 0; j < config_.steps(); ++j) {
+    const bool last = j + 1 == config_.steps();
+    ConvOptions options{.activation = last ? Activation::none : Activation::relu, .unshuffle = true};
+    if (last) options.into = into;
+    h = conv(name + std::to_string(j), h, 4 * h.channels, last ? config_.channels : config_.auxChannels, options);
+  }
+  return h;
+}
+
+// XM: f1 = f + WMSA(LN(f)); f2 = f1 + WMCA(LN(f1), LN(e)); f2 + MLP_4(LN(f2)).
+TensorView NetworkBuilder::crossModule(const std::string& name, TensorView f, TensorView e) {
+  const uint32_t c = config_.channels;
+  f = selfAttention(name + "self_attn", layerNorm(name + "norm1", f), f, false);
+  if (e.exists()) {
+    const TensorView q = linear(name + "cross_attn.q", layerNorm(name + "norm2", f), c);
+    const TensorView kv = linear(name + "cross_attn.kv", layerNorm(name + "norm_aux", e), 2 * c);
+    const TensorView heads = attention(name + "cross_attn", q, slice(kv, 0, c), slice(kv, c, c), false);
+    f = linear(name + "cross_attn.proj", heads, c, {}, f);
+  }
+  return mlp(name + "mlp", layerNorm(name + "norm3", f), 4, f);
+}
+
+// STL: u = t + WMSA(LN(t)); u + MLP_2(LN(u)).
+TensorView NetworkBuilder::swinLayer(const std::string& name, TensorView t, bool shifted) {
+  const TensorView u = selfAttention(name + "attn", layerNorm(name + "norm1", t), t, shifted);
+  return mlp(name + "mlp", layerNorm(name + "norm2", u), 2, u);
+}
+
+// RDST: three Swin layers over the growing concatenation `dense` = [x, y_1, y_2], of which x is there already.
+TensorView NetworkBuilder::denseBlock(const std::string& name, TensorView dense, uint32_t block, TensorView into) {
+  const uint32_t c = config_.channels;
+  TensorView y;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const std::string layer = name + "layers." + std::to_string(k) + ".";
+    const TensorView u = swinLayer(layer, slice(dense, 0, (k + 1) * c), (3 * block + k) % 2 == 1);
+    y = linear(name + "grow." + std::to_string(k), u, c, k < 2 ? slice(dense, (k + 1) * c, c) : TensorView{});
+  }
+  return conv(name + "conv", y, c, c, {.into = into, .residual = slice(dense, 0, c)});
+}
+
+// XDG: F_g = conv3x3(G_B) + X.
+TensorView NetworkBuilder::group(uint32_t g, TensorView f, TensorView d, TensorView into) {
+  const uint32_t c = config_.channels;
+  const std::string name = "groups." + std::to_string(g) + ".";
+  const TensorView e = d.exists() ? conv(name + "aux_conv", d, c) : TensorView{};
+  const TensorView x = crossModule(name + "xm.", conv(name + "lr_conv", f, c), e);
+  TensorView dense = create(name + "blocks.0.dense", x, 3 * c);
+  copy(name + "blocks.0.input", x, slice(dense, 0, c));
+  TensorView y;
+  for (uint32_t b = 0; b < config_.blocks; ++b) {
+    const TensorView next =
+        b + 1 < config_.blocks ? create(name + "blocks." + std::to_string(b + 1) + ".dense", x, 3 * c) : TensorView{};
+    y = denseBlock(name + "blocks." + std::to_string(b) + ".", dense, b, next.exists() ? slice(next, 0, c) : TensorView{});
+    dense = next;
+  }
+  return conv(name + "conv", y, c, c, {.into = into, .residual = x});
+}
+
+TensorView NetworkBuilder::network(TensorView x, TensorView aux) {
+  const uint32_t c = config_.channels, ca = config_.auxChannels;
+  const TensorView upscaled = graph_.create(
+      "upscaled", stored_, {config_.scale * x.height, config_.scale * x.width, c + (config_.auxSkip ? ca : 0)});
+  const TensorView fused = create("fused", x, aux.exists() ? 2 * c : c);
+
+  // Auxiliary branch: H_i = H_{i-1} + conv3x3(relu(conv3x3(H_{i-1}))), D_i = deshuffle_i(H_i).
+  std::vector<TensorView> d(config_.groups + 1);
+  TensorView h = aux.exists() ? conv("aux_conv", aux, config_.auxWidth(), ca, {}) : TensorView{};
+  for (uint32_t i = 0; aux.exists() && i <= config_.groups; ++i) {
+    if (i > 0) {
+      const std::string name = "aux_blocks." + std::to_string(i - 1) + ".";
+      const TensorView inner = conv(name + "conv1", h, ca, ca, {.activation = Activation::relu});
+      const bool skips = config_.auxSkip && i == config_.groups;
+      h = conv(name + "conv2", inner, ca, ca, {.into = skips ? slice(upscaled, c, ca) : TensorView{}, .residual = h});
+    }
+    d[i] = deshuffle(i, h, i == config_.groups ? slice(fused, c, c) : TensorView{});
+  }
+
+  // Low-resolution branch.
+  const TensorView f0 = conv("lr_conv", x, 3, c, {});
+  TensorView f = f0;
+  for (uint32_t g = 0; g < config_.groups; ++g)
+    f = group(g, f, d[g], g + 1 == config_.groups ? slice(fused, 0, c) : TensorView{});
+
+  // Fusion and upscaling.
+  TensorView u = conv("fuse", fused, c);
+  u = conv("body_conv", u, c, c, {.residual = f0});
+  const uint32_t steps = config_.steps();
+  const TensorView target = slice(upscaled, 0, c);
+  u = conv("up_pre", u, c, c, {.into = steps == 0 ? target : TensorView{}, .activation = Activation::leakyRelu});
+  for (uint32_t j = 0; j < steps; ++j)
+    u = conv("up." + std::to_string(j), u, c, 4 * c, {.into = j + 1 == steps ? target : TensorView{}, .shuffle = true});
+  return conv("out", upscaled, upscaled.channels, config_.outputWidth(), {});
+}
+
+// The inputs as the network sees them: padded auxiliary channels, their means, and the transformed colour.
+struct Prepared {
+  TensorView aux, auxMean, x;
+};
+
+Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const GraphOptions& options, Graph& graph) {
+  const uint32_t s = config.scale, auxChannels = roundUp(config.auxWidth(), 4);
+  const uint32_t height = roundUp(frame.height, config.window), width = roundUp(frame.width, config.window);
+  const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
+  graph.colour = graph.create("colour", DataType::f32, {frame.height, frame.width, 4});
+  graph.exposure = graph.create("exposure", DataType::f32, {1, 1, 4});
+  if (options.autoExposure) graph.nodes.push_back({"exposure", Exposure{graph.colour, graph.exposure}});
+  Prepared prepared;
+  if (auxChannels > 0) {
+    graph.auxiliary = graph.create("auxiliary", DataType::f32, {s * frame.height, s * frame.width, auxChannels});
+    prepared.aux = graph.create("packed_auxiliary", stored, {s * height, s * width, auxChannels});
+    PackAuxiliary pack;
+    pack.input = graph.auxiliary;
+    pack.output = prepared.aux;
+    pack.albedoOffset = config.auxOffset("albedo");
+    graph.nodes.push_back({"pack_auxiliary", pack});
+  }
+  if (config.demodulates()) {
+    prepared.auxMean = graph.create("auxiliary_mean", DataType::f32, {height, width, auxChannels});
+    graph.nodes.push_back({"box_mean", BoxMean{.input = prepared.aux, .output = prepared.auxMean, .scale = s}});
+  }
+  prepared.x = graph.create("x", DataType::f32, {height, width, 4});
+  EncodeRadiance encode;
+  encode.colour = graph.colour;
+  encode.exposure = graph.exposure;
+  encode.output = prepared.x;
+  encode.transfer = config.transfer;
+  if (config.demodulates()) {
+    encode.auxMean = prepared.auxMean;
+    encode.albedoOffset = config.auxOffset("albedo");
+  }
+  graph.nodes.push_back({"encode_radiance", encode});
+  return prepared;
+}
+
+TensorView baseImage(const NetworkConfig& config, const Prepared& prepared, Graph& graph) {
+  if (config.base == BaseImage::none) return {};
+  const TensorView base = graph.create("base", DataType::f32, graph.output.shape());
+  if (config.base != BaseImage::guided) {
+    graph.nodes.push_back({"bicubic", Bicubic{.input = prepared.x, .output = base, .scale = config.scale}});
+    return base;
+  }
+  JointBilateral op;
+  op.input = prepared.x;
+  op.aux = prepared.aux;
+  op.auxMean = prepared.auxMean;
+  if (config.kernels > 0) op.network = graph.network;
+  op.output = base;
+  op.albedoOffset = config.auxOffset("albedo");
+  op.normalOffset = config.auxOffset("normal");
+  op.scale = config.scale;
+  graph.nodes.push_back({"joint_bilateral", op});
+  return base;
+}
+
+}  // namespace
+
+Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights, const GraphOptions& options) {
+  constexpr uint32_t kMaxSide = 65536;
+  if (frame.height == 0 || frame.width == 0 || frame.height > kMaxSide / config.scale || frame.width > kMaxSide / config.scale)
+    throw Error("A frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                " pixels cannot be upscaled by " + std::to_string(config.scale) +
+                ": each side of the output must be 1 to 65536 pixels.");
+  Graph graph;
+  const Prepared prepared = prepareInputs(config, frame, options, graph);
+  const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
+  graph.network = NetworkBuilder(config, weights, graph, stored).network(prepared.x, prepared.aux);
+  graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});
+  const TensorView base = baseImage(config, prepared, graph);
+
+  DecodeRadiance decode;
+  decode.network = graph.network;
+  decode.base = base;
+  decode.exposure = graph.exposure;
+  decode.output = graph.output;
+  decode.transfer = config.transfer;
+  if (config.demodulates()) {
+    decode.aux = prepared.aux;
+    decode.albedoOffset = config.auxOffset("albedo");
+  }
+  graph.nodes.push_back({"decode_radiance", decode});
+  return graph;
+}
+
+}  // namespace xrds

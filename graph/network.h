@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "graph/config.h"
+#include "graph/graph.h"
+
+namespace xrds {
+
+/// Storage of the activations and the packed weights; arithmetic is fp32 in either case.
+enum class Precision : uint8_t { fp32, fp16 };
+
+/// Size of the low-resolution colour in pixels; the output is `scale` times that.
+struct FrameShape {
+  uint32_t height = 0, width = 0;
+};
+
+/// Gives the weights of a parameter, row-major in PyTorch's layout, by its name in the weight file ("up.0.weight") and
+/// the shape that the network needs. The floats must outlive the graph.
+using WeightLookup = std::function<std::span<const float>(const std::string& name, std::span<const uint32_t> shape)>;
+
+struct GraphOptions {
+  Precision precision = Precision::fp32;
+  bool autoExposure = true;  // else the exposure is an input of the graph
+};
+
+/// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).
+/// Throws Error if the frame is empty or too large, and what the lookup throws.
+Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights, const GraphOptions& options);
+
+}  // namespace xrds

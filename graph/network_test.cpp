@@ -1,0 +1,127 @@
+#include "graph/network.h"
+
+#include <gtest/gtest.h>
+
+#include "graph/model.h"
+#include "graph/session.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+struct Row {
+  uint32_t groups, blocks;
+  double gigaMultiplyAdds, millionParameters;  // the paper's Tables 9 and 10, for 1024 x 1024 and scale 4
+};
+
+class PaperTable : public testing::TestWithParam<Row> {};
+
+TEST_P(PaperTable, CostsMatchToEveryPrintedDigit) {
+  NetworkConfig config;
+  config.groups = GetParam().groups;
+  config.blocks = GetParam().blocks;
+  const ModelWeights model = ModelWeights::random(config, 1);
+  uint64_t multiplyAdds = 0;
+  for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {}).nodes) multiplyAdds += cost(node).multiplyAdds;
+  EXPECT_NEAR(static_cast<double>(multiplyAdds) / 1e9, GetParam().gigaMultiplyAdds, 0.005);
+  EXPECT_NEAR(static_cast<double>(model.parameterCount()) / 1e6, GetParam().millionParameters,
+              0.005 * GetParam().millionParameters);
+}
+
+INSTANTIATE_TEST_SUITE_P(Network, PaperTable,
+                         testing::Values(Row{3, 5, 723.68, 9.36}, Row{3, 3, 519.13, 6.21}, Row{3, 1, 314.59, 3.06},
+                                         Row{2, 5, 507.86, 6.42}, Row{1, 5, 292.04, 3.49}));
+
+TEST(Network, PlanOfThePaperSizeIsTight) {
+  const NetworkConfig config;
+  const ModelWeights model = ModelWeights::random(config, 1);
+  const auto needs = [&](Precision precision) {
+    return memoryNeeds(buildGraph(config, {256, 256}, model.lookup(), {precision}), DeviceTraits{});
+  };
+  const MemoryNeeds fp32 = needs(Precision::fp32), fp16 = needs(Precision::fp16);
+  EXPECT_LE(fp32.planned, 420'000'000u);
+  EXPECT_LE(fp16.planned, 230'000'000u);
+  EXPECT_LE(static_cast<double>(fp32.planned), 1.05 * static_cast<double>(fp32.lowerBound));
+  EXPECT_LE(static_cast<double>(fp16.planned), 1.05 * static_cast<double>(fp16.lowerBound));
+  EXPECT_GT(fp32.unaliased, 4 * fp32.planned);
+}
+
+TEST(Network, BandsFitTheBindingsOfTheDevice) {
+  NetworkConfig config;
+  config.groups = config.blocks = 1;
+  const ModelWeights model = ModelWeights::random(config, 1);
+  const Graph graph = buildGraph(config, {512, 480}, model.lookup(), {});
+  DeviceTraits traits;
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane}) {
+    traits.family = family;
+    for (const LoweredDispatch& lowered : lower(graph, traits))
+      for (const Binding& binding : lowered.dispatch.bindings) {
+        if (binding.kind == BindingKind::storage) EXPECT_LE(binding.byteSize, traits.maxStorageBufferRange);
+        EXPECT_EQ(binding.byteOffset % kBindingAlignment, 0u);
+      }
+  }
+}
+
+TEST(Network, RefusesAnEmptyOrHugeFrame) {
+  const NetworkConfig config{.channels = 8, .auxChannels = 4, .groups = 1, .blocks = 1, .window = 4, .headChannels = 4};
+  const ModelWeights model = ModelWeights::random(config, 1);
+  EXPECT_THROW(buildGraph(config, {0, 4}, model.lookup(), {}), Error);
+  EXPECT_THROW(buildGraph(config, {4, 70000}, model.lookup(), {}), Error);
+}
+
+TEST(Config, RefusesWhatItDoesNotKnow) {
+  const Metadata good = describe(NetworkConfig{});
+  EXPECT_EQ(describe(parseConfig(good)), good);
+  const auto refused = [&](const char* key, const char* text) {
+    Metadata bad = good;
+    bad[key] = text;
+    try {
+      parseConfig(bad);
+    } catch (const Error& error) {
+      return std::string(error.what()).find("model file") != std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused("format", "other"));
+  EXPECT_TRUE(refused("version", "2"));
+  EXPECT_TRUE(refused("scale", "3"));
+  EXPECT_TRUE(refused("scale", "4x"));
+  EXPECT_TRUE(refused("channels", "-64"));
+  EXPECT_TRUE(refused("channels", "66"));
+  EXPECT_TRUE(refused("head_channels", "24"));
+  EXPECT_TRUE(refused("window", "7"));
+  EXPECT_TRUE(refused("block", "rdb2"));
+  EXPECT_TRUE(refused("base", "lanczos"));
+  EXPECT_TRUE(refused("aux_inputs", "normal"));
+  EXPECT_TRUE(refused("aux_inputs", "albedo,albedo"));
+  EXPECT_TRUE(refused("kernels", "3"));
+  for (const auto& [key, text] : good) {
+    if (key == "block" || key == "kernels" || key == "aux_skip") continue;
+    Metadata missing = good;
+    missing.erase(key);
+    EXPECT_THROW(parseConfig(missing), Error) << key;
+  }
+}
+
+TEST(Model, NamesWhatIsWrongWithItsTensors) {
+  const NetworkConfig config{.channels = 8, .auxChannels = 4, .groups = 1, .blocks = 1, .window = 4, .headChannels = 4};
+  const TensorFile good = ModelWeights::random(config, 1).file();
+  const auto message = [&](auto change) {
+    TensorFile file = good;
+    change(file);
+    try {
+      ModelWeights::fromTensors(std::move(file), "model");
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(message([](TensorFile& f) { f.tensors.erase("fuse.bias"); }).find("misses the tensor 'fuse.bias'"), std::string::npos);
+  EXPECT_NE(message([](TensorFile& f) { f.tensors["extra"] = {{1}, {0}}; }).find("'extra'"), std::string::npos);
+  EXPECT_NE(message([](TensorFile& f) { f.tensors["fuse.bias"] = {{4}, {0, 0, 0, 0}}; }).find("is 4, expected 8"), std::string::npos);
+  EXPECT_NE(message([](TensorFile& f) { f.tensors["fuse.bias"].values[2] = NAN; }).find("not finite"), std::string::npos);
+  EXPECT_EQ(message([](TensorFile&) {}), "");
+}
+
+}  // namespace
+}  // namespace xrds

@@ -1,0 +1,99 @@
+#include "graph/planner.h"
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+namespace xrds {
+namespace {
+
+using Order = std::vector<uint32_t>;
+
+bool overlap(const Lifetime& a, const Lifetime& b) { return a.firstUse <= b.lastUse && b.firstUse <= a.lastUse; }
+
+uint64_t alignUp(uint64_t offset, uint64_t alignment) { return (offset + alignment - 1) / alignment * alignment; }
+
+// Places the values in the given order, each at the lowest offset that is free over its lifetime.
+MemoryPlan placeInOrder(std::span<const Lifetime> lifetimes, const Order& order) {
+  MemoryPlan plan{std::vector<uint64_t>(lifetimes.size()), 0};
+  Order placed;  // by offset
+  for (const uint32_t value : order) {
+    const Lifetime& life = lifetimes[value];
+    if (life.byteSize == 0) continue;
+    uint64_t offset = 0;
+    for (const uint32_t other : placed) {
+      if (!overlap(life, lifetimes[other])) continue;
+      if (plan.offsets[other] >= offset + life.byteSize) break;
+      offset = std::max(offset, alignUp(plan.offsets[other] + lifetimes[other].byteSize, life.alignment));
+    }
+    plan.offsets[value] = offset;
+    plan.byteSize = std::max(plan.byteSize, offset + life.byteSize);
+    const auto byOffset = [&](uint32_t a, uint32_t b) { return plan.offsets[a] < plan.offsets[b]; };
+    placed.insert(std::upper_bound(placed.begin(), placed.end(), value, byOffset), value);
+  }
+  return plan;
+}
+
+template <class Less>
+Order ordered(size_t count, Less less) {
+  Order order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), less);
+  return order;
+}
+
+}  // namespace
+
+MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
+  const auto size = [&](uint32_t v) { return lifetimes[v].byteSize; };
+  const auto span = [&](uint32_t v) { return uint64_t{lifetimes[v].lastUse} - lifetimes[v].firstUse + 1; };
+  const std::vector<Order> starts = {
+      ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return size(a) > size(b); }),
+      ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return size(a) * span(a) > size(b) * span(b); }),
+      ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return lifetimes[a].firstUse < lifetimes[b].firstUse; }),
+  };
+  const uint64_t bound = largestLiveSet(lifetimes);
+  MemoryPlan best;
+  Order bestOrder;
+  const auto consider = [&](const Order& order) {
+    MemoryPlan plan = placeInOrder(lifetimes, order);
+    if (!bestOrder.empty() && plan.byteSize >= best.byteSize) return;
+    best = std::move(plan);
+    bestOrder = order;
+  };
+  for (const Order& order : starts) consider(order);
+  // Local search with a fixed seed: move one value to the front of the order while that helps.
+  std::minstd_rand random(1);
+  for (int trial = 0; trial < 300 && best.byteSize > bound + bound / 100 && !lifetimes.empty(); ++trial) {
+    Order order = bestOrder;
+    const auto from = order.begin() + static_cast<std::ptrdiff_t>(random() % order.size());
+    std::rotate(order.begin(), from, from + 1);
+    consider(order);
+  }
+  if (best.offsets.empty()) best.offsets.resize(lifetimes.size());
+  return best;
+}
+
+MemoryPlan planWithoutAliasing(std::span<const Lifetime> lifetimes) {
+  MemoryPlan plan;
+  for (const Lifetime& life : lifetimes) {
+    plan.offsets.push_back(alignUp(plan.byteSize, life.alignment));
+    plan.byteSize = plan.offsets.back() + life.byteSize;
+  }
+  return plan;
+}
+
+uint64_t largestLiveSet(std::span<const Lifetime> lifetimes) {
+  uint32_t steps = 0;
+  for (const Lifetime& life : lifetimes) steps = std::max(steps, life.lastUse + 1);
+  std::vector<int64_t> change(steps + 1);
+  for (const Lifetime& life : lifetimes) {
+    change[life.firstUse] += static_cast<int64_t>(life.byteSize);
+    change[life.lastUse + 1] -= static_cast<int64_t>(life.byteSize);
+  }
+  int64_t live = 0, most = 0;
+  for (const int64_t step : change) most = std::max(most, live += step);
+  return static_cast<uint64_t>(most);
+}
+
+}  // namespace xrds

@@ -1,0 +1,71 @@
+#include "graph/reference.h"
+
+#include <cmath>
+
+namespace xrds {
+namespace {
+
+Divergence compare(const Node& node, const std::vector<float>& found, HostMemory& memory) {
+  const TensorView view = outputOf(node);
+  Divergence result{node.name};
+  double difference = 0, power = 0;
+  for (uint64_t p = 0; p < view.pixelCount(); ++p)
+    for (uint32_t c = 0; c < view.channels; ++c) {
+      const uint64_t at = p * view.channelStride + view.channelOffset + c;
+      const double expected = memory.storage(view)[at];
+      result.finite = result.finite && std::isfinite(found[at]);
+      difference += (found[at] - expected) * (found[at] - expected);
+      power += expected * expected;
+    }
+  result.relativeRms = power > 0 ? std::sqrt(difference / power) : std::sqrt(difference);
+  return result;
+}
+
+}  // namespace
+
+TensorView outputOf(const Node& node) {
+  return std::visit([](const auto& op) { return op.output; }, node.op);
+}
+
+void runReference(const Graph& graph, HostMemory& memory, const std::function<bool(const Node&)>& visit) {
+  for (const Node& node : graph.nodes) {
+    std::visit([&](const auto& op) { reference(op, memory); }, node.op);
+    if (visit && !visit(node)) return;
+  }
+}
+
+void setInputs(const Graph& graph, const FrameInput& input, HostMemory& memory) {
+  const auto set = [&](const TensorView& view, uint32_t offset, std::span<const float> image) {
+    for (uint64_t p = 0; p < view.pixelCount(); ++p)
+      for (uint32_t c = 0; c < 3; ++c) memory.storage(view)[p * view.channelStride + offset + c] = image[3 * p + c];
+  };
+  set(graph.colour, 0, input.colour);
+  for (size_t i = 0; i < input.auxiliary.size(); ++i)
+    set(graph.auxiliary, static_cast<uint32_t>(3 * i), input.auxiliary[i]);
+  if (!graph.computesExposure()) {
+    auto& exposure = memory.storage(graph.exposure);
+    exposure[0] = input.exposure.value_or(1.f);
+    exposure[1] = 1 / exposure[0];
+  }
+}
+
+CheckResult checkAgainstReference(Gpu& gpu, const ModelWeights& model, FrameShape frame, const FrameInput& input,
+                                  SessionOptions options) {
+  options.aliasing = false;
+  Session session(gpu, model, frame, options);
+  std::vector<float> output(3 * session.graph().output.pixelCount());
+  session.run(input, output);
+  HostMemory memory;
+  setInputs(session.graph(), input, memory);
+  CheckResult result{{}, -1, options.precision == Precision::fp32 ? 1e-4 : 2e-2};
+  runReference(session.graph(), memory, [&](const Node& node) {
+    result.nodes.push_back(compare(node, session.read(outputOf(node)), memory));
+    const Divergence& last = result.nodes.back();
+    if (result.firstDivergent < 0 && (!last.finite || !(last.relativeRms <= result.bound)))
+      result.firstDivergent = static_cast<int>(result.nodes.size()) - 1;
+    return true;
+  });
+  return result;
+}
+
+}  // namespace xrds

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+
+#include "graph/session.h"
+
+namespace xrds {
+
+/// Runs the graph in double precision on the host, each node by its operator's reference(). `inputs` gives the
+/// elements of the graph's inputs as Session uploads them; `visit`, if given, is called after each node and stops the
+/// run by returning false. Slow: for checks and tests.
+void runReference(const Graph& graph, HostMemory& memory, const std::function<bool(const Node&)>& visit = {});
+
+/// Puts a frame into the inputs of the graph, as Session::run does on the device.
+void setInputs(const Graph& graph, const FrameInput& input, HostMemory& memory);
+
+/// The output view of a node.
+TensorView outputOf(const Node& node);
+
+/// How far a device's values are from the reference at one node.
+struct Divergence {
+  std::string node;
+  double relativeRms = 0;  // RMS of the difference over RMS of the reference
+  bool finite = true;
+};
+
+struct CheckResult {
+  std::vector<Divergence> nodes;  // in order
+  int firstDivergent = -1;        // index into nodes; -1: none exceeds the bound
+  double bound = 0;
+};
+
+/// Replays a frame on the device with every value kept, and in double precision on the host, and compares node by
+/// node. Bound: 1e-4 in fp32, 2e-2 in fp16 (rounding adds up over the depth).
+CheckResult checkAgainstReference(Gpu& gpu, const ModelWeights& model, FrameShape frame, const FrameInput& input,
+                                  SessionOptions options);
+
+}  // namespace xrds

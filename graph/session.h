@@ -1,0 +1,77 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/recording.h"
+#include "graph/model.h"
+
+namespace xrds {
+
+/// What a frame shape needs of a device's memory, in bytes: a question that needs no device.
+struct MemoryNeeds {
+  uint64_t planned = 0;      // the arena
+  uint64_t lowerBound = 0;   // largest live set
+  uint64_t unaliased = 0;    // every value with bytes of its own
+  uint64_t weights = 0;      // packed
+};
+MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device);
+
+struct SessionOptions {
+  Precision precision = Precision::fp32;
+  bool autoExposure = true;
+  bool timestamps = false;
+  bool aliasing = true;  // off: every value keeps its bytes, so that each can be looked at
+};
+
+/// One frame on the host. Pixels are row-major, `colourChannels` or three floats each.
+struct FrameInput {
+  std::span<const float> colour;                     // [h, w, 3], linear radiance
+  std::vector<std::span<const float>> auxiliary{};   // [s h, s w, 3] each, in the model's order
+  std::optional<float> exposure{};                   // needed without autoExposure
+};
+
+struct DispatchTime {
+  std::string label, program;
+  uint64_t multiplyAdds = 0, byteSize = 0;
+  double microseconds = 0;
+};
+
+/// A model made ready for one frame shape on one device: planned and recorded once, replayed for each frame.
+class Session {
+ public:
+  /// Throws Error if the device cannot hold the plan. The device must outlive the session.
+  Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionOptions options = {});
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Upscales one frame into output [s h, s w, 3]. Throws Error if a size does not fit. `progress` as in
+  /// Recording::run; returns false if it stopped the run.
+  bool run(const FrameInput& input, std::span<float> output, const std::function<bool(size_t, size_t)>& progress = {});
+
+  const Graph& graph() const { return graph_; }
+  const MemoryPlan& plan() const { return plan_; }
+  uint64_t weightByteSize() const { return weights_->byteSize(); }
+  size_t barrierCount() const { return recording_->barrierCount(); }
+  /// Per dispatch, of the last run; needs timestamps.
+  std::vector<DispatchTime> times() const;
+  /// The elements of a value after a run, widened to float; what aliasing has overwritten is gone.
+  std::vector<float> read(const TensorView& view) const;
+  /// Fills the arena with a bit pattern (tests: NaN).
+  void fillArena(uint32_t pattern) { arena_->fill(pattern); }
+  /// The exposure that the last run used.
+  float exposure() const;
+
+ private:
+  Graph graph_;
+  std::vector<ValueId> storage_;
+  MemoryPlan plan_;
+  std::vector<PlacedDispatch> placed_;
+  std::optional<Buffer> arena_, weights_;
+  std::optional<Recording> recording_;
+};
+
+}  // namespace xrds

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "xrds/error.h"
+
+/// xrds upscales Monte Carlo renders on any Vulkan device: open a Device, load a Model, make an Upscaler for a frame
+/// size, run it for each frame. Every function may throw xrds::Error; objects are used by one thread at a time, and
+/// different objects on different devices by different threads.
+namespace xrds {
+
+/// A view of pixels that the caller owns: rows from the top, `stride` floats from one pixel to the next, the first
+/// three of which are R, G, B (linear radiance or albedo) or X, Y, Z (a normal).
+struct Image {
+  const float* pixels = nullptr;
+  uint32_t width = 0, height = 0;
+  uint32_t stride = 3;
+};
+
+/// A Vulkan 1.2 device, opened for compute.
+class Device {
+ public:
+  struct Description {
+    std::string name;
+    std::string kind;  // "discrete", "integrated", "virtual", "cpu" or "other"
+    std::string uuid;  // 32 hexadecimal digits
+    std::string driver, apiVersion;
+    uint64_t memoryBytes = 0;
+  };
+  struct Options {
+    /// Empty: the best device. Else its index in list(), a part of its name, or its UUID.
+    std::string select{};
+    /// Where compiled pipelines are kept; empty: the user's cache folder.
+    std::filesystem::path cacheFolder{};
+    /// Vulkan validation layers; their messages go to onMessage.
+    bool validation = false;
+    std::function<void(std::string_view)> onMessage{};
+  };
+
+  /// All devices; the index is what Options::select takes. Throws Error if there is no Vulkan loader.
+  static std::vector<Description> list();
+
+  /// Throws Error if no device fits, naming those there are.
+  explicit Device(const Options& options);
+  Device() : Device(Options{}) {}
+  ~Device();
+  Device(Device&&) noexcept;
+  Device& operator=(Device&&) noexcept;
+  Description description() const;
+
+ private:
+  friend class Upscaler;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A trained network, checked to be complete. Immutable: may be shared between threads.
+class Model {
+ public:
+  /// Reads a safetensors model file. Throws Error if it is no complete, finite model of a known architecture.
+  explicit Model(const std::filesystem::path& file);
+  ~Model();
+  Model(Model&&) noexcept;
+  Model& operator=(Model&&) noexcept;
+
+  uint32_t scale() const;
+  /// The images that go with the colour, in the order in which Upscaler::run takes them: "albedo", "normal", ...
+  const std::vector<std::string>& auxiliaryInputs() const;
+  const std::map<std::string, std::string>& metadata() const;
+  /// Of the file's bytes, as 16 hexadecimal digits.
+  std::string hash() const;
+
+  /// What an output of width x height pixels costs; a pure question, no device needed. Bytes of device memory:
+  /// `plannedBytes` is the arena, `lowerBoundBytes` the largest set of values alive at once, `unaliasedBytes` the sum
+  /// of all values. Multiply-adds of the token pairs in attention stand beside those of linear maps and convolutions.
+  struct Cost {
+    uint64_t parameters = 0, multiplyAdds = 0, attentionMultiplyAdds = 0;
+    uint64_t plannedBytes = 0, lowerBoundBytes = 0, unaliasedBytes = 0, weightBytes = 0;
+  };
+  Cost cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) const;
+
+ private:
+  friend class Upscaler;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A model made ready for one frame size on one device: planned and recorded once, replayed for each frame.
+class Upscaler {
+ public:
+  struct Options {
+    bool fp16 = false;                 // storage of activations and weights; arithmetic is fp32
+    std::optional<float> exposure{};   // factor on the colour; empty: from the frame's mean log luminance
+    bool profile = false;
+  };
+  /// Called between submissions with the finished share in [0, 1]; returning false cancels the run.
+  using Progress = std::function<bool(double)>;
+  struct ProfileRow {
+    std::string label, program;
+    uint64_t multiplyAdds = 0, bytes = 0;
+    double microseconds = 0;
+  };
+  /// How far the device is from the double-precision reference at one operator.
+  struct CheckRow {
+    std::string label;
+    double relativeRms = 0;
+    bool finite = true, withinBound = true;
+  };
+
+  /// width x height: of the low-resolution colour. Device and model must outlive the upscaler. Throws Error if the
+  /// device cannot hold the frame.
+  Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
+  ~Upscaler();
+  Upscaler(Upscaler&&) noexcept;
+  Upscaler& operator=(Upscaler&&) noexcept;
+
+  /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;
+  /// output: 3 floats a pixel, [scale height, scale width]. Throws Error if a size does not fit or the device fails.
+  /// Returns false if `progress` cancelled the run; the output is then unchanged.
+  bool run(const Image& colour, std::span<const Image> auxiliary, std::span<float> output,
+           const Progress& progress = {});
+
+  float exposure() const;        // of the last run
+  uint64_t deviceBytes() const;  // arena and weights
+  /// Time of each dispatch in the last run; empty without Options::profile.
+  std::vector<ProfileRow> profile() const;
+
+  /// Replays one frame with every value kept and compares each operator with its double-precision reference on the
+  /// host. Slow: seconds for 16 x 16 pixels.
+  static std::vector<CheckRow> check(Device& device, const Model& model, const Image& colour,
+                                     std::span<const Image> auxiliary, const Options& options);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace xrds
