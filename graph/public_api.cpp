@@ -16,7 +16,7 @@ Device::Description describeDevice(const DeviceDescription& device) {
 }
 
 // Three tightly packed floats a pixel.
-std::vector<float> packPixels(const Image& image) {
+std::vector<float> packPixels(const PixelView& image) {
   std::vector<float> packed(size_t{3} * image.width * image.height);
   for (size_t p = 0; p < packed.size() / 3; ++p) std::copy_n(image.pixels + p * image.stride, 3, &packed[3 * p]);
   return packed;
@@ -27,8 +27,8 @@ struct PackedFrame {
   std::vector<float> colour;
   std::vector<std::vector<float>> auxiliary;
 
-  PackedFrame(const Image& colourImage, std::span<const Image> images) : colour(packPixels(colourImage)) {
-    for (const Image& image : images) auxiliary.push_back(packPixels(image));
+  PackedFrame(const PixelView& colourImage, std::span<const PixelView> images) : colour(packPixels(colourImage)) {
+    for (const PixelView& image : images) auxiliary.push_back(packPixels(image));
   }
   FrameInput input(std::optional<float> exposure) const {
     FrameInput frame{colour, {}, exposure};
@@ -39,7 +39,7 @@ struct PackedFrame {
 
 std::string sizeText(uint32_t width, uint32_t height) { return std::to_string(width) + " x " + std::to_string(height); }
 
-void checkFrame(const NetworkConfig& config, FrameShape frame, const Image& colour, std::span<const Image> auxiliary) {
+void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& colour, std::span<const PixelView> auxiliary) {
   if (colour.width != frame.width || colour.height != frame.height)
     throw Error("The colour image is " + sizeText(colour.width, colour.height) + " pixels, expected " +
                 sizeText(frame.width, frame.height) + ".");
@@ -138,7 +138,7 @@ Upscaler::~Upscaler() = default;
 Upscaler::Upscaler(Upscaler&&) noexcept = default;
 Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
 
-bool Upscaler::run(const Image& colour, std::span<const Image> auxiliary, std::span<float> output,
+bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                    const Progress& progress) {
   checkFrame(state_->config, state_->frame, colour, auxiliary);
   const PackedFrame packed(colour, auxiliary);
@@ -160,8 +160,8 @@ std::vector<Upscaler::ProfileRow> Upscaler::profile() const {
   return rows;
 }
 
-std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& model, const Image& colour,
-                                                std::span<const Image> auxiliary, const Options& options) {
+std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& model, const PixelView& colour,
+                                                std::span<const PixelView> auxiliary, const Options& options) {
   const FrameShape frame{colour.height, colour.width};
   checkFrame(model.state_->weights.config(), frame, colour, auxiliary);
   const PackedFrame packed(colour, auxiliary);

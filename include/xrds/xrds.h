@@ -19,7 +19,7 @@ namespace xrds {
 
 /// A view of pixels that the caller owns: rows from the top, `stride` floats from one pixel to the next, the first
 /// three of which are R, G, B (linear radiance or albedo) or X, Y, Z (a normal).
-struct Image {
+struct PixelView {
   const float* pixels = nullptr;
   uint32_t width = 0, height = 0;
   uint32_t stride = 3;
@@ -125,7 +125,7 @@ class Upscaler {
   /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;
   /// output: 3 floats a pixel, [scale height, scale width]. Throws Error if a size does not fit or the device fails.
   /// Returns false if `progress` cancelled the run; the output is then unchanged.
-  bool run(const Image& colour, std::span<const Image> auxiliary, std::span<float> output,
+  bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
            const Progress& progress = {});
 
   float exposure() const;        // of the last run
@@ -135,8 +135,8 @@ class Upscaler {
 
   /// Replays one frame with every value kept and compares each operator with its double-precision reference on the
   /// host. Slow: seconds for 16 x 16 pixels.
-  static std::vector<CheckRow> check(Device& device, const Model& model, const Image& colour,
-                                     std::span<const Image> auxiliary, const Options& options);
+  static std::vector<CheckRow> check(Device& device, const Model& model, const PixelView& colour,
+                                     std::span<const PixelView> auxiliary, const Options& options);
 
  private:
   struct State;

@@ -1,0 +1,120 @@
+// The whole network on the device against forward passes of training/network.py in double precision.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "graph/reference.h"
+#include "graph/session.h"
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+const std::filesystem::path kFolder = XRDS_GOLDEN_FOLDER;
+
+std::vector<std::string> goldenNames() {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
+    const std::string file = entry.path().filename().string();
+    if (file.ends_with(".model.safetensors")) names.insert(file.substr(0, file.size() - 18));
+  }
+  return {names.begin(), names.end()};
+}
+
+/// A golden model with the frame it was given and what PyTorch made of it.
+struct Golden {
+  explicit Golden(const std::string& name)
+      : model(ModelWeights::read(kFolder / (name + ".model.safetensors"))),
+        tensors(readTensors(kFolder / (name + ".io.safetensors"))) {
+    const auto& colour = tensors.tensors.at("colour");
+    frame = {static_cast<uint32_t>(colour.shape[0]), static_cast<uint32_t>(colour.shape[1])};
+    input.colour = colour.values;
+    for (const std::string& kind : model.config().auxInputs)
+      input.auxiliary.emplace_back(tensors.tensors.at(tensors.tensors.contains(kind) ? kind : "aux").values);
+  }
+  const std::vector<float>& network() const { return tensors.tensors.at("network").values; }
+  const std::vector<float>& output() const { return tensors.tensors.at("output").values; }
+  float exposure() const { return tensors.tensors.at("exposure").values[0]; }
+
+  ModelWeights model;
+  TensorFile tensors;
+  FrameShape frame;
+  FrameInput input;
+};
+
+double relativeRms(const std::vector<float>& found, const std::vector<float>& expected) {
+  EXPECT_EQ(found.size(), expected.size());
+  double difference = 0, power = 0;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    difference += std::pow(double{found[i]} - expected[i], 2);
+    power += std::pow(double{expected[i]}, 2);
+  }
+  return std::sqrt(difference / power);
+}
+
+// The real pixels and channels of the padded raw output.
+std::vector<float> cropped(const std::vector<float>& padded, const TensorView& view, const Graph& graph, uint32_t channels) {
+  std::vector<float> values;
+  for (uint32_t y = 0; y < graph.output.height; ++y)
+    for (uint32_t x = 0; x < graph.output.width; ++x)
+      for (uint32_t c = 0; c < channels; ++c) values.push_back(padded[(size_t{y} * view.width + x) * view.channelStride + c]);
+  return values;
+}
+
+std::vector<float> transformed(std::vector<float> radiance, float exposure) {
+  for (float& value : radiance) value = std::log1p(std::max(0.f, value * exposure));
+  return radiance;
+}
+
+class GoldenNetwork : public testing::TestWithParam<std::string> {
+ protected:
+  void expectMatch(KernelFamily family, Precision precision, double tolerance) {
+    const Golden golden(GetParam());
+    Gpu& gpu = test::gpu();
+    const DeviceTraits traits = gpu.traits();
+    DeviceTraits wanted = traits;
+    wanted.family = family;
+    gpu.setTraits(wanted);
+    Session session(gpu, golden.model, golden.frame, {.precision = precision});
+    gpu.setTraits(traits);
+    session.fillArena(0x7fc00000);  // NaN
+    std::vector<float> output(golden.output().size());
+    ASSERT_TRUE(session.run(golden.input, output));
+    const Graph& graph = session.graph();
+    EXPECT_NEAR(session.exposure() / golden.exposure(), 1, 1e-5);
+    const auto raw = cropped(session.read(graph.network), graph.network, graph, golden.model.config().outputWidth());
+    EXPECT_LT(relativeRms(raw, golden.network()), tolerance);
+    if (golden.model.config().transfer == Transfer::log1p)
+      EXPECT_LT(relativeRms(transformed(output, golden.exposure()), transformed(golden.output(), golden.exposure())), tolerance);
+    else
+      EXPECT_LT(relativeRms(output, golden.output()), tolerance);
+  }
+};
+
+TEST_P(GoldenNetwork, Fp32OfTheDevicesFamily) { expectMatch(test::gpu().traits().family, Precision::fp32, 1e-4); }
+TEST_P(GoldenNetwork, Fp32Plain) { expectMatch(KernelFamily::plain, Precision::fp32, 1e-4); }
+TEST_P(GoldenNetwork, Fp16OfTheDevicesFamily) { expectMatch(test::gpu().traits().family, Precision::fp16, 5e-3); }
+
+INSTANTIATE_TEST_SUITE_P(All, GoldenNetwork, testing::ValuesIn(goldenNames()), [](const auto& info) { return info.param; });
+
+TEST(GoldenReference, HostReplayMatchesToo) {
+  const Golden golden("s2_guided");
+  const Graph graph = buildGraph(golden.model.config(), golden.frame, golden.model.lookup(), {});
+  HostMemory memory;
+  setInputs(graph, golden.input, memory);
+  runReference(graph, memory);
+  const auto& stored = memory.storage(graph.network);
+  const auto raw = cropped({stored.begin(), stored.end()}, graph.network, graph, 3);
+  EXPECT_LT(relativeRms(raw, golden.network()), 1e-6);
+}
+
+TEST(GoldenReference, CheckNamesTheFirstDivergentOperator) {
+  const Golden golden("s2_guided");
+  const CheckResult good = checkAgainstReference(test::gpu(), golden.model, golden.frame, golden.input, {});
+  EXPECT_EQ(good.firstDivergent, -1);
+  EXPECT_GT(good.nodes.size(), 40u);
+}
+
+}  // namespace
+}  // namespace xrds

@@ -1,0 +1,73 @@
+// Greps every include of our own headers against the table of rooms: who may include whom.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kSource = XRDS_SOURCE_FOLDER;
+
+// Room of the including file -> first path components it may include, besides its own room.
+const std::map<std::string, std::set<std::string>> kAllowed = {
+    {"engine", {"volk.h", "vulkan", "xrds"}},
+    {"shaders", {"engine"}},
+    {"graph", {"engine", "shaders", "xrds"}},
+    {"image", {"xrds"}},
+    {"include", {"xrds"}},
+    {"cli", {"xrds", "image"}},
+    {"viewer", {"xrds", "image", "engine", "GLFW"}},
+};
+const std::set<std::string> kRooms{"engine", "shaders", "graph", "image", "cli", "viewer", "bench", "tests"};
+const std::set<std::string> kForeign{"volk.h", "vulkan", "GLFW", "xrds"};  // watched, though not rooms
+// What shaders/ may take from the engine: values, nothing that knows Vulkan.
+const std::set<std::string> kValueHeaders{"engine/tensor.h", "engine/dispatch.h", "engine/check.h"};
+
+std::vector<std::string> includesOf(const fs::path& file) {
+  static const std::regex pattern(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
+  std::vector<std::string> found;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);)
+    if (std::smatch match; std::regex_search(line, match, pattern)) found.push_back(match[1]);
+  return found;
+}
+
+TEST(IncludeDirections, FollowTheTableOfRooms) {
+  size_t checked = 0;
+  for (const auto& [room, allowed] : kAllowed) {
+    if (!fs::exists(kSource / room)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(kSource / room)) {
+      const std::string extension = entry.path().extension().string(), name = entry.path().filename().string();
+      const bool source = extension == ".h" || extension == ".cpp" || extension == ".comp" || extension == ".glsl";
+      if (!source || name.ends_with("_test.cpp")) continue;
+      for (const std::string& include : includesOf(entry.path())) {
+        const std::string first = include.substr(0, include.find('/'));
+        if (!kRooms.contains(first) && !kForeign.contains(first)) continue;
+        ++checked;
+        EXPECT_TRUE(first == room || allowed.contains(first)) << entry.path() << " includes " << include;
+        if (room == "shaders" && first == "engine") EXPECT_TRUE(kValueHeaders.contains(include)) << entry.path() << " includes " << include;
+      }
+    }
+  }
+  EXPECT_GT(checked, 50u);
+}
+
+// One operator's room does not look into another's.
+TEST(IncludeDirections, OperatorsKeepToThemselves) {
+  for (const auto& entry : fs::recursive_directory_iterator(kSource / "shaders")) {
+    const std::string own = fs::relative(entry.path(), kSource / "shaders").begin()->string();
+    if (!entry.is_regular_file() || own == "CMakeLists.txt") continue;
+    for (const std::string& include : includesOf(entry.path())) {
+      if (!include.starts_with("shaders/")) continue;
+      const std::string other = include.substr(8, include.find('/', 8) - 8);
+      EXPECT_TRUE(other == own || other == "common" || other == "programs.h") << entry.path() << " includes " << include;
+    }
+  }
+}
+
+}  // namespace

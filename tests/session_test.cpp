@@ -1,0 +1,108 @@
+// Memory aliasing and replay: the plan must not change a single bit of the picture.
+#include "graph/session.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/harness.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+struct Frame {
+  Frame(const NetworkConfig& config, FrameShape frame) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    const auto fill = [&](std::vector<float>& image, uint64_t pixels) {
+      image.resize(3 * pixels);
+      for (float& value : image) value = uniform(random);
+    };
+    fill(colour, uint64_t{frame.height} * frame.width);
+    auxiliary.resize(config.auxInputs.size());
+    for (auto& image : auxiliary) fill(image, uint64_t{frame.height} * frame.width * config.scale * config.scale);
+    output.resize(3 * colour.size() / 3 * config.scale * config.scale);
+  }
+  FrameInput input() const {
+    FrameInput in{colour};
+    for (const auto& image : auxiliary) in.auxiliary.emplace_back(image);
+    return in;
+  }
+  std::vector<float> colour, output;
+  std::vector<std::vector<float>> auxiliary;
+};
+
+const NetworkConfig kSmall{.scale = 2, .channels = 16, .auxChannels = 8, .groups = 2, .blocks = 2, .window = 4, .headChannels = 8,
+                           .kernels = 5, .auxSkip = true};
+
+class Aliasing : public testing::TestWithParam<std::tuple<Precision, KernelFamily>> {};
+
+TEST_P(Aliasing, NeverChangesABit) {
+  const auto [precision, family] = GetParam();
+  Gpu& gpu = test::gpu();
+  const DeviceTraits traits = gpu.traits();
+  DeviceTraits wanted = traits;
+  wanted.family = family;
+  wanted.maxStorageBufferRange = 64 * 1024;  // forces row bands as well
+  gpu.setTraits(wanted);
+  const ModelWeights model = ModelWeights::random(kSmall, 3);
+  const FrameShape shape{22, 29};
+  Frame frame(kSmall, shape);
+  Session aliased(gpu, model, shape, {.precision = precision});
+  Session unaliased(gpu, model, shape, {.precision = precision, .aliasing = false});
+  gpu.setTraits(traits);
+  Session unbanded(gpu, model, shape, {.precision = precision});
+  std::vector<float> expected(frame.output.size()), again(frame.output.size());
+  ASSERT_TRUE(unaliased.run(frame.input(), expected));
+  aliased.fillArena(0xffffffff);
+  ASSERT_TRUE(aliased.run(frame.input(), frame.output));
+  EXPECT_EQ(frame.output, expected);
+  ASSERT_TRUE(aliased.run(frame.input(), again));
+  EXPECT_EQ(again, expected);
+  if (family == traits.family) {
+    ASSERT_TRUE(unbanded.run(frame.input(), again));
+    EXPECT_EQ(again, expected);
+  }
+  EXPECT_LT(aliased.plan().byteSize, unaliased.plan().byteSize / 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Session, Aliasing,
+                         testing::Combine(testing::Values(Precision::fp32, Precision::fp16),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+
+TEST(Session, TakesAGivenExposure) {
+  const ModelWeights model = ModelWeights::random(kSmall, 3);
+  const FrameShape shape{5, 7};
+  Frame frame(kSmall, shape);
+  Session automatic(test::gpu(), model, shape, {});
+  ASSERT_TRUE(automatic.run(frame.input(), frame.output));
+  Session given(test::gpu(), model, shape, {.autoExposure = false});
+  FrameInput input = frame.input();
+  input.exposure = automatic.exposure();
+  std::vector<float> output(frame.output.size());
+  ASSERT_TRUE(given.run(input, output));
+  for (size_t i = 0; i < output.size(); ++i) ASSERT_NEAR(output[i], frame.output[i], 1e-4 * (1 + frame.output[i]));
+}
+
+TEST(Session, RefusesImagesOfAnotherSize) {
+  const ModelWeights model = ModelWeights::random(kSmall, 3);
+  Frame frame(kSmall, {5, 7});
+  Session session(test::gpu(), model, {5, 8}, {});
+  EXPECT_THROW(session.run(frame.input(), frame.output), Error);
+}
+
+TEST(Session, ProfilesEveryDispatch) {
+  const ModelWeights model = ModelWeights::random(kSmall, 3);
+  Frame frame(kSmall, {5, 7});
+  Session session(test::gpu(), model, {5, 7}, {.timestamps = true});
+  ASSERT_TRUE(session.run(frame.input(), frame.output));
+  const auto times = session.times();
+  ASSERT_GE(times.size(), session.graph().nodes.size());
+  double total = 0;
+  for (const DispatchTime& time : times) total += time.microseconds;
+  EXPECT_GT(total, 0);
+}
+
+}  // namespace
+}  // namespace xrds
