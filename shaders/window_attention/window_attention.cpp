@@ -1,0 +1,172 @@
+#include "shaders/window_attention/window_attention.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace xrds {
+namespace {
+
+uint32_t headCount(const WindowAttention& op) { return op.queries.channels / op.headChannels; }
+
+/// How the lane kernel shares a window and head among the lanes of subgroups.
+struct LaneShares {
+  uint32_t queries;   // of each lane
+  uint32_t keys;      // of each step
+  uint32_t blocks;    // subgroups for all queries
+  uint32_t keySteps;
+  bool paired;        // one half of the lanes holds keys, the other values: both lie in one tensor
+};
+
+bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
+  return device.family == KernelFamily::lane && device.shaderInt64 && device.subgroupSize >= 4 && op.headChannels <= 128;
+}
+
+LaneShares laneShares(const WindowAttention& op, uint32_t lanes) {
+  constexpr uint32_t kStepProducts = 2048;  // more do not fit the instruction caches of a CPU
+  const uint32_t tokens = op.window * op.window;
+  LaneShares shares{.queries = 8, .keys = std::max(4u, lanes / 2)};
+  while (shares.queries > 1 &&
+         (lanes * shares.queries > tokens || 2 * op.headChannels * shares.keys * shares.queries > kStepProducts))
+    shares.queries /= 2;
+  shares.blocks = ceilDivide(tokens, lanes * shares.queries);
+  shares.keySteps = ceilDivide(tokens, shares.keys);
+  shares.paired = lanes == 2 * shares.keys && op.keys.value == op.values.value && op.keys.type == op.values.type;
+  return shares;
+}
+
+/// Number of rows of windows that meet the rows, which are contiguous and cyclic in the shifted image.
+uint32_t windowRowCount(const WindowAttention& op, RowRange rows, uint32_t shiftedBegin) {
+  const uint32_t met = ceilDivide(shiftedBegin % op.window + rows.end - rows.begin, op.window);
+  return std::min(met, op.output.height / op.window);
+}
+
+/// Which of the bands that the shift keeps apart a position in the shifted image lies in.
+uint32_t region(uint32_t position, uint32_t size, const WindowAttention& op) {
+  return (position >= size - op.window) + (position >= size - op.shift);
+}
+
+double bias(const WindowAttention& op, uint32_t query, uint32_t key, uint32_t head) {
+  const uint32_t w = op.window;
+  const uint32_t row = (query / w + w - 1 - key / w) * (2 * w - 1) + query % w + w - 1 - key % w;
+  return op.biasTable[row * headCount(op) + head];
+}
+
+std::vector<float> laneBias(const WindowAttention& op, const LaneShares& shares, uint32_t lanes) {
+  constexpr double kLog2E = 1.4426950408889634;
+  const uint32_t w = op.window, tokens = w * w;
+  const uint32_t classes = op.shift == 0 ? 1 : 4, paddedQueries = shares.blocks * lanes * shares.queries;
+  const auto hidden = [&](uint32_t query, uint32_t key, uint32_t windowClass) {
+    const uint32_t edge = w - op.shift;
+    return ((windowClass & 1) && (query % w >= edge) != (key % w >= edge)) ||
+           ((windowClass & 2) && (query / w >= edge) != (key / w >= edge));
+  };
+  std::vector<float> packed;
+  packed.reserve(size_t{classes} * headCount(op) * shares.keySteps * paddedQueries * shares.keys);
+  for (uint32_t windowClass = 0; windowClass < classes; ++windowClass)
+    for (uint32_t head = 0; head < headCount(op); ++head)
+      for (uint32_t step = 0; step < shares.keySteps; ++step)
+        for (uint32_t padded = 0; padded < paddedQueries; ++padded)
+          for (uint32_t key = step * shares.keys; key < (step + 1) * shares.keys; ++key) {
+            const uint32_t query = std::min(padded, tokens - 1);
+            const bool seen = key < tokens && !hidden(query, key, windowClass);
+            packed.push_back(seen ? static_cast<float>(bias(op, query, key, head) * kLog2E) : -1e30f);
+          }
+  return packed;
+}
+
+}  // namespace
+
+TensorShape outputShape(const WindowAttention& op) {
+  const TensorShape shape = op.queries.shape();
+  for (const TensorView& view : {op.queries, op.keys, op.values}) checkView(view, shape);
+  XRDS_CHECK_LE(2u, op.window);
+  XRDS_CHECK_LE(op.window, 16u);
+  XRDS_CHECK(op.shift == 0 || 2 * op.shift == op.window);
+  XRDS_CHECK_LT(0u, shape.height);
+  XRDS_CHECK_LT(0u, shape.width);
+  XRDS_CHECK_EQ(shape.height % op.window, 0u);
+  XRDS_CHECK_EQ(shape.width % op.window, 0u);
+  XRDS_CHECK_LT(0u, op.headChannels);
+  XRDS_CHECK_EQ(op.headChannels % 4, 0u);
+  XRDS_CHECK_EQ(shape.channels % op.headChannels, 0u);
+  const size_t relativePositions = size_t{2 * op.window - 1} * (2 * op.window - 1);
+  XRDS_CHECK_EQ(op.biasTable.size(), relativePositions * headCount(op));
+  return shape;
+}
+
+Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
+  const TensorShape shape = outputShape(op);
+  checkView(op.output, shape);
+  const RowRange rows = resolve(op.rows, shape.height);
+  const uint32_t shiftedBegin = (rows.begin + shape.height - op.shift) % shape.height;
+  const uint32_t windowRows = windowRowCount(op, rows, shiftedBegin), windowColumns = shape.width / op.window;
+  shader::WindowAttentionParams params{
+      .queries = sliceOf(op.queries), .keys = sliceOf(op.keys), .values = sliceOf(op.values),
+      .target = sliceOf(op.output), .width = shape.width, .height = shape.height, .rowBegin = rows.begin,
+      .rowEnd = rows.end, .shift = op.shift, .firstWindowRow = shiftedBegin / op.window,
+      .headCount = headCount(op), .storeOrigin = storeOrigin(op.output, rows)};
+  Dispatch result{.bindings = {readTexels(op.queries), readTexels(op.keys), readTexels(op.values),
+                               readWeights(DataType::f32), writeRows(op.output, rows)},
+                  .pushConstants = pushBytes(params)};
+  result.multiplyAdds = 2ull * windowRows * windowColumns * shape.channels * op.window * op.window * op.window * op.window;
+  if (laneFits(op, device)) {
+    const LaneShares shares = laneShares(op, device.subgroupSize);
+    result.program = programName("window_attention", KernelFamily::lane, op.output.type);
+    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys, shares.paired};
+    result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
+  } else {
+    result.program = programName("window_attention", KernelFamily::plain, op.output.type);
+    result.specialization = {op.window, op.headChannels};
+    result.groupCount = {ceilDivide(shape.width * op.window, 64), windowRows, headCount(op)};
+  }
+  return result;
+}
+
+std::vector<float> packedWeights(const WindowAttention& op, const DeviceTraits& device) {
+  outputShape(op);
+  if (laneFits(op, device)) return laneBias(op, laneShares(op, device.subgroupSize), device.subgroupSize);
+  std::vector<float> packed(op.biasTable.begin(), op.biasTable.end());
+  packed.resize((packed.size() + 3) / 4 * 4);
+  return packed;
+}
+
+void reference(const WindowAttention& op, HostMemory& memory) {
+  const auto [height, width, channels] = outputShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  const uint32_t w = op.window, d = op.headChannels;
+  std::vector<double> weights(w * w);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t head = 0; head < channels / d; ++head) {
+        const uint32_t sy = (y + height - op.shift) % height, sx = (x + width - op.shift) % width;  // shifted image
+        const auto keyPosition = [&](uint32_t key) {
+          return std::pair{sy / w * w + key / w, sx / w * w + key % w};
+        };
+        const auto keyPixel = [&](uint32_t key) {
+          const auto [ky, kx] = keyPosition(key);
+          return std::pair{(ky + op.shift) % height, (kx + op.shift) % width};
+        };
+        double highest = -INFINITY, sum = 0;
+        for (uint32_t key = 0; key < w * w; ++key) {
+          const auto [ky, kx] = keyPosition(key);
+          const auto [py, px] = keyPixel(key);
+          double product = 0;
+          for (uint32_t c = head * d; c < (head + 1) * d; ++c)
+            product += memory.at(op.queries, y, x, c) * memory.at(op.keys, py, px, c);
+          const bool seen = region(ky, height, op) == region(sy, height, op) && region(kx, width, op) == region(sx, width, op);
+          weights[key] = seen ? product / std::sqrt(d) + bias(op, sy % w * w + sx % w, key, head) : -INFINITY;
+          highest = std::max(highest, weights[key]);
+        }
+        for (double& weight : weights) sum += weight = std::exp(weight - highest);
+        for (uint32_t c = head * d; c < (head + 1) * d; ++c) {
+          double result = 0;
+          for (uint32_t key = 0; key < w * w; ++key) {
+            const auto [py, px] = keyPixel(key);
+            result += weights[key] / sum * memory.at(op.values, py, px, c);
+          }
+          memory.at(op.output, y, x, c) = result;
+        }
+      }
+}
+
+}  // namespace xrds
