@@ -13,7 +13,7 @@
 namespace xrds {
 namespace {
 
-constexpr std::int64_t kMaxBlockByteSize = std::int64_t{4} << 30;
+constexpr std::int64_t kMaxBlockByteSize = std::int64_t{1} << 30;
 
 ExrPixelType pixelTypeOf(Imf::PixelType type) {
   switch (type) {
@@ -77,15 +77,15 @@ void checkSize(const ExrFile& file, const Window& window, const Imf::Header& hea
   }
   const std::int64_t blockWidth =
       header.hasTileDescription() ? std::max<std::int64_t>(width, header.tileDescription().xSize) : width;
-  std::int64_t channelCount = 0;
-  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-    ++channelCount;
+  std::int64_t pixelByteSize = 0;
+  for (auto entry = header.channels().begin(); entry != header.channels().end(); ++entry) {
+    pixelByteSize += entry.channel().type == Imf::HALF ? 2 : 4;
   }
-  const double blockByteSize = static_cast<double>(blockWidth) * static_cast<double>(rowsPerBlock(header)) *
-                               static_cast<double>(channelCount) * sizeof(float);
+  const double blockByteSize =
+      static_cast<double>(blockWidth) * static_cast<double>(rowsPerBlock(header)) * static_cast<double>(pixelByteSize);
   if (blockByteSize > static_cast<double>(kMaxBlockByteSize)) {
-    throw Error("cannot read '" + file.path.string() + "': expected blocks of at most 4 GiB, found " +
-                std::to_string(channelCount) + " channels in blocks of " + std::to_string(blockWidth) + " x " +
+    throw Error("cannot read '" + file.path.string() + "': expected blocks of at most 1 GiB, found " +
+                std::to_string(pixelByteSize) + " bytes a pixel in blocks of " + std::to_string(blockWidth) + " x " +
                 std::to_string(rowsPerBlock(header)) + " pixels; check that it is intact");
   }
 }

@@ -75,12 +75,11 @@ Imf::Header headerFor(const Image& image, const ExrOutput& output) {
   Imf::Header header(boxOf(output.displayWindow), boxOf(output.dataWindow));
   const Imf::Header& source = output.attributes.stored().header;
   for (auto entry = source.begin(); entry != source.end(); ++entry) {
-    if (describesPicture(entry.name())) {
+    if (describesPicture(entry.name()) && !output.texts.contains(entry.name())) {
       header.insert(entry.name(), entry.attribute());
     }
   }
   for (const auto& [name, text] : output.texts) {
-    header.erase(name);
     header.insert(name, Imf::StringAttribute(text));
   }
   header.compression() = Imf::ZIP_COMPRESSION;

@@ -1,0 +1,197 @@
+#include "image/aov.h"
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+
+#include "image/aov_candidates.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+using Candidates = std::vector<AovCandidate>;
+
+std::string optionName(AovRole role) { return role == AovRole::kColor ? "--color" : "--" + toString(role); }
+
+void keepIf(Candidates& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
+  std::erase_if(candidates, [&](const AovCandidate& candidate) { return !wanted(candidate); });
+}
+
+// Drops what fails the test unless everything does.
+void preferIf(Candidates& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
+  if (std::any_of(candidates.begin(), candidates.end(), wanted)) {
+    keepIf(candidates, wanted);
+  }
+}
+
+bool isNoisyRender(const AovCandidate& c) { return namesNoisyRender(c.stem); }
+
+// The noisy render of the view layer that a finished render belongs to.
+bool hasNoisyTwin(const Candidates& all, const AovCandidate& finished) {
+  return namesFinishedRender(finished.stem) && std::any_of(all.begin(), all.end(), [&](const AovCandidate& other) {
+           return isNoisyRender(other) && other.prefix == finished.prefix && other.pixelCount == finished.pixelCount &&
+                  other.view == finished.view;
+         });
+}
+
+std::optional<int> rankOf(const AovCandidate& candidate, AovRole role) {
+  std::optional<int> rank = aovRank(role, candidate.stem);
+  // Blender's compositor adds its own result, under this name, to the layers of the renderer.
+  constexpr int kBehindTheRenderers = 50;
+  if (rank && plainName(candidate.prefix) == "composite") {
+    *rank += kBehindTheRenderers;
+  }
+  return rank;
+}
+
+bool servesAnotherRole(const AovCandidate& candidate) {
+  return aovRank(AovRole::kAlbedo, candidate.stem) || aovRank(AovRole::kNormal, candidate.stem) ||
+         plainName(candidate.stem).starts_with("crypto");
+}
+
+// The best names of all candidates; for colour, failing that, whatever has no other meaning.
+Candidates bestByName(const Candidates& all, AovRole role) {
+  std::optional<int> best;
+  for (const AovCandidate& candidate : all) {
+    const std::optional<int> rank = rankOf(candidate, role);
+    best = rank && (!best || *rank < *best) ? rank : best;
+  }
+  Candidates result = all;
+  if (best) {
+    keepIf(result, [&](const AovCandidate& c) { return rankOf(c, role) == best; });
+    keepIf(result, [&](const AovCandidate& c) { return !hasNoisyTwin(all, c); });
+  } else {
+    keepIf(result, [&](const AovCandidate& c) { return role == AovRole::kColor && !servesAnotherRole(c); });
+  }
+  return result;
+}
+
+void preferBySize(Candidates& candidates, AovRole role) {
+  const auto smaller = [](const AovCandidate& a, const AovCandidate& b) { return a.pixelCount < b.pixelCount; };
+  const auto [smallest, largest] = std::minmax_element(candidates.begin(), candidates.end(), smaller);
+  if (smallest != candidates.end()) {
+    const std::int64_t wanted = role == AovRole::kColor ? smallest->pixelCount : largest->pixelCount;
+    keepIf(candidates, [&](const AovCandidate& c) { return c.pixelCount == wanted; });
+  }
+}
+
+bool isUnnamed(const AovCandidate& candidate) { return candidate.stem.empty() && candidate.prefix.empty(); }
+
+// The candidates that a user's name means: the strictest reading of it under which there are any.
+Candidates namedBy(const ExrFile& file, Candidates candidates, std::string name) {
+  std::size_t part = 0;
+  const char* end = name.data() + name.size();
+  const auto [rest, failure] = std::from_chars(name.data(), end, part);
+  if (failure == std::errc() && rest != end && *rest == ':') {
+    keepIf(candidates, [&](const AovCandidate& c) { return c.selection.part == part; });
+    name.erase(0, static_cast<std::size_t>(rest - name.data()) + 1);
+  }
+  const std::string plain = plainName(name);
+  const bool meansUnnamed = plain.empty() || plain == "(unnamed)" || plain == "rgb" || plain == "rgba";
+  const auto partName = [&](const AovCandidate& c) { return file.parts[c.selection.part].name; };
+  const std::function<bool(const AovCandidate&)> readings[] = {
+      [&](const AovCandidate& c) { return c.selection.layer == name; },
+      [&](const AovCandidate& c) { return plainName(c.selection.layer) == plain; },
+      [&](const AovCandidate& c) { return !name.empty() && partName(c) == name; },
+      [&](const AovCandidate& c) { return !name.empty() && plainName(c.stem) == plain; },
+      [&](const AovCandidate& c) { return meansUnnamed && (isUnnamed(c) || !c.standsAlone); }};
+  for (const auto& reading : readings) {
+    Candidates matching = candidates;
+    keepIf(matching, reading);
+    if (!matching.empty()) {
+      return matching;
+    }
+  }
+  return {};
+}
+
+const AovCandidate& single(const ExrFile& file, AovRole role, const std::string& name, const Candidates& found) {
+  const std::string remedy = "; name the one to use with " + optionName(role) + " LAYER; " + describe(file);
+  if (found.empty()) {
+    throw Error("no " + toString(role) + " in '" + file.path.string() + "': expected " +
+                (name.empty() ? "a layer of a known name" : "a layer '" + name + "'") +
+                " with three floating-point channels, found none" + remedy);
+  }
+  if (found.size() > 1) {
+    std::string list;
+    for (const AovCandidate& candidate : found) {
+      list += (list.empty() ? "" : ", ") + std::to_string(candidate.selection.part) + ":" + candidate.selection.layer;
+    }
+    throw Error("the " + toString(role) + " in '" + file.path.string() + "' is ambiguous: expected one layer, found " +
+                list + remedy);
+  }
+  return found.front();
+}
+
+AovCandidate choose(const ExrFile& file, AovRole role, const std::string& name, const AovCandidate* color) {
+  Candidates candidates = aovCandidates(file, role);
+  if (name.empty()) {
+    keepIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
+    candidates = bestByName(candidates, role);
+  } else {
+    candidates = namedBy(file, candidates, name);
+  }
+  preferBySize(candidates, role);
+  if (color != nullptr) {
+    preferIf(candidates, [&](const AovCandidate& c) { return c.prefix == color->prefix; });
+  }
+  return single(file, role, name, candidates);
+}
+
+// Cycles stores alpha with every colour pass; should the noisy one lack it, the finished one of its view layer has it.
+std::optional<ExrSelection> alphaFor(const ExrFile& file, const AovCandidate& color) {
+  if (color.alpha || !isNoisyRender(color)) {
+    return color.alpha;
+  }
+  for (const AovCandidate& other : aovCandidates(file, AovRole::kColor)) {
+    if (namesFinishedRender(other.stem) && other.prefix == color.prefix &&
+        other.selection.part == color.selection.part) {
+      return other.alpha;
+    }
+  }
+  return std::nullopt;
+}
+
+void noteChoice(Aovs& result, const ExrFile& file, const AovCandidate& color, const std::string& request) {
+  if (!request.empty()) {
+    return;
+  }
+  const Candidates all = aovCandidates(file, AovRole::kColor);
+  if (isNoisyRender(color) && std::any_of(all.begin(), all.end(), [&](const AovCandidate& c) {
+        return namesFinishedRender(c.stem) && c.prefix == color.prefix;
+      })) {
+    result.notes.push_back("The colour is '" + color.selection.layer +
+                           "', the render before denoising; '--color Combined' takes the denoised one.");
+  }
+  if (!rankOf(color, AovRole::kColor)) {
+    result.notes.push_back("The colour is '" + color.selection.layer +
+                           "', the only layer that is neither albedo nor normal.");
+  }
+  if (std::any_of(all.begin(), all.end(), [](const AovCandidate& c) { return !c.view.empty(); })) {
+    result.notes.push_back("Only the default view of '" + file.path.string() + "' is used.");
+  }
+}
+
+}  // namespace
+
+Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request) {
+  const AovCandidate color = choose(colorFile, AovRole::kColor, request.color, nullptr);
+  Aovs result;
+  result.color = color.selection;
+  result.alpha = alphaFor(colorFile, color);
+  if (request.albedoNeeded) {
+    result.albedo = choose(auxFile, AovRole::kAlbedo, request.albedo, &color).selection;
+  }
+  if (request.normalNeeded) {
+    result.normal = choose(auxFile, AovRole::kNormal, request.normal, &color).selection;
+  }
+  noteChoice(result, colorFile, color, request.color);
+  return result;
+}
+
+ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name) {
+  return choose(file, role, name, nullptr).selection;
+}
+
+}  // namespace xrds

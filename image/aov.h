@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/aov_names.h"
+#include "image/exr_file.h"
+#include "image/exr_read.h"
+
+namespace xrds {
+
+/// Which layers the user named, and which are needed at all. An empty name means: find it by convention. A name is a
+/// layer's full name ("ViewLayer.Denoising Albedo"), the name of a part, a layer's own name ("albedo"), or any of them
+/// after a part's number and a colon ("1:albedo"); "(unnamed)", "RGB" and "RGBA" also stand for the unnamed layer.
+struct AovRequest {
+  std::string color;
+  std::string albedo;
+  std::string normal;
+  bool albedoNeeded = true;
+  bool normalNeeded = true;
+};
+
+/// The layers to read: colour and alpha from the colour file, albedo and normal from the auxiliary file.
+struct Aovs {
+  ExrSelection color;
+  std::optional<ExrSelection> alpha;   ///< One channel beside the colour, where there is one.
+  std::optional<ExrSelection> albedo;  ///< Nothing when it is not needed.
+  std::optional<ExrSelection> normal;  ///< Nothing when it is not needed.
+  std::vector<std::string> notes;      ///< Choices a user may want to know of, one sentence each.
+};
+
+/// Finds colour in `colorFile`, albedo and normal in `auxFile`, which may be the same file with parts of different
+/// sizes. Where names are equally good, colour comes from the smallest part and the others from the largest, and from
+/// the view layer of the colour. Cycles' "Noisy Image" goes before "Combined", which is denoised when both are there.
+/// Views other than the default one are left alone. Throws Error, listing what the file holds, when a needed layer is
+/// absent or several fit equally well.
+[[nodiscard]] Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request = {});
+
+/// Finds one layer in one file, by convention or, when `name` is not empty, by that name. Throws as findAovs does.
+[[nodiscard]] ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name = "");
+
+}  // namespace xrds

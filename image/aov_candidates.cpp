@@ -1,0 +1,134 @@
+#include "image/aov_candidates.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace xrds {
+namespace {
+
+using Triple = std::array<std::string_view, 3>;
+
+constexpr Triple kRgb = {"r", "g", "b"};
+constexpr Triple kWords = {"red", "green", "blue"};
+constexpr Triple kXyz = {"x", "y", "z"};
+
+const ExrChannel* findChannel(const ExrLayer& layer, const std::string& plainSuffix) {
+  const auto found = std::find_if(layer.channels.begin(), layer.channels.end(), [&](const ExrChannel& channel) {
+    return plainName(channel.suffix) == plainSuffix && channel.type != ExrPixelType::kUint && channel.xSampling == 1 &&
+           channel.ySampling == 1;
+  });
+  return found == layer.channels.end() ? nullptr : &*found;
+}
+
+// The full names of the channels `start` + triple; empty unless all three are there.
+std::vector<std::string> findTriple(const ExrLayer& layer, const Triple& triple, const std::string& start = "") {
+  std::vector<std::string> names;
+  for (const std::string_view suffix : triple) {
+    const ExrChannel* channel = findChannel(layer, start + std::string(suffix));
+    if (channel == nullptr) {
+      return {};
+    }
+    names.push_back(channel->name);
+  }
+  return names;
+}
+
+std::vector<std::string> findTriple(const ExrLayer& layer, AovRole role) {
+  std::vector<const Triple*> order = {&kRgb, &kWords};
+  if (role == AovRole::kNormal) {
+    order.insert(order.begin(), &kXyz);
+  } else if (role == AovRole::kAlbedo) {
+    order.push_back(&kXyz);
+  }
+  for (const Triple* triple : order) {
+    std::vector<std::string> names = findTriple(layer, *triple);
+    if (!names.empty()) {
+      return names;
+    }
+  }
+  return {};
+}
+
+std::pair<std::string, std::string> splitAtLastDot(const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  return dot == std::string::npos ? std::pair<std::string, std::string>{"", name}
+                                  : std::pair(name.substr(0, dot), name.substr(dot + 1));
+}
+
+// Takes the view off the end of a layer's name, as `layer.view` has it in files of several views.
+std::string takeView(const ExrFile& file, std::string& layerName) {
+  const auto [rest, last] = splitAtLastDot(layerName);
+  if (std::find(file.views.begin(), file.views.end(), last) == file.views.end()) {
+    return "";
+  }
+  layerName = rest;
+  return last;
+}
+
+std::string defaultView(const ExrFile& file) {
+  if (!file.views.empty()) {
+    return file.views.front();
+  }
+  const auto part =
+      std::find_if(file.parts.begin(), file.parts.end(), [](const ExrPart& p) { return !p.view.empty(); });
+  return part == file.parts.end() ? "" : part->view;
+}
+
+AovCandidate candidateOf(const ExrFile& file, std::size_t number, const ExrLayer& layer,
+                         std::vector<std::string> channelNames, const std::string& ownName) {
+  const ExrPart& part = file.parts[number];
+  AovCandidate candidate;
+  std::string name = ownName;
+  candidate.view = takeView(file, name);
+  if (name.empty() && file.parts.size() > 1 && !part.name.empty()) {
+    name = part.name;
+    takeView(file, name);
+    candidate.standsAlone = false;
+  }
+  candidate.selection = {number, name.empty() ? "(unnamed)" : name, std::move(channelNames)};
+  if (!candidate.view.empty()) {
+    candidate.selection.layer += "." + candidate.view;
+  }
+  std::tie(candidate.prefix, candidate.stem) = splitAtLastDot(name);
+  if (candidate.view.empty()) {
+    candidate.view = part.view;
+  }
+  if (candidate.view == defaultView(file)) {
+    candidate.view.clear();
+  }
+  candidate.pixelCount = part.dataWindow.width() * part.dataWindow.height();
+  for (const char* suffix : {"a", "alpha"}) {
+    if (const ExrChannel* alpha = findChannel(layer, suffix); alpha != nullptr && !candidate.alpha) {
+      candidate.alpha = ExrSelection{number, candidate.selection.layer, {alpha->name}};
+    }
+  }
+  return candidate;
+}
+
+}  // namespace
+
+std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role) {
+  std::vector<AovCandidate> result;
+  for (std::size_t number = 0; number < file.parts.size(); ++number) {
+    if (file.parts[number].deep) {
+      continue;
+    }
+    for (const ExrLayer& layer : file.parts[number].layers) {
+      if (auto names = findTriple(layer, role); !names.empty()) {
+        result.push_back(candidateOf(file, number, layer, std::move(names), layer.name));
+      }
+      // pbrt wrote Nsx, Nsy, Nsz without a dot until 2023.
+      if (role == AovRole::kNormal && layer.name.empty()) {
+        for (const char* stem : {"Ns", "N"}) {
+          if (auto names = findTriple(layer, kXyz, plainName(stem)); !names.empty()) {
+            result.push_back(candidateOf(file, number, layer, std::move(names), stem));
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace xrds

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/aov_names.h"
+#include "image/exr_file.h"
+#include "image/exr_read.h"
+
+namespace xrds {
+
+/// A layer that could serve a role because it has the three channels for it, whatever its name.
+struct AovCandidate {
+  ExrSelection selection;
+  std::string prefix;       ///< What stands before the layer's own name: Cycles' view layer.
+  std::string stem;         ///< The layer's own name, without view.
+  std::string view;         ///< Empty for the default view.
+  bool standsAlone = true;  ///< False for an unnamed layer in one of several parts, whose name then decides.
+  std::int64_t pixelCount = 0;
+  std::optional<ExrSelection> alpha;
+};
+
+/// The layers of a file that have R, G, B (for normals and albedo also X, Y, Z), in upper or lower case and any order,
+/// as floating-point numbers, one a pixel. Deep parts offer none.
+[[nodiscard]] std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role);
+
+}  // namespace xrds

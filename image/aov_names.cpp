@@ -1,0 +1,104 @@
+#include "image/aov_names.h"
+
+#include <algorithm>
+#include <cctype>
+#include <span>
+
+namespace xrds {
+namespace {
+
+struct RankedName {
+  std::string_view name;
+  int rank;
+};
+
+// Cycles keeps the raw render beside a denoised Combined. The two share a rank, so that two view layers of which only
+// one was denoised stay ambiguous; the choice within one view layer is made where layers are compared.
+constexpr RankedName kColorNames[] = {
+    {"noisy_image", 0},  // Cycles, when it denoises
+    {"combined", 0},     // Cycles
+    {"", 1},             // pbrt, Mitsuba, Arnold, most others
+    {"rgba", 2},
+    {"rgb", 2},
+    {"beauty", 2},  // Arnold with preserved layer names, and plain words
+    {"ci", 2},      // RenderMan
+    {"c", 3},       // Karma
+    {"color", 4},
+    {"colour", 4},
+    {"radiance", 4},  // plain words
+    {"image", 5},     // Mitsuba names nested integrators, often so
+};
+
+constexpr RankedName kAlbedoNames[] = {
+    {"denoising_albedo", 0},      // Cycles
+    {"denoise_albedo", 1},        // Arnold
+    {"albedo", 2},                // pbrt, Mitsuba, RenderMan, LuxCore
+    {"denoise_albedo_noice", 3},  // Arnold, for its own denoiser
+    {"diffuse_albedo", 4},
+    {"diffuse_albedo_noice", 5},  // Arnold
+    {"base_color", 6},
+    {"basecolor", 6},  // plain words
+};
+
+constexpr RankedName kNormalNames[] = {
+    {"denoising_normal", 0},    // Cycles
+    {"ns", 1},                  // pbrt, shading normal
+    {"sh_normal", 1},           // Mitsuba
+    {"avg_shading_normal", 1},  // LuxCore
+    {"denoise_normal", 2},      // plain word
+    {"shading_normal", 3},      // LuxCore, one sample
+    {"normal", 4},
+    {"normals", 4},  // RenderMan, plain words
+    {"n", 5},
+    {"nn", 5},       // Arnold, Karma; Mitsuba's manual
+    {"n_noice", 6},  // Arnold, for its own denoiser
+    {"geo_normal", 7},
+    {"geometry_normal", 7},  // unshaded normals, when there is nothing better
+};
+
+std::span<const RankedName> namesOf(AovRole role) {
+  switch (role) {
+    case AovRole::kColor:
+      return kColorNames;
+    case AovRole::kAlbedo:
+      return kAlbedoNames;
+    default:
+      return kNormalNames;
+  }
+}
+
+}  // namespace
+
+std::string toString(AovRole role) {
+  switch (role) {
+    case AovRole::kColor:
+      return "colour";
+    case AovRole::kAlbedo:
+      return "albedo";
+    default:
+      return "normal";
+  }
+}
+
+std::string plainName(std::string_view name) {
+  std::string plain(name);
+  std::transform(plain.begin(), plain.end(), plain.begin(), [](unsigned char letter) {
+    return letter == ' ' || letter == '-' ? '_' : static_cast<char>(std::tolower(letter));
+  });
+  return plain;
+}
+
+std::optional<int> aovRank(AovRole role, std::string_view name) {
+  const std::string plain = plainName(name);
+  for (const RankedName& known : namesOf(role)) {
+    if (known.name == plain) {
+      return known.rank;
+    }
+  }
+  return std::nullopt;
+}
+
+bool namesNoisyRender(std::string_view name) { return plainName(name) == "noisy_image"; }
+bool namesFinishedRender(std::string_view name) { return plainName(name) == "combined"; }
+
+}  // namespace xrds

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+
+namespace xrds {
+
+/// What the values of one layer look like; non-finite values are counted and otherwise left out.
+struct LayerStatistics {
+  double minimum = 0.0;
+  double maximum = 0.0;
+  double mean = 0.0;
+  std::size_t nonFiniteCount = 0;
+  double zeroPixelShare = 0.0;  ///< The share of pixels, 0 to 1, whose channels are all 0.
+};
+
+/// The statistics of all values of a layer; of an empty image, zeros.
+[[nodiscard]] LayerStatistics statisticsOf(const Image& image);
+
+/// The statistics as text, such as "minimum 0, maximum 0.97, mean 0.41, 12 % of the pixels black".
+[[nodiscard]] std::string toString(const LayerStatistics& statistics);
+
+/// A layer to check and the name under which the user knows it.
+struct NamedLayer {
+  std::string name;
+  const Image* image = nullptr;
+};
+
+/// What is suspicious about an albedo layer: nothing but zeros, one value everywhere, negative values, more than one
+/// pixel in a hundred above 1. One sentence each, with the layer's name and statistics.
+[[nodiscard]] std::vector<std::string> checkAlbedo(const NamedLayer& albedo);
+
+/// What is suspicious about a normal layer: nothing but zeros, one value everywhere, values beyond [-1, 1], normals
+/// stored as n / 2 + 1 / 2.
+[[nodiscard]] std::vector<std::string> checkNormal(const NamedLayer& normal);
+
+/// Whether a layer of three channels looks like unit normals stored as n / 2 + 1 / 2: no negative value, and 2 v - 1
+/// has unit length for most of the pixels that are not black while v has not.
+[[nodiscard]] bool looksEncoded(const Image& normal);
+
+}  // namespace xrds
