@@ -1,0 +1,84 @@
+#include "shaders/exposure/exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+using test::view;
+
+Exposure exposureOf(uint32_t height, uint32_t width, DataType type = DataType::f32) {
+  return {.colour = view(0, type, height, width, 4), .output = view(1, DataType::f32, 1, 1, 4)};
+}
+
+// Radiances over six decades around `level`, every fifth of them negative or zero.
+std::vector<float> radiances(size_t count, float level) {
+  auto values = test::randomNumbers(count, 7);
+  for (size_t i = 0; i < count; ++i) values[i] = i % 5 ? level * std::exp(7 * values[i]) : std::min(values[i], 0.0f);
+  return values;
+}
+
+struct Shape {
+  uint32_t height, width;
+};
+
+class ExposureShapes : public testing::TestWithParam<Shape> {};
+
+// The comparison is relative to the RMS of (e, 1 / e, count, 0): a dark image tests e, a bright one 1 / e.
+TEST_P(ExposureShapes, MatchesReference) {
+  const auto [height, width] = GetParam();
+  const size_t count = size_t{height} * width * 4;
+  const Exposure op = exposureOf(height, width);
+  for (const float level : {1e-5f, 1.0f, 1e7f})
+    test::expectMatchesReference(op, {{0, radiances(count, level)}});
+  test::expectMatchesReference(exposureOf(height, width, DataType::f16), {{0, radiances(count, 1.0f)}});
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ExposureShapes,
+                         testing::Values(Shape{1, 1}, Shape{1, 3}, Shape{17, 15}, Shape{1, 256}, Shape{257, 1},
+                                         Shape{131, 127}, Shape{200, 300}));
+
+TEST(Exposure, ReadsASlice) {
+  test::expectMatchesReference(Exposure{.colour = view(0, DataType::f32, 5, 7, 4, 4, 12),
+                                        .output = view(1, DataType::f32, 1, 1, 4, 8, 16)},
+                               {{0, radiances(5 * 7 * 12, 1e-4f)}});
+}
+
+TEST(Exposure, OfAConstantImageIsTheKeyOverItsLuminance) {
+  HostMemory memory;
+  const Exposure op = exposureOf(3, 5);
+  for (uint32_t i = 0; i < 15; ++i)
+    for (uint32_t c = 0; c < 3; ++c) memory.at(op.colour, i / 5, i % 5, c) = 0.36;
+  reference(op, memory);
+  EXPECT_NEAR(memory.at(op.output, 0, 0, 0), 0.5, 1e-12);
+  EXPECT_NEAR(memory.at(op.output, 0, 0, 1), 2, 1e-12);
+  EXPECT_EQ(memory.at(op.output, 0, 0, 2), 15);
+}
+
+TEST(Exposure, LeavesOutBlackAndNonFinitePixels) {
+  const float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<float> pixels{1e-3f, 2e-3f, 3e-3f, 9, 1e-9f, 1e-9f, 1e-9f, 0, nan, 1, 1, 0,
+                                  1, infinity, 1, 0, 1, -infinity, 1, 0, -1, -1, -1, 0, 4e-3f, 1e-3f, 0, nan};
+  test::expectMatchesReference(exposureOf(1, 7), {{0, pixels}});
+}
+
+TEST(Exposure, OfABlackImageIsOne) {
+  HostMemory memory;
+  reference(exposureOf(2, 2), memory);
+  EXPECT_EQ(memory.at(exposureOf(2, 2).output, 0, 0, 0), 1);
+  test::expectMatchesReference(exposureOf(2, 2), {{0, std::vector<float>(16, 0.0f)}});
+}
+
+TEST(Exposure, RefusesAHalfFloatResult) {
+  Exposure op = exposureOf(2, 2);
+  op.output.type = DataType::f16;
+  EXPECT_THROW(dispatch(op, {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace xrds

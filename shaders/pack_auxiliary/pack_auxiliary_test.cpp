@@ -1,0 +1,71 @@
+#include "shaders/pack_auxiliary/pack_auxiliary.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+using test::view;
+
+struct Shape {
+  uint32_t height, width, paddedHeight, paddedWidth, channels;
+  int albedoOffset = -1;
+  RowRange rows{};
+  uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
+};
+
+// Odd ones first: one pixel padded to many, no padding, the albedo across two texels, slices, rows inside and beyond.
+constexpr Shape kShapes[] = {{1, 1, 8, 8, 4, 0},
+                             {5, 7, 8, 8, 8, 0},
+                             {3, 5, 3, 5, 8},
+                             {13, 17, 16, 24, 12, 3},
+                             {13, 17, 16, 24, 12, 6, {3, 11}},
+                             {9, 31, 16, 32, 12, 9, {9, 16}},
+                             {6, 6, 8, 8, 8, 5, {0, 1}, 4, 16, 8, 20},
+                             {64, 64, 64, 64, 8, 0}};
+
+std::vector<float> values(const Shape& s) {
+  auto numbers = test::randomNumbers(size_t{s.height} * s.width * (s.inputStride ? s.inputStride : s.channels), 3);
+  for (float& number : numbers) number *= 8;  // beyond the clamp on both sides
+  return numbers;
+}
+
+PackAuxiliary packOf(const Shape& s, DataType inputType = DataType::f32, DataType outputType = DataType::f32) {
+  return {.input = view(0, inputType, s.height, s.width, s.channels, s.inputOffset, s.inputStride),
+          .output = view(1, outputType, s.paddedHeight, s.paddedWidth, s.channels, s.outputOffset, s.outputStride),
+          .albedoOffset = s.albedoOffset,
+          .rows = s.rows};
+}
+
+class PackAuxiliaryShapes : public testing::TestWithParam<std::tuple<Shape, DataType, DataType>> {};
+
+TEST_P(PackAuxiliaryShapes, MatchesReference) {
+  const auto& [s, inputType, outputType] = GetParam();
+  test::expectMatchesReference(packOf(s, inputType, outputType), {{0, values(s)}});
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PackAuxiliaryShapes,
+                         testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
+                                          testing::Values(DataType::f32, DataType::f16)));
+
+TEST(PackAuxiliary, ClampsTheAlbedoOnlyAndRepeatsTheEdge) {
+  const PackAuxiliary op = packOf({1, 1, 2, 2, 8, 3});
+  HostMemory memory;
+  memory.storage(op.input) = {9, -9, 9, 9, -9, 2, 9, -9};
+  reference(op, memory);
+  const std::vector<double> pixel{9, -9, 9, 4, 0, 2, 9, -9};
+  for (uint32_t i = 0; i < 32; ++i) EXPECT_EQ(memory.storage(op.output)[i], pixel[i % 8]);
+}
+
+TEST(PackAuxiliary, RefusesWhatDoesNotFit) {
+  EXPECT_THROW(dispatch(packOf({8, 8, 4, 8, 8, 0}), {}), std::logic_error);
+  EXPECT_THROW(dispatch(packOf({8, 8, 8, 8, 8, 6}), {}), std::logic_error);
+  PackAuxiliary op = packOf({8, 8, 8, 8, 8, 0});
+  op.output = view(1, DataType::f32, 8, 8, 4);
+  EXPECT_THROW(dispatch(op, {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace xrds
