@@ -1,0 +1,65 @@
+"""Renders one sample scene: low-resolution colour, full-resolution auxiliaries, reference.
+
+blender -b --factory-startup -noaudio -P samples/render.py -- --scene interior --out samples
+"""
+import argparse
+import importlib
+import os
+import sys
+import time
+
+import bpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "scenes"))
+import exr  # noqa: E402
+import passes  # noqa: E402
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="render.py", description=__doc__)
+    parser.add_argument("--scene", required=True, choices=("interior", "outdoor", "glossy"))
+    parser.add_argument("--out", required=True, help="folder for the three files")
+    parser.add_argument("--width", type=int, default=512)
+    parser.add_argument("--height", type=int, default=384)
+    parser.add_argument("--scale", type=int, default=4, help="full size over low-resolution size")
+    parser.add_argument("--samples", type=int, default=64, help="of the low-resolution colour")
+    parser.add_argument("--aux-samples", type=int, default=16)
+    parser.add_argument("--reference-samples", type=int, default=1024)
+    parser.add_argument("--threads", type=int, default=0, help="0: all")
+    parser.add_argument("--preview", type=int, default=0, metavar="SAMPLES", help="only a small image NAME_preview.exr")
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+
+
+def timed(name, path, scene, *settings, keep):
+    begin = time.monotonic()
+    image = passes.render(scene, *settings)
+    seconds = time.monotonic() - begin
+    exr.write(path, passes.only(image, *keep))
+    print(f"{name}: {settings[0]} x {settings[1]}, {settings[2]} spp, {seconds:.1f} s, "
+          f"{os.path.getsize(path) / 1024:.0f} KiB", flush=True)
+
+
+def main():
+    ask = arguments()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    importlib.import_module(ask.scene).build(scene)
+    passes.configure(scene, threads=ask.threads)
+    os.makedirs(ask.out, exist_ok=True)
+    low = ask.width // ask.scale, ask.height // ask.scale
+    found = passes.expose(scene, *low)
+    print(f"{ask.scene}: log-average luminance {found:.3g} before the last exposure step", flush=True)
+
+    def path(kind):
+        return os.path.join(ask.out, f"{ask.scene}_{kind}.exr")
+
+    if ask.preview:
+        timed("preview", path("preview"), scene, ask.width, ask.height, ask.preview, 9, keep=[passes.COMBINED])
+        return
+    timed("colour", path("lr"), scene, *low, ask.samples, 1, keep=[passes.COMBINED])
+    timed("aux", path("aux"), scene, ask.width, ask.height, ask.aux_samples, 2, keep=[passes.ALBEDO, passes.NORMAL])
+    timed("reference", path("ref"), scene, ask.width, ask.height, ask.reference_samples, 3, keep=[passes.COMBINED])
+
+
+main()
