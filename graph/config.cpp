@@ -65,6 +65,8 @@ void checkCombination(const NetworkConfig& config) {
   require(!config.demodulates() || config.auxOffset("albedo") >= 0, "has a base image that needs an albedo input");
   require(config.kernels == 0 || (config.kernels == 5 && config.base == BaseImage::guided),
           "has learned kernels, which need side 5 and the guided base");
+  require(config.groups > 0 || (config.base != BaseImage::none && config.kernels == 0),
+          "has neither a network nor a base image");
   require(!config.auxSkip || !config.auxInputs.empty(), "has an auxiliary skip but no auxiliary input");
 }
 
@@ -88,7 +90,7 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   config.channels = number(metadata, "channels", 4, 512);
   config.auxInputs = splitList(field(metadata, "aux_inputs"));
   config.auxChannels = number(metadata, "aux_channels", config.auxInputs.empty() ? 0 : 4, 512);
-  config.groups = number(metadata, "groups", 1, 64);
+  config.groups = number(metadata, "groups", 0, 64);
   config.blocks = number(metadata, "blocks", 1, 64);
   config.window = number(metadata, "window", 2, 16);
   config.headChannels = number(metadata, "head_channels", 4, 512);

@@ -20,7 +20,7 @@ struct NetworkConfig {
   uint32_t channels = 64;            // C
   uint32_t auxChannels = 32;         // Ca
   std::vector<std::string> auxInputs{"albedo", "normal"};  // three channels each
-  uint32_t groups = 3;               // N
+  uint32_t groups = 3;               // N; 0: no network, the base image alone
   uint32_t blocks = 5;               // B
   uint32_t window = 8;               // w
   uint32_t headChannels = 32;        // d

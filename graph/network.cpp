@@ -299,7 +299,7 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
   Graph graph;
   const Prepared prepared = prepareInputs(config, frame, options, graph);
   const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
-  graph.network = NetworkBuilder(config, weights, graph, stored).network(prepared.x, prepared.aux);
+  if (config.groups > 0) graph.network = NetworkBuilder(config, weights, graph, stored).network(prepared.x, prepared.aux);
   graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});
   const TensorView base = baseImage(config, prepared, graph);
 

@@ -96,6 +96,17 @@ Device& Device::operator=(Device&&) noexcept = default;
 Device::Description Device::description() const { return describeDevice(state_->gpu.description()); }
 
 Model::Model(const std::filesystem::path& file) : state_(new State{ModelWeights::read(file)}) {}
+Model::Model(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Model Model::untrained(uint32_t scale, const std::string& base, const std::string& transfer) {
+  NetworkConfig none{.scale = scale, .groups = 0};
+  if (base == "bicubic") none.auxInputs.clear();
+  Metadata metadata = describe(none);
+  metadata["base"] = base;
+  metadata["transfer"] = transfer;
+  TensorFile file;
+  file.metadata = std::move(metadata);
+  return Model(std::unique_ptr<State>(new State{ModelWeights::fromTensors(std::move(file), "untrained model")}));
+}
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;

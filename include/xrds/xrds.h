@@ -67,6 +67,9 @@ class Model {
  public:
   /// Reads a safetensors model file. Throws Error if it is no complete, finite model of a known architecture.
   explicit Model(const std::filesystem::path& file);
+  /// A model without a network, the rivals to beat: base "bicubic" (no auxiliary image), "demodulated" (albedo, normal)
+  /// or "guided" (albedo, normal); transfer "log1p" or "none". Throws Error for any other name.
+  static Model untrained(uint32_t scale, const std::string& base, const std::string& transfer = "log1p");
   ~Model();
   Model(Model&&) noexcept;
   Model& operator=(Model&&) noexcept;
@@ -90,6 +93,7 @@ class Model {
  private:
   friend class Upscaler;
   struct State;
+  explicit Model(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace xrds {
+
+/// Each adds one verb to the command line; the verb's work runs in its callback and throws Failure.
+void addUpscale(CLI::App& app);
+void addCompare(CLI::App& app);
+void addInfo(CLI::App& app);
+void addDevices(CLI::App& app);
+
+}  // namespace xrds

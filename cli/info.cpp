@@ -1,0 +1,69 @@
+#include <cstdio>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/models.h"
+#include "cli/stage.h"
+#include "xrds/xrds.h"
+
+namespace xrds {
+namespace {
+
+struct InfoOptions {
+  std::string model, size = "1024x1024";
+};
+
+struct Size {
+  uint32_t width = 0, height = 0;
+};
+
+Size parseSize(const std::string& text) {
+  Size size;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%5ux%5u%c", &size.width, &size.height, &rest) != 2 || size.width == 0 || size.height == 0)
+    throw Failure{ExitCode::usage, "--size takes WIDTHxHEIGHT of the output, such as 1920x1080, found '" + text + "'."};
+  return size;
+}
+
+void printMetadata(const Model& model) {
+  for (const auto& [key, value] : model.metadata()) std::printf("%-26s %s\n", key.c_str(), value.c_str());
+  std::printf("%-26s %s\n", "hash", model.hash().c_str());
+}
+
+void printCost(const Model& model, Size size) {
+  const Model::Cost fp32 = model.cost(size.width, size.height, false), fp16 = model.cost(size.width, size.height, true);
+  std::printf("\nFor an output of %u x %u:\n", size.width, size.height);
+  std::printf("%-26s %.3f M\n", "parameters", static_cast<double>(fp32.parameters) / 1e6);
+  std::printf("%-26s %.2f G\n", "MACs", static_cast<double>(fp32.multiplyAdds) / 1e9);
+  std::printf("%-26s %.2f G\n", "attention MACs (more)", static_cast<double>(fp32.attentionMultiplyAdds) / 1e9);
+  std::printf("%-26s %10s %10s\n", "device memory in MB", "fp32", "fp16");
+  const auto row = [](const char* name, uint64_t a, uint64_t b) {
+    std::printf("%-26s %10.1f %10.1f\n", name, static_cast<double>(a) / 1e6, static_cast<double>(b) / 1e6);
+  };
+  row("  planned peak", fp32.plannedBytes, fp16.plannedBytes);
+  row("  largest live set", fp32.lowerBoundBytes, fp16.lowerBoundBytes);
+  row("  without aliasing", fp32.unaliasedBytes, fp16.unaliasedBytes);
+  row("  weights (more)", fp32.weightBytes, fp16.weightBytes);
+}
+
+void run(const InfoOptions& options) {
+  const Size size = parseSize(options.size);
+  const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
+  printMetadata(model);
+  stage(ExitCode::usage, [&] { printCost(model, size); });
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app) {
+  const auto options = std::make_shared<InfoOptions>();
+  CLI::App* verb = app.add_subcommand("info", "Show what a model is and what it costs");
+  verb->add_option("MODEL", options->model, "A shipped model's name or a .safetensors file")->required();
+  verb->add_option("--size", options->size, "Size of the output in pixels (default 1024x1024)")->type_name("WxH");
+  verb->footer("Planned peak is the arena that a run allocates; the largest live set is the least that any plan needs;\n"
+               "without aliasing is the sum of all tensors. MB are 10^6 bytes. MACs are multiplications of linear maps\n"
+               "and convolutions, the token pairs of attention come on top.\n\nExample:\n  xrds info xrds-x4-compact --size 1920x1080");
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace xrds

@@ -1,0 +1,50 @@
+#include <cstdio>
+#include <exception>
+
+#include "cli/commands.h"
+#include "cli/exit_code.h"
+#include "cli/progress.h"
+
+namespace {
+
+constexpr const char* kFooter =
+    "Exit codes: 0 done; 1 a bug of xrds; 2 wrong option; 3 an image cannot be read or does not fit; 4 the model cannot\n"
+    "be read or does not fit; 5 no Vulkan device, or it failed; 6 the result cannot be written; 7 a check found a\n"
+    "difference; 130 interrupted. Nothing but the finished result is ever written.\n\n"
+    "Examples:\n"
+    "  xrds upscale color_64spp.exr aux_16spp.exr -o out.exr\n"
+    "  xrds compare out.exr reference.exr\n"
+    "  xrds info xrds-x4-compact --size 1920x1080\n";
+
+int fail(xrds::ExitCode code, const std::string& message) {
+  std::fprintf(stderr, "xrds: %s\n", message.c_str());
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"
+               "full-resolution picture out, on any Vulkan device.",
+               "xrds");
+  app.set_version_flag("--version", "xrds " XRDS_VERSION);
+  app.require_subcommand(1);
+  app.footer(kFooter);
+  xrds::addUpscale(app);
+  xrds::addCompare(app);
+  xrds::addInfo(app);
+  xrds::addDevices(app);
+  xrds::catchInterrupts();
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(xrds::ExitCode::usage);
+  } catch (const xrds::Failure& failure) {
+    return fail(failure.code, failure.message);
+  } catch (const std::bad_alloc&) {
+    return fail(xrds::ExitCode::device, "The machine has not enough memory for this frame.");
+  } catch (const std::exception& error) {
+    return fail(xrds::ExitCode::bug, std::string("This is a bug of xrds: ") + error.what());
+  }
+}

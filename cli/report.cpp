@@ -1,0 +1,117 @@
+#include "cli/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "image/metrics.h"
+
+namespace xrds {
+namespace {
+
+struct OperatorSum {
+  double microseconds = 0;
+  uint64_t multiplyAdds = 0, bytes = 0;
+  int dispatches = 0;
+};
+
+void printRow(const char* name, const OperatorSum& sum, double total) {
+  std::printf("%-34s %5d %10.2f %6.1f %% %9.1f %9.1f %10.1f\n", name, sum.dispatches, sum.microseconds / 1e3,
+              100 * sum.microseconds / total, 2e-3 * static_cast<double>(sum.multiplyAdds) / std::max(1e-9, sum.microseconds),
+              1e-3 * static_cast<double>(sum.bytes) / std::max(1e-9, sum.microseconds), static_cast<double>(sum.bytes) / 1e6);
+}
+
+Image crop(const Image& image, int x, int y, int width, int height) {
+  Image part(width, height, image.channels);
+  for (int row = 0; row < height; ++row)
+    std::copy_n(&image.pixels[image.index(x, y + row)], size_t(width) * image.channels, &part.pixels[part.index(0, row)]);
+  return part;
+}
+
+void printMetricsRow(const char* name, const Image& image, const Image& reference) {
+  const Metrics metrics = measure(image, reference);
+  std::printf("%-22s %9.3f %10.5f %14.5f %8.4f\n", name, metrics.psnr, metrics.relMse, metrics.relMseTrimmed, metrics.flip);
+}
+
+}  // namespace
+
+void printProfile(const std::vector<Upscaler::ProfileRow>& rows) {
+  std::map<std::string, OperatorSum> sums;
+  double total = 0;
+  for (const auto& row : rows) {
+    OperatorSum& sum = sums[row.program];
+    sum.microseconds += row.microseconds;
+    sum.multiplyAdds += row.multiplyAdds;
+    sum.bytes += row.bytes;
+    ++sum.dispatches;
+    total += row.microseconds;
+  }
+  std::vector<std::pair<std::string, OperatorSum>> sorted(sums.begin(), sums.end());
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second.microseconds > b.second.microseconds; });
+  std::printf("%-34s %5s %10s %8s %9s %9s %10s\n", "operator", "runs", "ms", "share", "GFLOP/s", "GB/s", "MB bound");
+  for (const auto& [name, sum] : sorted) printRow(name.c_str(), sum, total);
+  std::vector<Upscaler::ProfileRow> slowest = rows;
+  std::sort(slowest.begin(), slowest.end(), [](const auto& a, const auto& b) { return a.microseconds > b.microseconds; });
+  slowest.resize(std::min<size_t>(10, slowest.size()));
+  std::printf("\nslowest dispatches\n");
+  for (const auto& row : slowest) printRow(row.label.c_str(), {row.microseconds, row.multiplyAdds, row.bytes, 1}, total);
+  std::printf("%-34s %5zu %10.2f\n\n", "all", rows.size(), total / 1e3);
+}
+
+std::vector<Upscaler::CheckRow> checkOnCrop(Device& device, const Model& model, const Frame& frame,
+                                            const Upscaler::Options& options) {
+  constexpr int kSide = 16;
+  const int scale = static_cast<int>(model.scale());
+  const Image& colour = frame.colour();
+  const int width = std::min(kSide, colour.width), height = std::min(kSide, colour.height);
+  const int x = (colour.width - width) / 2, y = (colour.height - height) / 2;
+  const Image part = crop(colour, x, y, width, height);
+  std::vector<Image> auxiliary;
+  for (const Image& image : frame.auxiliary())
+    auxiliary.push_back(crop(image, scale * x, scale * y, scale * width, scale * height));
+  return Upscaler::check(device, model, viewOf(part), viewsOf(auxiliary), options);
+}
+
+int printCheck(const std::vector<Upscaler::CheckRow>& rows) {
+  int first = -1;
+  double worst = 0;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    worst = std::max(worst, rows[i].relativeRms);
+    if (rows[i].withinBound) continue;
+    if (first < 0) first = static_cast<int>(i);
+    std::printf("%s: relative RMS error %.3g%s\n", rows[i].label.c_str(), rows[i].relativeRms, rows[i].finite ? "" : ", not finite");
+  }
+  if (first < 0) std::printf("check: all %zu operators agree with the reference, largest relative RMS error %.3g\n", rows.size(), worst);
+  return first;
+}
+
+Image runBaseline(Device& device, const std::string& base, const std::string& transfer, const Image& colour,
+                  const std::vector<Image>& auxiliary, int scale) {
+  const Model model = Model::untrained(static_cast<uint32_t>(scale), base, transfer);
+  Upscaler upscaler(device, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height), {});
+  Image result(colour.width * scale, colour.height * scale, 3);
+  upscaler.run(viewOf(colour), viewsOf(auxiliary), result.pixels);
+  return result;
+}
+
+void printAgainstReference(Device& device, const Model& model, const Frame& frame, const Image& result,
+                           const std::string& referencePath) {
+  const ExrFile file = readExrHeader(referencePath);
+  const Image reference = readLayer(file, findAov(file, AovRole::kColor));
+  if (reference.width != result.width || reference.height != result.height)
+    throw Error("The reference '" + referencePath + "' is " + std::to_string(reference.width) + " x " + std::to_string(reference.height) +
+                " pixels, the result " + std::to_string(result.width) + " x " + std::to_string(result.height) + ".");
+  const int scale = static_cast<int>(model.scale());
+  const auto baseline = [&](const char* base, const std::vector<Image>& aux) {
+    return runBaseline(device, base, "log1p", frame.colour(), aux, scale);
+  };
+  std::printf("%-22s %9s %10s %14s %8s\n", "against the reference", "PSNR dB", "RelMSE", "trimmed RelMSE", "FLIP");
+  printMetricsRow("bicubic", baseline("bicubic", {}), reference);
+  if (model.auxiliaryInputs() == std::vector<std::string>{"albedo", "normal"}) {
+    printMetricsRow("demodulated bicubic", baseline("demodulated", frame.auxiliary()), reference);
+    printMetricsRow("guided", baseline("guided", frame.auxiliary()), reference);
+  }
+  printMetricsRow("xrds", result, reference);
+}
+
+}  // namespace xrds
