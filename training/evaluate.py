@@ -3,7 +3,8 @@
     python training/evaluate.py VAL_FOLDER --model models/xrds-x4-compact.safetensors --scale 4 --spp 64 --aux-spp 16
 
 Prints, per image and in the mean: PSNR of the clamped sRGB image (dB), RelMSE, RelMSE without the worst 0.1 % of the
-pixels, its median and its 99.9th percentile (metrics.py). References are the *_gt.exr files; no exposure is applied.
+pixels, its median and its 99.9th percentile (metrics.py); FLIP with --flip. References are the *_gt.exr files; no exposure
+is applied. "Average samples" is spp / scale^2 + aux spp.
 """
 import argparse
 import pathlib
@@ -53,13 +54,16 @@ def methods_of(scale, model_paths):
     return {**methods, **{path.stem: trained(path) for path in model_paths}}
 
 
-def measure(folder, scale, spp, aux_spp, methods):
+def measure(folder, scale, spp, aux_spp, methods, flip=False):
     """{method: {scene: metrics}}"""
     results = {method: {} for method in methods}
     with torch.no_grad():
         for name, colour, aux, reference in cases_of(folder, scale, spp, aux_spp):
             for method, run in methods.items():
-                results[method][name] = metrics.all_metrics(run(colour[None], aux[None])[0], reference)
+                result = run(colour[None], aux[None])[0]
+                results[method][name] = metrics.all_metrics(result, reference)
+                if flip:
+                    results[method][name]["flip"] = metrics.flip(result, reference)
     return results
 
 
@@ -76,11 +80,13 @@ def tables(results):
     for scene in scenes:
         cells = [f"{results[m][scene]['psnr']:.2f} / {results[m][scene]['relmse']:.4f}" for m in methods]
         lines.append(f"| {scene} | {' | '.join(cells)} |")
-    lines += ["", "| mean | PSNR dB | RelMSE | trimmed | median | 99.9th percentile |", "|---|---|---|---|---|---|"]
-    for method in methods:
-        m = mean_of(results[method].values())
-        lines.append(f"| {method} | {m['psnr']:.3f} | {m['relmse']:.4f} | {m['relmse_trimmed']:.4f} | {m['relmse_median']:.6f} | "
-                     f"{m['relmse_p999']:.3f} |")
+    columns = {"psnr": ("PSNR dB", ".3f"), "relmse": ("RelMSE", ".4f"), "relmse_trimmed": ("trimmed", ".4f"),
+               "relmse_median": ("median", ".6f"), "relmse_p999": ("99.9th percentile", ".3f"), "flip": ("FLIP", ".4f")}
+    means = {method: mean_of(rows.values()) for method, rows in results.items()}
+    shown = [key for key in columns if key in means[methods[0]]]
+    lines += ["", f"| mean | {' | '.join(columns[key][0] for key in shown)} |", "|---" * (len(shown) + 1) + "|"]
+    for method, mean in means.items():
+        lines.append(f"| {method} | {' | '.join(format(mean[key], columns[key][1]) for key in shown)} |")
     return "\n".join(lines)
 
 
@@ -91,12 +97,16 @@ def main():
     parser.add_argument("--scale", type=int, default=4)
     parser.add_argument("--spp", type=int, default=64, help="of the low-resolution colour")
     parser.add_argument("--aux-spp", type=int, default=16, help="of albedo and normal; 0: converged")
+    parser.add_argument("--flip", action="store_true", help="also FLIP (pip install flip-evaluator)")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
     torch.set_num_threads(options.threads)
-    results = measure(options.folder, options.scale, options.spp, options.aux_spp, methods_of(options.scale, options.model))
+    results = measure(options.folder, options.scale, options.spp, options.aux_spp, methods_of(options.scale, options.model), options.flip)
     if not results["bicubic"]:
         raise SystemExit(f"{options.folder} has no scenes with {options.spp} spp colour and {options.aux_spp} spp aux at scale {options.scale}")
+    samples = options.spp / options.scale ** 2 + options.aux_spp
+    print(f"{options.spp} spp colour, {options.aux_spp or 'converged'} spp aux"
+          + (f", average samples {samples:g}" if options.aux_spp else "") + "\n")
     print(tables(results))
 
 

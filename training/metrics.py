@@ -32,3 +32,10 @@ def all_metrics(x, y):
         "relmse_median": errors.median().item(),
         "relmse_p999": kept[-1].item(),
     }
+
+
+def flip(x, y):
+    """Mean of NVIDIA's LDR-FLIP at 67 pixels a degree, of the clamped sRGB images; needs the package flip-evaluator."""
+    import flip_evaluator
+    image = lambda linear: srgb(linear.float()).permute(1, 2, 0).contiguous().numpy()
+    return float(flip_evaluator.evaluate(image(y), image(x), "LDR", inputsRGB=True, applyMagma=False)[1])
