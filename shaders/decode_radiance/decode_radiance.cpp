@@ -5,7 +5,8 @@ namespace xrds {
 TensorShape outputShape(const DecodeRadiance& op) {
   checkHolds(op.output, {1, 1, 4});
   const TensorShape shape{op.output.height, op.output.width, 4};
-  checkHolds(op.network, shape);
+  XRDS_CHECK(op.network.exists() || op.base.exists());
+  if (op.network.exists()) checkHolds(op.network, shape);
   checkView(op.exposure, {1, 1, 4});
   XRDS_CHECK_LE(-1, op.albedoOffset);
   if (op.base.exists()) checkHolds(op.base, shape);
@@ -17,9 +18,10 @@ Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits&) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   // An unread binding must still name something.
+  const TensorView& network = op.network.exists() ? op.network : op.base;
   const TensorView& base = op.base.exists() ? op.base : op.network;
-  const TensorView& aux = op.albedoOffset >= 0 ? op.aux : op.network;
-  const shader::DecodeRadianceParams params{.network = imageOf(op.network),
+  const TensorView& aux = op.albedoOffset >= 0 ? op.aux : network;
+  const shader::DecodeRadianceParams params{.network = imageOf(network),
                                             .base = imageOf(base),
                                             .aux = imageOf(aux),
                                             .target = imageOf(op.output),
@@ -27,8 +29,8 @@ Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits&) {
                                             .exposure = imageOf(op.exposure).offset};
   return {.program = programName("decode_radiance", KernelFamily::plain, op.output.type),
           .specialization = {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset),
-                             op.base.exists()},
-          .bindings = {readTexels(op.network), readTexels(base), readTexels(aux), readTexels(op.exposure),
+                             op.base.exists(), op.network.exists()},
+          .bindings = {readTexels(network), readTexels(base), readTexels(aux), readTexels(op.exposure),
                        writeRows(op.output, rows)},
           .pushConstants = pushBytes(params),
           .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
@@ -43,7 +45,7 @@ void reference(const DecodeRadiance& op, HostMemory& memory) {
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < width; ++x) {
       for (uint32_t c = 0; c < 3; ++c) {
-        double value = memory.at(op.network, y, x, c);
+        double value = op.network.exists() ? memory.at(op.network, y, x, c) : 0;
         if (op.base.exists())
           value = std::clamp(memory.at(op.base, y, x, c) + value, 0.0, double{shader::kTransformedMax});
         value = inverseTransform(op.transfer, value);

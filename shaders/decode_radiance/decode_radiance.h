@@ -17,7 +17,8 @@ namespace xrds {
 /// The result image: T^-1(clamp(base + network, 0, 11)) (a + 0.02) / e with the albedo a, cropped to the real image.
 /// Without a base T^-1(network) is not clamped; without demodulation there is no factor (a + 0.02).
 struct DecodeRadiance {
-  TensorView network;     // [>= H, >= W, >= 4], of which three channels are read
+  TensorView network{};   // optional [>= H, >= W, >= 4], of which three channels are read; absent: zero
+                          // (a base is then needed)
   TensorView base{};      // optional [>= H, >= W, 4]
   TensorView aux{};       // [>= H, >= W, c], needed to demodulate
   TensorView exposure;    // [1, 1, 4] e, 1 / e

@@ -69,7 +69,7 @@ TEST(DecodeRadiance, ReadsAndWritesSlices) {
   op.aux = view(2, DataType::f32, 4, 8, 8, 4, 12);
   op.exposure = view(3, DataType::f32, 1, 1, 4, 4, 8);
   op.output = view(4, DataType::f32, 3, 5, 4, 4, 8);
-  test::expectMatchesReference(op);
+  test::expectMatchesReference(op, {{3, {9, 9, 9, 9, 2, 0.5f, 0, 0}}});
 }
 
 TEST(DecodeRadiance, ClampsWhatIsAddedToABase) {
@@ -109,6 +109,12 @@ TEST(DecodeRadiance, InvertsTheEncoding) {
     for (uint32_t c = 0; c < 3; ++c) EXPECT_NEAR(memory.at(op.output, i / 3, i % 3, c), radiance(i, c), 1e-12);
 }
 
+TEST(DecodeRadiance, TakesAbsentNetworkAsZero) {
+  DecodeRadiance op = decodeOf({7, 5, 8, 8});
+  op.network = {};
+  test::expectMatchesReference(op, {{3, {0.5, 2, 0, 0}}});
+}
+
 TEST(DecodeRadiance, RefusesWhatDoesNotFit) {
   DecodeRadiance op = decodeOf({8, 8, 8, 8});
   op.aux = {};
@@ -120,6 +126,9 @@ TEST(DecodeRadiance, RefusesWhatDoesNotFit) {
   op.base.height = 7;
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
   EXPECT_THROW(dispatch(decodeOf({8, 8, 8, 7}), {}), std::logic_error);
+  op = decodeOf({8, 8, 8, 8});
+  op.network = op.base = {};
+  EXPECT_THROW(dispatch(op, {}), std::logic_error);
 }
 
 }  // namespace
