@@ -1,7 +1,6 @@
 #pragma once
 
 #include <map>
-#include <mutex>
 #include <tuple>
 
 #include "engine/buffer.h"
@@ -16,7 +15,10 @@ struct PipelineKey {
   std::vector<uint32_t> specialization;
   std::vector<BindingKind> kinds;
   uint32_t pushConstantBytes = 0;
-  auto operator<=>(const PipelineKey&) const = default;
+  bool operator<(const PipelineKey& other) const {
+    return std::tie(program, specialization, kinds, pushConstantBytes) <
+           std::tie(other.program, other.specialization, other.kinds, other.pushConstantBytes);
+  }
 };
 
 struct Pipeline {

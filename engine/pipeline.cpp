@@ -99,11 +99,10 @@ void compilePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys) {
       }
     }
   };
-  {
-    std::vector<std::jthread> threads;
-    for (size_t i = 1; i < threadCount; ++i) threads.emplace_back(work);
-    work();
-  }
+  std::vector<std::thread> threads;
+  for (size_t i = 1; i < threadCount; ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
 
   std::exception_ptr first;
   for (size_t i = 0; i < missing.size(); ++i) {

@@ -28,11 +28,17 @@ PipelineKey keyOf(const Dispatch& dispatch) {
   return key;
 }
 
-void checkBinding(const Gpu::Handles& gpu, const Binding& binding, const ByteRange& range) {
+ByteRange resolve(ByteRange range) {
   XRDS_CHECK(range.buffer != nullptr);
   XRDS_CHECK_EQ(range.byteOffset % kBindingAlignment, 0u);
-  XRDS_CHECK_LT(0u, range.byteSize);
-  XRDS_CHECK_LE(range.byteOffset + range.byteSize, range.buffer->byteSize());
+  XRDS_CHECK_LT(range.byteOffset, range.buffer->byteSize());
+  const uint64_t rest = range.buffer->byteSize() - range.byteOffset;
+  if (range.byteSize == 0) range.byteSize = rest;
+  XRDS_CHECK_LE(range.byteSize, rest);
+  return range;
+}
+
+void checkBinding(const Gpu::Handles& gpu, const Binding& binding, const ByteRange& range) {
   if (binding.kind == BindingKind::storage) {
     XRDS_CHECK_EQ(range.byteSize % 4, 0u);
     XRDS_CHECK_LE(range.byteSize, uint64_t{gpu.limits.maxStorageBufferRange});
@@ -269,9 +275,12 @@ void Recording::Handles::readTimestamps() {
   }
 }
 
-Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> dispatches, RecordingOptions options)
+Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingOptions options)
     : handles_(std::make_unique<Handles>(gpu.handles())) {
-  XRDS_CHECK_LT(0u, dispatches.size());
+  XRDS_CHECK_LT(0u, asked.size());
+  std::vector<PlacedDispatch> dispatches(asked.begin(), asked.end());
+  for (PlacedDispatch& placed : dispatches)
+    for (ByteRange& range : placed.ranges) range = resolve(range);
   std::vector<PipelineKey> keys;
   std::vector<std::vector<RangeAccess>> accesses;
   for (const PlacedDispatch& placed : dispatches) {

@@ -9,13 +9,15 @@
 
 namespace xrds {
 
-/// Where one binding of a dispatch lies: bytes of a buffer. Offsets are multiples of kBindingAlignment.
+/// Where one binding of a dispatch lies: bytes of a buffer, to its end if byteSize is 0. Offsets are multiples of
+/// kBindingAlignment.
 struct ByteRange {
   const Buffer* buffer = nullptr;
   uint64_t byteOffset = 0, byteSize = 0;
 };
 
-/// A dispatch whose bindings have been given their place: ranges[i] belongs to dispatch.bindings[i].
+/// A dispatch whose bindings have been given their place: ranges[i] belongs to dispatch.bindings[i], whose own offset
+/// and size no longer count.
 struct PlacedDispatch {
   Dispatch dispatch;
   std::vector<ByteRange> ranges;

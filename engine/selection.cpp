@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 
 #include "xrds/error.h"
 
@@ -27,14 +28,17 @@ std::string listed(std::span<const DeviceDescription> devices) {
 
 size_t only(std::span<const DeviceDescription> devices, const std::vector<size_t>& matches, std::string_view select) {
   if (matches.size() == 1) return matches[0];
-  const std::string asked = "\"" + std::string(select) + "\"";
-  if (matches.empty())
-    throw Error("no Vulkan device matches " + asked + "; choose one of " + listed(devices) +
-                " by its index, a part of its name or its UUID");
+  std::ostringstream text;
+  if (matches.empty()) {
+    text << "no Vulkan device matches \"" << select << "\"; choose one of " << listed(devices)
+         << " by its index, a part of its name or its UUID";
+    throw Error(text.str());
+  }
   std::vector<DeviceDescription> several;
   for (const size_t match : matches) several.push_back(devices[match]);
-  throw Error("more than one Vulkan device matches " + asked + ": " + listed(several) +
-              "; choose one by its index or UUID");
+  text << "more than one Vulkan device matches \"" << select << "\": " << listed(several)
+       << "; choose one by its index or UUID";
+  throw Error(text.str());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "engine/half.h"
 #include "engine/recording.h"
 #include "shaders/programs.h"
+#include "tests/engine_programs.h"
 
 namespace xrds::test {
 namespace {
@@ -184,18 +185,24 @@ void expectRestUnchanged(const Arena& arena, std::span<const std::byte> found, c
 
 }  // namespace
 
-Gpu& gpu() {
-  if (openGpu) return *openGpu;
+DeviceOptions gpuOptions() {
   const char* device = std::getenv("XRDS_TEST_DEVICE");
   DeviceOptions options;
   options.select = device ? device : "";
   options.validation = !std::getenv("XRDS_TEST_NO_VALIDATION");
-  options.programs = embeddedProgram;
+  options.programs = [](std::string_view name) {
+    const auto words = embeddedProgram(name);
+    return words.empty() ? engineProgram(name) : words;
+  };
   options.onMessage = [](std::string_view message) {
     const std::lock_guard lock(messagesMutex);
     messages.emplace_back(message);
   };
-  openGpu = std::make_unique<Gpu>(std::move(options));
+  return options;
+}
+
+Gpu& gpu() {
+  if (!openGpu) openGpu = std::make_unique<Gpu>(gpuOptions());
   return *openGpu;
 }
 

@@ -13,6 +13,9 @@ namespace xrds::test {
 /// XRDS_TEST_DEVICE. Every message of the validation layer fails the test that runs. Throws Error without a device.
 Gpu& gpu();
 
+/// The options with which gpu() is opened, for tests that open a device of their own.
+DeviceOptions gpuOptions();
+
 /// Messages collected since the last call; a test that provokes some takes them, so that they do not fail it.
 std::vector<std::string> takeMessages();
 

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include "tests/engine_programs.h"
+#include "tests/harness.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+// Where the host sees the device's memory, and through a staging copy.
+class BufferCopies : public testing::TestWithParam<bool> {
+ protected:
+  Gpu gpu_{[] {
+    DeviceOptions options = test::gpuOptions();
+    options.forceStaging = GetParam();
+    return options;
+  }()};
+};
+
+TEST_P(BufferCopies, GiveBackWhatWasUploaded) {
+  const std::vector<float> numbers = test::randomNumbers(1001, 1);
+  Buffer buffer(gpu_, 5000);
+  EXPECT_EQ(buffer.byteSize(), 5000u);
+  buffer.fill(0);
+  test::uploadFloats(buffer, 36, numbers);
+  EXPECT_EQ(test::downloadFloats(buffer, 36, 1001), numbers);
+  EXPECT_EQ(test::downloadFloats(buffer, 32, 1)[0], 0);
+  EXPECT_EQ(test::downloadFloats(buffer, 36 + 4004, 1)[0], 0);
+}
+
+TEST_P(BufferCopies, ReachBeyondOneStagingBuffer) {
+  const std::vector<float> numbers = test::randomNumbers((9u << 20) + 3, 2);
+  Buffer buffer(gpu_, numbers.size() * 4 + 256);
+  test::uploadFloats(buffer, 256, numbers);
+  EXPECT_EQ(test::downloadFloats(buffer, 256, numbers.size()), numbers);
+}
+
+TEST_P(BufferCopies, FillReachesEveryWord) {
+  Buffer buffer(gpu_, 1000);
+  buffer.fill(0x3F800000);
+  EXPECT_EQ(test::downloadFloats(buffer, 0, 250), std::vector<float>(250, 1));
+}
+
+TEST_P(BufferCopies, AreSeenByADispatchAndSeeItsResult) {
+  Buffer buffer(gpu_, 4096);
+  for (uint32_t round = 0; round < 3; ++round) {
+    const std::vector<float> numbers(64, static_cast<float>(round));
+    test::uploadFloats(buffer, 0, numbers);
+    const PlacedDispatch placed = test::twicePlus(buffer, 0, 1024, 16, round);
+    Recording(gpu_, {&placed, 1}).run();
+    EXPECT_EQ(test::downloadFloats(buffer, 1024, 64), std::vector<float>(64, static_cast<float>(3 * round)));
+  }
+}
+
+TEST_P(BufferCopies, RefuseToLeaveTheBuffer) {
+  Buffer buffer(gpu_, 16);
+  std::vector<std::byte> bytes(20);
+  EXPECT_THROW(buffer.upload(0, bytes), std::logic_error);
+  EXPECT_THROW(buffer.download(~uint64_t{0}, bytes), std::logic_error);
+  EXPECT_THROW(Buffer(gpu_, 0), std::logic_error);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BufferCopies, testing::Bool(),
+                         [](const auto& info) { return info.param ? "staged" : "direct"; });
+
+TEST(Buffer, TooLargeIsAnErrorWithBothSizes) {
+  try {
+    Buffer(test::gpu(), uint64_t{1} << 50);
+    FAIL() << "a pebibyte was allocated";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("1073741824 MiB"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Buffer, MovesItsMemory) {
+  Buffer first(test::gpu(), 16);
+  test::uploadFloats(first, 0, std::vector<float>{1, 2, 3, 4});
+  Buffer second = std::move(first);
+  EXPECT_EQ(test::downloadFloats(second, 0, 4), (std::vector<float>{1, 2, 3, 4}));
+}
+
+}  // namespace
+}  // namespace xrds

@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+
+#include "engine/cache_file.h"
+#include "tests/engine_programs.h"
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CacheFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("xrds_cache_" + std::to_string(std::random_device{}()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path file() const { return folder_ / "cache.bin"; }
+  std::vector<std::byte> read(std::string_view key = "device") const { return readCacheFile(file(), key); }
+  bool write(std::string_view key = "device") const { return writeCacheFile(file(), key, content_); }
+
+  std::string text() const {
+    std::ifstream in(file(), std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void setText(const std::string& text) const { std::ofstream(file(), std::ios::binary) << text; }
+
+  fs::path folder_;
+  std::vector<std::byte> content_{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{250}};
+};
+
+TEST_F(CacheFile, GivesBackWhatWasWritten) {
+  EXPECT_TRUE(write());
+  EXPECT_EQ(read(), content_);
+}
+
+TEST_F(CacheFile, LeavesNothingElseBehind) {
+  write();
+  write();
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(CacheFile, MissingIsEmpty) { EXPECT_TRUE(read().empty()); }
+
+TEST_F(CacheFile, OfAnotherDeviceIsIgnored) {
+  write("another device");
+  EXPECT_TRUE(read().empty());
+}
+
+TEST_F(CacheFile, AnyChangedByteIsNoticed) {
+  write();
+  const std::string whole = text();
+  for (size_t i = 0; i < whole.size(); ++i) {
+    std::string damaged = whole;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x40);
+    setText(damaged);
+    EXPECT_TRUE(read().empty()) << "byte " << i;
+  }
+}
+
+TEST_F(CacheFile, AnyTruncationIsNoticed) {
+  write();
+  const std::string whole = text();
+  for (size_t size = 0; size < whole.size(); ++size) {
+    setText(whole.substr(0, size));
+    EXPECT_TRUE(read().empty()) << size << " bytes";
+  }
+  setText(whole + "x");
+  EXPECT_TRUE(read().empty());
+}
+
+TEST_F(CacheFile, AFolderThatCannotBeMadeIsNoError) {
+  write();
+  EXPECT_FALSE(writeCacheFile(file() / "inside a file" / "cache.bin", "device", content_));
+}
+
+// One dispatch on a device whose caches lie in the folder; the driver's own shader cache stays where it is.
+std::vector<float> runWithCache(const fs::path& folder) {
+  Gpu gpu({.cacheFolder = folder, .programs = test::engineProgram});
+  Buffer buffer(gpu, 512);
+  test::uploadFloats(buffer, 0, std::vector<float>{1, 2, 3, 4});
+  const PlacedDispatch placed = test::twicePlus(buffer, 0, 256, 1, 1);
+  Recording(gpu, {&placed, 1}).run();
+  return test::downloadFloats(buffer, 256, 4);
+}
+
+TEST_F(CacheFile, DamagedPipelineCacheIsReplacedAndHarmless) {
+  const std::vector<float> expected{3, 5, 7, 9};
+  EXPECT_EQ(runWithCache(folder_), expected);
+  fs::path pipelines;
+  for (const auto& entry : fs::directory_iterator(folder_))
+    if (entry.path().extension() == ".bin") pipelines = entry.path();
+  ASSERT_FALSE(pipelines.empty());
+  const auto size = fs::file_size(pipelines);
+
+  EXPECT_EQ(runWithCache(folder_), expected);
+  std::ofstream(pipelines, std::ios::binary) << "not a cache";
+  EXPECT_EQ(runWithCache(folder_), expected);
+  EXPECT_EQ(fs::file_size(pipelines), size);
+}
+
+}  // namespace
+}  // namespace xrds

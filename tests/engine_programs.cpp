@@ -1,0 +1,45 @@
+#include "tests/engine_programs.h"
+
+#include "to_half.h"
+#include "twice_plus.h"
+
+namespace xrds::test {
+
+std::span<const uint32_t> engineProgram(std::string_view name) {
+  if (name == "twice_plus") return twice_plus;
+  if (name == "to_half") return to_half;
+  return {};
+}
+
+PlacedDispatch twicePlus(const Buffer& buffer, uint64_t sourceOffset, uint64_t targetOffset, uint32_t quads,
+                         uint32_t add) {
+  PlacedDispatch placed;
+  placed.dispatch.program = "twice_plus";
+  placed.dispatch.specialization = {add};
+  placed.dispatch.bindings = {{0, Access::read, BindingKind::texel}, {1, Access::write, BindingKind::storage}};
+  placed.dispatch.pushConstants = pushBytes(quads);
+  placed.dispatch.groupCount = {ceilDivide(quads, 64), 1, 1};
+  placed.dispatch.multiplyAdds = uint64_t{quads} * 4;
+  placed.ranges = {{&buffer, sourceOffset, uint64_t{quads} * 16}, {&buffer, targetOffset, uint64_t{quads} * 16}};
+  return placed;
+}
+
+PlacedDispatch toHalfs(const Buffer& buffer, uint64_t sourceOffset, uint64_t targetOffset, uint32_t quads) {
+  PlacedDispatch placed = twicePlus(buffer, sourceOffset, targetOffset, quads, 0);
+  placed.dispatch.program = "to_half";
+  placed.dispatch.specialization.clear();
+  placed.ranges[1].byteSize = uint64_t{quads} * 8;
+  return placed;
+}
+
+std::vector<float> downloadFloats(const Buffer& buffer, uint64_t byteOffset, size_t count) {
+  std::vector<float> numbers(count);
+  buffer.download(byteOffset, std::as_writable_bytes(std::span(numbers)));
+  return numbers;
+}
+
+void uploadFloats(Buffer& buffer, uint64_t byteOffset, std::span<const float> numbers) {
+  buffer.upload(byteOffset, std::as_bytes(numbers));
+}
+
+}  // namespace xrds::test

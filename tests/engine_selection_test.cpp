@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "engine/selection.h"
+#include "tests/harness.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+const std::vector<DeviceDescription> kDevices{
+    {.index = 0, .name = "llvmpipe (LLVM 15.0.6, 256 bits)", .kind = DeviceKind::cpu, .uuid = std::string(32, '1')},
+    {.index = 1, .name = "NVIDIA A10", .kind = DeviceKind::discrete, .uuid = std::string(32, 'a')},
+    {.index = 2, .name = "NVIDIA A100", .kind = DeviceKind::discrete, .uuid = std::string(32, 'b')},
+    {.index = 3, .name = "Radeon 780M", .kind = DeviceKind::integrated, .uuid = "0123456789abcdef0123456789abcdef"}};
+
+std::string refusal(std::string_view select, std::span<const DeviceDescription> devices = kDevices) {
+  try {
+    selectDevice(devices, select);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Selection, PrefersADiscreteDevice) {
+  EXPECT_EQ(selectDevice(kDevices, ""), 1u);
+  EXPECT_EQ(selectDevice(std::span(kDevices).first(1), ""), 0u);
+}
+
+TEST(Selection, TakesAnIndex) {
+  EXPECT_EQ(selectDevice(kDevices, "0"), 0u);
+  EXPECT_EQ(selectDevice(kDevices, "03"), 3u);
+}
+
+TEST(Selection, TakesAPartOfTheNameInAnyCase) {
+  EXPECT_EQ(selectDevice(kDevices, "radeon"), 3u);
+  EXPECT_EQ(selectDevice(kDevices, "LLVMPIPE"), 0u);
+  EXPECT_EQ(selectDevice(kDevices, "780"), 3u);
+}
+
+TEST(Selection, TakesTheWholeNameBeforeAPart) { EXPECT_EQ(selectDevice(kDevices, "nvidia a10"), 1u); }
+
+TEST(Selection, TakesAUuidWithOrWithoutDashes) {
+  EXPECT_EQ(selectDevice(kDevices, "0123456789ABCDEF0123456789abcdef"), 3u);
+  EXPECT_EQ(selectDevice(kDevices, "01234567-89ab-cdef-0123-456789abcdef"), 3u);
+}
+
+TEST(Selection, NamesTheDevicesWhenNoneFits) {
+  for (const char* select : {"4", "99", "Matrox", "ffffffffffffffffffffffffffffffff"}) {
+    const std::string text = refusal(select);
+    EXPECT_NE(text.find(std::string("\"") + select + "\""), std::string::npos) << text;
+    EXPECT_NE(text.find("3: Radeon 780M"), std::string::npos) << text;
+  }
+}
+
+TEST(Selection, NamesThoseThatFitWhenSeveralDo) {
+  const std::string text = refusal("nvidia");
+  EXPECT_NE(text.find("1: NVIDIA A10 ("), std::string::npos) << text;
+  EXPECT_NE(text.find("2: NVIDIA A100 ("), std::string::npos) << text;
+  EXPECT_EQ(text.find("Radeon"), std::string::npos) << text;
+}
+
+TEST(Selection, SaysSoWhenThereIsNoDevice) {
+  EXPECT_NE(refusal("", {}).find("no Vulkan 1.2 device"), std::string::npos);
+}
+
+TEST(Device, ListsTheOpenDevice) {
+  const DeviceDescription open = test::gpu().description();
+  const auto devices = listDevices();
+  ASSERT_LT(open.index, devices.size());
+  EXPECT_EQ(devices[open.index].name, open.name);
+  EXPECT_EQ(devices[open.index].uuid.size(), 32u);
+  EXPECT_FALSE(open.driver.empty());
+  EXPECT_GT(open.memoryBytes, 0u);
+}
+
+TEST(Device, TraitsAreWhatVulkanGuarantees) {
+  const DeviceTraits& traits = test::gpu().traits();
+  EXPECT_GE(traits.subgroupSize, 1u);
+  EXPECT_GE(traits.maxStorageBufferRange, uint64_t{1} << 27);
+  EXPECT_GE(traits.maxTexelBufferElements, 65536u);
+  EXPECT_GE(traits.maxSharedBytes, 16384u);
+  EXPECT_GE(traits.maxGroupInvocations, 128u);
+  const bool isCpu = test::gpu().description().kind == DeviceKind::cpu;
+  EXPECT_EQ(traits.family == KernelFamily::lane, isCpu);
+  // One 32-bit lane each of the vector width that was asked for.
+  if (const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); width && isCpu) {
+    EXPECT_EQ(traits.subgroupSize, std::stoul(width) / 32);
+  }
+}
+
+TEST(Device, RefusesAnUnknownName) { EXPECT_THROW(Gpu({.select = "a device nobody has"}), Error); }
+
+TEST(Device, TwoMayBeOpenAtOnce) {
+  Gpu second({});
+  EXPECT_EQ(second.description().name, Gpu({}).description().name);
+}
+
+// In a process of its own, because the Vulkan loader reads its environment once.
+int tryWithoutDriver() {
+#ifdef _WIN32
+  _putenv_s("VK_DRIVER_FILES", "no_such_driver.json");
+  _putenv_s("VK_ICD_FILENAMES", "no_such_driver.json");
+#else
+  setenv("VK_DRIVER_FILES", "no_such_driver.json", 1);
+  setenv("VK_ICD_FILENAMES", "no_such_driver.json", 1);
+#endif
+  try {
+    if (!listDevices().empty()) return 2;
+    Gpu gpu({});
+  } catch (const Error& error) {
+    std::fprintf(stderr, "Error: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
+
+TEST(DeviceDeathTest, WithoutADriverTheErrorSaysWhatToInstall) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(std::exit(tryWithoutDriver()), testing::ExitedWithCode(1), "Error: no Vulkan 1.2 device .* install");
+}
+
+}  // namespace
+}  // namespace xrds
