@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <map>
 
+#include "image/compose.h"
 #include "image/metrics.h"
+#include "image/png_write.h"
 
 namespace xrds {
 namespace {
@@ -31,6 +33,16 @@ Image crop(const Image& image, int x, int y, int width, int height) {
 void printMetricsRow(const char* name, const Image& image, const Image& reference) {
   const Metrics metrics = measure(image, reference);
   std::printf("%-22s %9.3f %10.5f %14.5f %8.4f\n", name, metrics.psnr, metrics.relMse, metrics.relMseTrimmed, metrics.flip);
+}
+
+Image readReference(const std::string& path, const Image& result) {
+  const ExrFile file = readExrHeader(path);
+  Image reference = readLayer(file, findAov(file, AovRole::kColor));
+  if (reference.width != result.width || reference.height != result.height)
+    throw Error("The reference '" + path + "' is " + std::to_string(reference.width) + " x " +
+                std::to_string(reference.height) + " pixels, the result " + std::to_string(result.width) + " x " +
+                std::to_string(result.height) + ".");
+  return reference;
 }
 
 }  // namespace
@@ -94,13 +106,18 @@ Image runBaseline(Device& device, const std::string& base, const std::string& tr
   return result;
 }
 
+void writeSideBySide(Device& device, const Model& model, const Frame& frame, const Image& result,
+                     const std::string& referencePath, const std::string& pngPath) {
+  const int scale = static_cast<int>(model.scale());
+  std::vector<Image> images{enlargeNearest(frame.colour(), scale),
+                            runBaseline(device, "bicubic", "log1p", frame.colour(), {}, scale), result};
+  if (!referencePath.empty()) images.push_back(readReference(referencePath, result));
+  writePng(pngPath, sideBySide(images, 4));
+}
+
 void printAgainstReference(Device& device, const Model& model, const Frame& frame, const Image& result,
                            const std::string& referencePath) {
-  const ExrFile file = readExrHeader(referencePath);
-  const Image reference = readLayer(file, findAov(file, AovRole::kColor));
-  if (reference.width != result.width || reference.height != result.height)
-    throw Error("The reference '" + referencePath + "' is " + std::to_string(reference.width) + " x " + std::to_string(reference.height) +
-                " pixels, the result " + std::to_string(result.width) + " x " + std::to_string(result.height) + ".");
+  const Image reference = readReference(referencePath, result);
   const int scale = static_cast<int>(model.scale());
   const auto baseline = [&](const char* base, const std::vector<Image>& aux) {
     return runBaseline(device, base, "log1p", frame.colour(), aux, scale);

@@ -22,7 +22,12 @@ int printCheck(const std::vector<Upscaler::CheckRow>& rows);
 Image runBaseline(Device& device, const std::string& base, const std::string& transfer, const Image& colour,
                   const std::vector<Image>& auxiliary, int scale);
 
-/// Prints PSNR, RelMSE and its trimmed form for the result and for the baselines that the frame's layers allow.
+/// Writes the input's pixels enlarged, its bicubic upscaling, the result and, if a path is given, the reference side by
+/// side as a PNG.
+void writeSideBySide(Device& device, const Model& model, const Frame& frame, const Image& result,
+                     const std::string& referencePath, const std::string& pngPath);
+
+/// Prints PSNR, RelMSE, its trimmed form and FLIP for the result and for the baselines that the frame's layers allow.
 void printAgainstReference(Device& device, const Model& model, const Frame& frame, const Image& result,
                            const std::string& referencePath);
 

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct UpscaleOptions {
-  std::string color, aux, output, model, device, reference, preview, precision = "fp32", exposure = "auto";
+  std::string color, aux, output, model, device, reference, preview, sideBySide, precision = "fp32", exposure = "auto";
   AovRequest layers;
   bool half = false, profile = false, check = false, quiet = false;
 
@@ -128,6 +128,10 @@ void run(UpscaleOptions options) {
     std::printf("%s: %d x %d, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in all\n",
                 options.output.c_str(), result.width, result.height, options.model.c_str(), options.precision.c_str(),
                 exposure, device.description().name.c_str(), seconds, static_cast<double>(deviceBytes) / 1e6, whole.seconds());
+  if (!options.sideBySide.empty())
+    stage(ExitCode::output, [&] {
+      writeSideBySide(device, model, frame, result, options.reference, options.sideBySide);
+    });
   if (!options.reference.empty())
     stage(ExitCode::input, [&] { printAgainstReference(device, model, frame, result, options.reference); });
 }
@@ -149,6 +153,7 @@ void addUpscale(CLI::App& app) {
   verb->add_option("--normal", options->layers.normal, "Layer to take as normal")->type_name("LAYER");
   verb->add_option("--reference", options->reference, "EXR file to compare with: prints metrics beside the baselines");
   verb->add_option("--preview", options->preview, "PNG file to write as well, with the sRGB curve");
+  verb->add_option("--side-by-side", options->sideBySide, "PNG file with input, bicubic, result and reference side by side");
   verb->add_flag("--half", options->half, "Write 16-bit half floats");
   verb->add_flag("--profile", options->profile, "Print the device time of every operator");
   verb->add_flag("--check", options->check, "First compare each operator with its double-precision reference, on a crop");
