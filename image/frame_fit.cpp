@@ -1,0 +1,25 @@
+#include "image/frame_fit.h"
+
+namespace xrds {
+namespace {
+
+bool isWholeMultiple(const Window& low, const Window& high) {
+  return high.width() > low.width() && high.width() % low.width() == 0 &&
+         high.width() / low.width() * low.height() == high.height();
+}
+
+}  // namespace
+
+FrameFit fitFrame(const ExrPart& color, const ExrPart& auxiliary) {
+  const bool shared = color.displayWindow == auxiliary.displayWindow;
+  const bool bySize = shared && isWholeMultiple(color.dataWindow, auxiliary.dataWindow);
+  FrameFit fit;
+  fit.scale = bySize ? scaleBetween(color.dataWindow, auxiliary.dataWindow)
+                     : scaleBetween(color.displayWindow, auxiliary.displayWindow);
+  fit.dataWindow = scaledWindow(color.dataWindow, fit.scale);
+  const bool displaysAuxiliary = bySize && auxiliary.displayWindow == auxiliary.dataWindow;
+  fit.displayWindow = displaysAuxiliary ? auxiliary.displayWindow : scaledWindow(color.displayWindow, fit.scale);
+  return fit;
+}
+
+}  // namespace xrds
