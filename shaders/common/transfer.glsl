@@ -1,5 +1,6 @@
 // transform(transfer, x) and its inverse on three channels; `transfer` is a specialization constant. GLSL has neither
-// log1p nor expm1, and log is exact only to 2^-21 near 1, so small arguments go through a series: relative error < 1e-6.
+// log1p nor expm1, and its log is exact only to 2^-21 near 1, so small arguments go through a series: the relative
+// error stays at about 1e-6 from the smallest number to the largest.
 #ifndef XRDS_SHADERS_COMMON_TRANSFER_GLSL
 #define XRDS_SHADERS_COMMON_TRANSFER_GLSL
 #include "shaders/common/transfer.h"

@@ -1,6 +1,6 @@
 // e = 0.18 / exp(mean(log L)) over the pixels with finite Rec. 709 luminance L > 1e-8; 1 if there are none.
-// colour: [pixels][4]; target: (e, 1 / e, count, 0). One workgroup; each invocation sums every 256th pixel, 64 at a time
-// (long sums of single pixels would lose digits), then a tree: the order never changes. fp32.
+// colour: [pixels][4]; target: (e, 1 / e, count, 0). One workgroup; each invocation sums every 256th pixel, 64 at a
+// time (long sums of single pixels would lose digits), then a tree: the order never changes. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/common/storage.glsl"

@@ -26,7 +26,7 @@ struct JointBilateral {
   TensorView input;      // [>= h, >= w, 4] x; only its first h x w pixels are read
   TensorView aux;        // [Hp, Wp, c] albedo a, normal n
   TensorView auxMean;    // [hp, wp, c] b, m
-  TensorView network{};  // optional [Hp, Wp, >= 28]: channel 3 + j is the logit of neighbour j, row-major, clamped to +-8
+  TensorView network{};  // optional [Hp, Wp, >= 28]: channel 3 + j is the logit of neighbour j, row-major, within +-8
   TensorView output;     // [s h, s w, 4], the fourth channel zero
   int albedoOffset = 0;
   int normalOffset = -1;  // -1: no normals, their term is 1
