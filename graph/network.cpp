@@ -28,6 +28,8 @@ class NetworkBuilder {
   }
   TensorView linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into = {},
                     TensorView residual = {}, Activation activation = Activation::none);
+  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into);
+  TensorView addLinear(const std::string& name, Linear op);
   TensorView layerNorm(const std::string& name, TensorView x);
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted);
   TensorView selfAttention(const std::string& name, TensorView x, TensorView residual, bool shifted);
@@ -74,18 +76,27 @@ TensorView NetworkBuilder::conv(const std::string& name, TensorView x, uint32_t 
   return op.output;
 }
 
-TensorView NetworkBuilder::linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
-                                  TensorView residual, Activation activation) {
-  Linear op;
-  op.input = x;
-  op.output = into.exists() ? into : create(name, x, outputs);
-  op.residual = residual;
-  op.weight = weight(name + ".weight", {outputs, x.channels});
-  op.bias = weight(name + ".bias", {outputs});
-  op.activation = activation;
+TensorView NetworkBuilder::addLinear(const std::string& name, Linear op) {
+  op.bias = weight(name + ".bias", {op.output.channels});
   op.weightType = stored_;
   graph_.nodes.push_back({name, op});
   return op.output;
+}
+
+TensorView NetworkBuilder::linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                                  TensorView residual, Activation activation) {
+  return addLinear(name, {.input = x,
+                          .output = into.exists() ? into : create(name, x, outputs),
+                          .residual = residual,
+                          .weight = weight(name + ".weight", {outputs, x.channels}),
+                          .activation = activation});
+}
+
+// In NHWC a 1x1 convolution is a linear map of each pixel; only the weight's shape in the file differs.
+TensorView NetworkBuilder::conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into) {
+  return addLinear(name, {.input = x,
+                          .output = into.exists() ? into : create(name, x, outputs),
+                          .weight = weight(name + ".weight", {outputs, x.channels, 1, 1})});
 }
 
 TensorView NetworkBuilder::layerNorm(const std::string& name, TensorView x) {
@@ -169,7 +180,7 @@ TensorView NetworkBuilder::denseBlock(const std::string& name, TensorView dense,
   for (uint32_t k = 0; k < 3; ++k) {
     const std::string layer = name + "layers." + std::to_string(k) + ".";
     const TensorView u = swinLayer(layer, slice(dense, 0, (k + 1) * c), (3 * block + k) % 2 == 1);
-    y = linear(name + "grow." + std::to_string(k), u, c, k < 2 ? slice(dense, (k + 1) * c, c) : TensorView{});
+    y = conv1x1(name + "grow." + std::to_string(k), u, c, k < 2 ? slice(dense, (k + 1) * c, c) : TensorView{});
   }
   return conv(name + "conv", y, c, c, {.into = into, .residual = slice(dense, 0, c)});
 }
