@@ -1,6 +1,6 @@
 // out(p) = sum_i v_i x_i / sum_i v_i over the 5 x 5 low-resolution pixels i around q = (p + 0.5) / s - 0.5, with
-// v_i = exp(-|q - i|^2 / (2 .75^2)) (exp(-|n_p - m_i|^2 / (2 .2^2) - |a_p - b_i|^2 / (2 .5^2)) + 1e-6) exp(k_i).
-// v_i = exp(-|q-i|^2 / (2 0.75^2)) (exp(-|n_p - m_i|^2 / (2 0.2^2) - |a_p - b_i|^2 / (2 0.5^2)) + 1e-6) exp(k_i).
+// v_i = exp(-|q - i|^2 / (2 0.75^2)) (exp(-|n_p - m_i|^2 / (2 0.2^2) - |a_p - b_i|^2 / (2 0.5^2)) + 1e-6) exp(k_i).
+// x, b, m: low resolution, read at i clamped to the real image; a, n, logits k: at p. All: [rows, columns, channels].
 // An invocation makes a run of kRun pixels of a column inside one low-resolution pixel: they share every load. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
