@@ -35,19 +35,23 @@ bool hasNoisyTwin(const Candidates& all, const AovCandidate& finished) {
          });
 }
 
+bool servesAnotherRole(const AovCandidate& candidate) {
+  return aovRank(AovRole::kAlbedo, candidate.stem) || aovRank(AovRole::kNormal, candidate.stem) ||
+         plainName(candidate.stem).starts_with("crypto");
+}
+
+// An unnamed layer whose part has a name without meaning, such as "low", counts as unnamed.
 std::optional<int> rankOf(const AovCandidate& candidate, AovRole role) {
   std::optional<int> rank = aovRank(role, candidate.stem);
+  if (!rank && candidate.namedByPart && !servesAnotherRole(candidate)) {
+    rank = aovRank(role, "");
+  }
   // Blender's compositor adds its own result, under this name, to the layers of the renderer.
   constexpr int kBehindTheRenderers = 50;
   if (rank && plainName(candidate.prefix) == "composite") {
     *rank += kBehindTheRenderers;
   }
   return rank;
-}
-
-bool servesAnotherRole(const AovCandidate& candidate) {
-  return aovRank(AovRole::kAlbedo, candidate.stem) || aovRank(AovRole::kNormal, candidate.stem) ||
-         plainName(candidate.stem).starts_with("crypto");
 }
 
 // The best names of all candidates; for colour, failing that, whatever has no other meaning.
@@ -95,7 +99,7 @@ Candidates namedBy(const ExrFile& file, Candidates candidates, std::string name)
       [&](const AovCandidate& c) { return plainName(c.selection.layer) == plain; },
       [&](const AovCandidate& c) { return !name.empty() && partName(c) == name; },
       [&](const AovCandidate& c) { return !name.empty() && plainName(c.stem) == plain; },
-      [&](const AovCandidate& c) { return meansUnnamed && (isUnnamed(c) || !c.standsAlone); }};
+      [&](const AovCandidate& c) { return meansUnnamed && (isUnnamed(c) || c.namedByPart); }};
   for (const auto& reading : readings) {
     Candidates matching = candidates;
     keepIf(matching, reading);
@@ -131,6 +135,7 @@ AovCandidate choose(const ExrFile& file, AovRole role, const std::string& name, 
     candidates = bestByName(candidates, role);
   } else {
     candidates = namedBy(file, candidates, name);
+    preferIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
   }
   preferBySize(candidates, role);
   if (color != nullptr) {

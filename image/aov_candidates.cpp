@@ -81,10 +81,10 @@ AovCandidate candidateOf(const ExrFile& file, std::size_t number, const ExrLayer
   AovCandidate candidate;
   std::string name = ownName;
   candidate.view = takeView(file, name);
-  if (name.empty() && file.parts.size() > 1 && !part.name.empty()) {
+  candidate.namedByPart = name.empty() && file.parts.size() > 1 && part.layers.size() == 1 && !part.name.empty();
+  if (candidate.namedByPart) {
     name = part.name;
     takeView(file, name);
-    candidate.standsAlone = false;
   }
   candidate.selection = {number, name.empty() ? "(unnamed)" : name, std::move(channelNames)};
   if (!candidate.view.empty()) {

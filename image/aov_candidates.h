@@ -14,10 +14,10 @@ namespace xrds {
 /// A layer that could serve a role because it has the three channels for it, whatever its name.
 struct AovCandidate {
   ExrSelection selection;
-  std::string prefix;       ///< What stands before the layer's own name: Cycles' view layer.
-  std::string stem;         ///< The layer's own name, without view.
-  std::string view;         ///< Empty for the default view.
-  bool standsAlone = true;  ///< False for an unnamed layer in one of several parts, whose name then decides.
+  std::string prefix;        ///< What stands before the layer's own name: Cycles' view layer.
+  std::string stem;          ///< The layer's own name, without view.
+  std::string view;          ///< Empty for the default view.
+  bool namedByPart = false;  ///< An unnamed layer, alone in one of several parts, goes by the name of its part.
   std::int64_t pixelCount = 0;
   std::optional<ExrSelection> alpha;
 };

@@ -7,6 +7,8 @@
 namespace xrds {
 namespace {
 
+constexpr int kUnnamedColor = 2;
+
 struct RankedName {
   std::string_view name;
   int rank;
@@ -17,16 +19,17 @@ struct RankedName {
 constexpr RankedName kColorNames[] = {
     {"noisy_image", 0},  // Cycles, when it denoises
     {"combined", 0},     // Cycles
-    {"", 1},             // pbrt, Mitsuba, Arnold, most others
-    {"rgba", 2},
-    {"rgb", 2},
-    {"beauty", 2},  // Arnold with preserved layer names, and plain words
-    {"ci", 2},      // RenderMan
-    {"c", 3},       // Karma
-    {"color", 4},
-    {"colour", 4},
-    {"radiance", 4},  // plain words
-    {"image", 5},     // Mitsuba names nested integrators, often so
+    {"rgba", 1},         // Arnold
+    {"rgb", 1},
+    {"beauty", 1},
+    {"main", 1},
+    {"ci", 1},            // RenderMan
+    {"c", 1},             // Karma
+    {"", kUnnamedColor},  // pbrt, Mitsuba, Arnold and most others
+    {"color", 3},         // plain words, which beside an unnamed layer mean something else
+    {"colour", 3},
+    {"radiance", 3},
+    {"image", 4},  // Mitsuba's nested integrator, by habit
 };
 
 constexpr RankedName kAlbedoNames[] = {

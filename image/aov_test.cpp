@@ -205,6 +205,37 @@ TEST(Aov, OneFileWithPartsOfTwoSizes) {
   EXPECT_EQ(aovs.normal->part, 0U);
 }
 
+TEST(Aov, PartNamesWithoutMeaningAreNoNames) {
+  const Names aux = triple("albedo", "RGB") + triple("nn", "XYZ");
+  for (const Names& low : {kRoot, kRoot + triple("my_image", "RGB") + aux}) {
+    const ExrFile file = fileWith({partWith(low, kLow, "low"), partWith(kRoot + aux, kHigh, "high")});
+    const Aovs aovs = findAovs(file, file);
+    EXPECT_EQ(aovs.color, (ExrSelection{0, aovs.color.layer, kRoot}));
+    EXPECT_EQ(aovs.albedo->part, 1U);
+    EXPECT_EQ(aovs.normal->part, 1U);
+  }
+}
+
+// Since version 5 Blender writes each pass, and each of its views, into a part of its own.
+TEST(Aov, OnePartForEachPassAndView) {
+  std::vector<ExrPart> parts;
+  for (const char* pass : {"Combined", "Noisy Image", "Denoising Albedo", "Denoising Normal"}) {
+    for (const char* view : {"left", "right"}) {
+      const std::string layer = std::string("ViewLayer.") + pass;
+      const bool isNormal = layer.ends_with("Normal");
+      parts.push_back(partWith(triple(layer, isNormal ? "XYZ" : "RGB"), kLow, layer + "-" + view));
+      parts.back().view = view;
+    }
+  }
+  const ExrFile file = fileWith(parts);
+  const Aovs aovs = findAovs(file, file);
+  EXPECT_EQ(aovs.color.part, 2U);
+  EXPECT_EQ(aovs.albedo->part, 4U);
+  EXPECT_EQ(aovs.normal->part, 6U);
+  EXPECT_EQ(findAov(file, AovRole::kColor, "ViewLayer.Noisy Image-right").part, 3U);
+  EXPECT_EQ(findAov(file, AovRole::kColor, "Combined").part, 0U);
+}
+
 TEST(Aov, PartNamesNameUnnamedLayers) {
   const ExrFile file = fileWith({partWith(kRoot, kHigh, "diffuse"), partWith(kRoot, kHigh, "N"),
                                  partWith(kRoot, kHigh, "denoise_albedo"), partWith(kRoot + Names{"A"}, kLow, "RGBA")});
@@ -221,7 +252,9 @@ TEST(Aov, TakesTheOnlyLayerLeftForColor) {
   const Aovs aovs = findAovs(file, file, {"", "", "", true, false});
   EXPECT_EQ(aovs.color.part, 0U);
   EXPECT_FALSE(aovs.normal.has_value());
-  ASSERT_EQ(aovs.notes.size(), 1U);
+  EXPECT_TRUE(aovs.notes.empty());
+  const ExrFile named = fileWith({partWith(triple("my_image", "RGB") + triple("albedo", "RGB"))});
+  EXPECT_EQ(findAovs(named, named, {"", "", "", true, false}).notes.size(), 1U);
 }
 
 TEST(Aov, OtherViewsAreLeftAlone) {

@@ -38,13 +38,15 @@ std::optional<std::string> ExrAttributes::text(const std::string& name) const {
 }
 
 bool describesPicture(std::string_view attributeName) {
-  static constexpr std::array<std::string_view, 17> kEncoding = {
+  static constexpr std::array<std::string_view, 18> kEncoding = {
+      "BlenderMultiChannel",
       "channels",
       "chunkCount",
       "compression",
       "dataWindow",
       "deepImageState",
       "displayWindow",
+      "dwaCompressionLevel",
       "lineOrder",
       "maxSamplesPerPixel",
       "multiView",
@@ -54,10 +56,10 @@ bool describesPicture(std::string_view attributeName) {
       "type",
       "version",
       "view",
-      "dwaCompressionLevel",
       "zipCompressionLevel",
   };
-  return std::find(kEncoding.begin(), kEncoding.end(), attributeName) == kEncoding.end();
+  return std::find(kEncoding.begin(), kEncoding.end(), attributeName) == kEncoding.end() &&
+         !attributeName.starts_with("cryptomatte/");
 }
 
 ExrAttributes attributesOf(const Imf::Header& header) {

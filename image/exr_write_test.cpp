@@ -80,6 +80,8 @@ Imf::Header richHeader(const FixturePart& part) {
   Imf::addFramesPerSecond(header, Imf::Rational(24, 1));
   Imf::addMultiView(header, {"left", "right"});
   header.insert("cycles.ViewLayer.samples", Imf::StringAttribute("64"));
+  header.insert("cryptomatte/542cafa/name", Imf::StringAttribute("ViewLayer.CryptoObject"));
+  header.insert("BlenderMultiChannel", Imf::StringAttribute("Blender V2.55.1 and newer"));
   header.insert("renderer/seed", Imf::IntAttribute(7));
   header.insert("strange", Imf::StringAttribute("abc"));
   header.pixelAspectRatio() = 1.5F;
@@ -120,6 +122,8 @@ TEST(ExrWrite, KeepsAttributesAndScalesWindows) {
   EXPECT_FALSE(header.hasTileDescription());
   EXPECT_FALSE(header.hasName());
   EXPECT_FALSE(Imf::hasMultiView(header));
+  EXPECT_EQ(header.find("cryptomatte/542cafa/name"), header.end());
+  EXPECT_EQ(header.find("BlenderMultiChannel"), header.end());
 }
 
 TEST(ExrWrite, AttributesAreAValue) {
