@@ -205,8 +205,6 @@ TensorView NetworkBuilder::group(uint32_t g, TensorView f, TensorView d, TensorV
 
 TensorView NetworkBuilder::network(TensorView x, TensorView aux) {
   const uint32_t c = config_.channels, ca = config_.auxChannels;
-  const TensorView upscaled = graph_.create(
-      "upscaled", stored_, {config_.scale * x.height, config_.scale * x.width, c + (config_.auxSkip ? ca : 0)});
   const TensorView fused = create("fused", x, aux.exists() ? 2 * c : c);
 
   // Auxiliary branch: H_i = H_{i-1} + conv3x3(relu(conv3x3(H_{i-1}))), D_i = deshuffle_i(H_i).
@@ -216,8 +214,7 @@ TensorView NetworkBuilder::network(TensorView x, TensorView aux) {
     if (i > 0) {
       const std::string name = "aux_blocks." + std::to_string(i - 1) + ".";
       const TensorView inner = conv(name + "conv1", h, ca, ca, {.activation = Activation::relu});
-      const bool skips = config_.auxSkip && i == config_.groups;
-      h = conv(name + "conv2", inner, ca, ca, {.into = skips ? slice(upscaled, c, ca) : TensorView{}, .residual = h});
+      h = conv(name + "conv2", inner, ca, ca, {.residual = h});
     }
     d[i] = deshuffle(i, h, i == config_.groups ? slice(fused, c, c) : TensorView{});
   }
@@ -232,10 +229,13 @@ TensorView NetworkBuilder::network(TensorView x, TensorView aux) {
   TensorView u = conv("fuse", fused, c);
   u = conv("body_conv", u, c, c, {.residual = f0});
   const uint32_t steps = config_.steps();
+  const TensorView upscaled = graph_.create(
+      "upscaled", stored_, {config_.scale * x.height, config_.scale * x.width, c + (config_.auxSkip ? ca : 0)});
   const TensorView target = slice(upscaled, 0, c);
   u = conv("up_pre", u, c, c, {.into = steps == 0 ? target : TensorView{}, .activation = Activation::leakyRelu});
   for (uint32_t j = 0; j < steps; ++j)
     u = conv("up." + std::to_string(j), u, c, 4 * c, {.into = j + 1 == steps ? target : TensorView{}, .shuffle = true});
+  if (config_.auxSkip) copy("aux_skip", h, slice(upscaled, c, ca));  // holding its place since H_N would cost more memory
   return conv("out", upscaled, upscaled.channels, config_.outputWidth(), {});
 }
 
