@@ -1,0 +1,105 @@
+#include "shaders/linear/linear.h"
+
+#include <algorithm>
+
+#include "shaders/common/groups.h"
+
+namespace xrds {
+namespace {
+
+// Multiply-adds of a lane that the compiled body of the lane kernel may hold: beyond it the code leaves the
+// instruction cache and takes seconds to compile; below it too few outputs share a fetched input.
+constexpr uint32_t kMaxBody = 6144;
+constexpr uint32_t kMaxTile = 64;
+
+uint32_t inputChannels(const Linear& op) { return op.input.channels; }
+uint32_t outputChannels(const Linear& op) { return static_cast<uint32_t>(op.bias.size()); }
+
+// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits, of eights if there is one; 0: none fits.
+uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
+  const uint32_t inputs = inputChannels(op), outputs = outputChannels(op);
+  const uint64_t lanes = uint64_t{device.subgroupSize} * shader::kLinearLaneRows;
+  if (device.family != KernelFamily::lane || !device.shaderInt64 || lanes > device.maxGroupInvocations ||
+      ceilDivide(op.output.pixelCount(), lanes) > kMaxGroupCount)
+    return 0;
+  const uint32_t step = outputs % 8 ? 4 : 8;
+  for (uint32_t tile = std::min(kMaxTile, outputs) / step * step; tile > 0; tile -= step)
+    if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes) return tile;
+  return 0;
+}
+
+bool startsAtEights(const TensorView& view) { return (view.channelOffset | view.channelStride) % 8 == 0; }
+
+}  // namespace
+
+TensorShape outputShape(const Linear& op) {
+  checkView(op.input, op.input.shape());
+  XRDS_CHECK_EQ(op.weight.size(), op.bias.size() * op.input.channels);
+  return {op.input.height, op.input.width, outputChannels(op)};
+}
+
+Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
+  checkView(op.output, outputShape(op));
+  if (op.residual.exists()) checkView(op.residual, op.output.shape());
+  const RowRange rows = resolve(op.rows, op.output.height);
+  const TensorView& residual = op.residual.exists() ? op.residual : op.input;
+  shader::LinearParams params{};
+  params.source = sliceOf(op.input);
+  params.residual = sliceOf(residual);
+  params.target = sliceOf(op.output);
+  params.inputChannels = inputChannels(op);
+  params.outputChannels = outputChannels(op);
+  params.tokenBegin = rows.begin * op.input.width;
+  params.tokenEnd = rows.end * op.input.width;
+  params.storeOrigin = storeOrigin(op.output, rows);
+
+  const uint64_t tokens = params.tokenEnd - params.tokenBegin;
+  const uint32_t activation = static_cast<uint32_t>(op.activation), hasResidual = op.residual.exists();
+  Dispatch launch{
+      .bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residual), writeRows(op.output, rows)},
+      .pushConstants = pushBytes(params),
+      .multiplyAdds = tokens * params.inputChannels * params.outputChannels};
+  if (const uint32_t tile = laneTile(op, device)) {
+    const bool wide = tile % 8 == 0 && startsAtEights(op.output);
+    launch.program = programName("linear", KernelFamily::lane, op.output.type);
+    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, wide};
+    launch.groupCount = {params.outputChannels / tile,
+                         ceilDivide(tokens, uint64_t{device.subgroupSize} * shader::kLinearLaneRows), 1};
+  } else {
+    launch.program = programName("linear", KernelFamily::plain, op.output.type);
+    launch.specialization = {activation, hasResidual};
+    const uint64_t items = uint64_t{ceilDivide(tokens, shader::kLinearTokens)} * (params.outputChannels / 4);
+    launch.groupCount = foldedGroups(ceilDivide(items, 64));
+  }
+  return launch;
+}
+
+std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device) {
+  const uint32_t inputs = inputChannels(op), outputs = outputChannels(op), laneOutputs = laneTile(op, device);
+  const uint32_t tile = laneOutputs ? laneOutputs : outputs;
+  std::vector<float> packed;
+  packed.reserve(size_t{inputs + 1} * outputs);
+  for (uint32_t first = 0; first < outputs; first += tile) {
+    for (uint32_t k = 0; k < inputs; ++k)
+      for (uint32_t n = first; n < first + tile; ++n) packed.push_back(op.weight[size_t{n} * inputs + k]);
+    packed.insert(packed.end(), op.bias.begin() + first, op.bias.begin() + first + tile);
+  }
+  return packed;
+}
+
+void reference(const Linear& op, HostMemory& memory) {
+  const auto [height, width, outputs] = outputShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t n = 0; n < outputs; ++n) {
+        double sum = op.bias[n];
+        for (uint32_t k = 0; k < op.input.channels; ++k)
+          sum += memory.at(op.input, y, x, k) * op.weight[size_t{n} * op.input.channels + k];
+        sum = activate(op.activation, sum);
+        if (op.residual.exists()) sum += memory.at(op.residual, y, x, n);
+        memory.at(op.output, y, x, n) = sum;
+      }
+}
+
+}  // namespace xrds

@@ -1,0 +1,46 @@
+#ifndef XRDS_SHADERS_LINEAR_H
+#define XRDS_SHADERS_LINEAR_H
+#include "shaders/common/activation.h"
+
+XRDS_SHARED_BEGIN
+struct LinearParams {
+  Slice source, residual, target;
+  uint inputChannels, outputChannels;
+  uint tokenBegin;  // first token of this dispatch
+  uint tokenEnd;
+  uint storeOrigin;  // vec4 index at which the target binding starts
+};
+const uint kLinearTokens = 4;   // tokens of an invocation of the plain kernel
+const uint kLinearLaneRows = 32;  // subgroups in a workgroup of the lane kernel
+XRDS_SHARED_END
+
+#ifdef __cplusplus
+namespace xrds {
+
+/// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image.
+struct Linear {
+  TensorView input, output;                  // [h, w, K], [h, w, N]
+  TensorView residual{};                     // optional, [h, w, N]; may be the output itself
+  std::span<const float> weight, bias;       // [N][K], [N]
+  Activation activation = Activation::none;
+  DataType weightType = DataType::f32;       // storage of the packed weights
+  RowRange rows{};                           // of the output
+};
+
+/// [h, w, N], N being the length of the bias. Throws std::logic_error if the weight does not fit.
+TensorShape outputShape(const Linear& op);
+
+/// The kernel launch for the rows. The lane kernel takes any channels whose weights of four outputs fit its tile;
+/// all else goes to the plain one. Throws std::logic_error on misuse. Pure.
+Dispatch dispatch(const Linear& op, const DeviceTraits& device);
+
+/// What the chosen kernel reads as its weights. Plain: [K][N], then bias[N]. Lane: for each tile of T outputs
+/// [K][T], then bias[T].
+std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device);
+
+/// Double precision, in the order of the formula.
+void reference(const Linear& op, HostMemory& memory);
+
+}  // namespace xrds
+#endif
+#endif

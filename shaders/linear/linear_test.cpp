@@ -1,0 +1,119 @@
+#include "shaders/linear/linear.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+using test::view;
+
+struct Case {
+  uint32_t height, width, inputs, outputs;
+  Activation activation = Activation::none;
+  bool residual = false, inPlace = false;
+  uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
+  RowRange rows{};
+};
+
+// Odd ones first: one token, channels that are no multiple of a tile, slices that start at a 4 or an 8, rows that start
+// inside an aligned block, then the widths of the network, then one that is too wide for the lane kernel.
+constexpr Case kCases[] = {{1, 1, 4, 4},
+                           {3, 5, 12, 20, Activation::relu},
+                           {7, 3, 20, 28, Activation::leakyRelu, true},
+                           {5, 9, 8, 24, Activation::gelu, true, true, 4, 16, 4, 32},
+                           {6, 5, 16, 48, Activation::none, true, false, 0, 20, 8, 64, {2, 5}},
+                           {33, 17, 16, 8, Activation::gelu, false, false, 8, 32, 0, 0, {31, 33}},
+                           {9, 67, 64, 192},
+                           {5, 11, 192, 64, Activation::none, true, true, 64, 256, 128, 192},
+                           {4, 9, 384, 40, Activation::gelu},
+                           {2, 3, 1600, 8, Activation::none, true}};
+
+std::vector<float> halves(std::vector<float> numbers) {
+  for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
+  return numbers;
+}
+
+class LinearCases : public testing::TestWithParam<std::tuple<Case, KernelFamily, DataType, DataType>> {};
+
+TEST_P(LinearCases, MatchesReference) {
+  const auto& [c, family, stored, weightType] = GetParam();
+  const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs, 1));
+  const auto bias = halves(test::randomNumbers(c.outputs, 2));
+  Linear op{.input = view(0, stored, c.height, c.width, c.inputs, c.inputOffset, c.inputStride),
+            .output = view(1, stored, c.height, c.width, c.outputs, c.outputOffset, c.outputStride),
+            .weight = weight,
+            .bias = bias,
+            .activation = c.activation,
+            .weightType = weightType,
+            .rows = c.rows};
+  if (c.residual) op.residual = c.inPlace ? op.output : view(2, stored, c.height, c.width, c.outputs);
+  DeviceTraits traits = test::gpu().traits();
+  traits.family = family;
+  test::expectMatchesReference(op, traits, test::toleranceOf(stored));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LinearCases,
+                         testing::Combine(testing::ValuesIn(kCases),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane),
+                                          testing::Values(DataType::f32, DataType::f16),
+                                          testing::Values(DataType::f32, DataType::f16)));
+
+TEST(Linear, ConvertsBetweenStorageTypes) {
+  const auto weight = test::randomNumbers(16 * 16, 1), bias = test::randomNumbers(16, 2);
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane}) {
+    DeviceTraits traits = test::gpu().traits();
+    traits.family = family;
+    test::expectMatchesReference(Linear{.input = view(0, DataType::f16, 5, 7, 16),
+                                        .output = view(1, DataType::f32, 5, 7, 16),
+                                        .residual = view(2, DataType::f16, 5, 7, 16),
+                                        .weight = weight,
+                                        .bias = bias},
+                                 traits, test::toleranceOf(DataType::f32));
+  }
+}
+
+TEST(Linear, OfThePermutationSwapsChannels) {
+  const std::vector<float> weight{0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0}, bias{0, 0, 0, -10};
+  HostMemory memory;
+  const Linear op{.input = view(0, DataType::f32, 1, 1, 4),
+                  .output = view(1, DataType::f32, 1, 1, 4),
+                  .residual = view(1, DataType::f32, 1, 1, 4),
+                  .weight = weight,
+                  .bias = bias,
+                  .activation = Activation::relu};
+  memory.storage(op.input) = {1, 2, 3, 4};
+  memory.storage(op.output) = {100, 200, 300, 400};
+  reference(op, memory);
+  EXPECT_EQ(memory.storage(op.output), (std::vector<double>{104, 203, 302, 400}));
+}
+
+TEST(Linear, CountsTheMultiplyAddsOfItsRows) {
+  const std::vector<float> weight(8 * 4), bias(8);
+  const Linear op{.input = view(0, DataType::f32, 5, 3, 4),
+                  .output = view(1, DataType::f32, 5, 3, 8),
+                  .weight = weight,
+                  .bias = bias,
+                  .rows = {1, 3}};
+  EXPECT_EQ(dispatch(op, {}).multiplyAdds, 2u * 3 * 4 * 8);
+}
+
+TEST(Linear, RefusesViewsOfAnotherShape) {
+  const std::vector<float> weight(8 * 4), bias(8);
+  const Linear op{.input = view(0, DataType::f32, 2, 2, 4),
+                  .output = view(1, DataType::f32, 2, 2, 8),
+                  .weight = weight,
+                  .bias = bias};
+  Linear wrongOutput = op, wrongResidual = op, wrongWeight = op;
+  wrongOutput.output.channels = 4;
+  wrongResidual.residual = view(2, DataType::f32, 2, 3, 8);
+  wrongWeight.weight = wrongWeight.weight.subspan(1);
+  EXPECT_NO_THROW(dispatch(op, {}));
+  EXPECT_THROW(dispatch(wrongOutput, {}), std::logic_error);
+  EXPECT_THROW(dispatch(wrongResidual, {}), std::logic_error);
+  EXPECT_THROW(dispatch(wrongWeight, {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace xrds
