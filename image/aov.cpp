@@ -120,7 +120,8 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
   if (found.size() > 1) {
     std::string list;
     for (const AovCandidate& candidate : found) {
-      list += (list.empty() ? "" : ", ") + std::to_string(candidate.selection.part) + ":" + candidate.selection.layer;
+      list += (list.empty() ? "" : ", ") + std::to_string(candidate.selection.part) + ":" +
+              printable(candidate.selection.layer);
     }
     throw Error("the " + toString(role) + " in '" + file.path.string() + "' is ambiguous: expected one layer, found " +
                 list + remedy);
@@ -166,11 +167,11 @@ void noteChoice(Aovs& result, const ExrFile& file, const AovCandidate& color, co
   if (isNoisyRender(color) && std::any_of(all.begin(), all.end(), [&](const AovCandidate& c) {
         return namesFinishedRender(c.stem) && c.prefix == color.prefix;
       })) {
-    result.notes.push_back("The colour is '" + color.selection.layer +
+    result.notes.push_back("The colour is '" + printable(color.selection.layer) +
                            "', the render before denoising; '--color Combined' takes the denoised one.");
   }
   if (!rankOf(color, AovRole::kColor)) {
-    result.notes.push_back("The colour is '" + color.selection.layer +
+    result.notes.push_back("The colour is '" + printable(color.selection.layer) +
                            "', the only layer that is neither albedo nor normal.");
   }
   if (std::any_of(all.begin(), all.end(), [](const AovCandidate& c) { return !c.view.empty(); })) {

@@ -91,11 +91,14 @@ std::optional<Image> shrunkTo(const Image& layer, int width, int height) {
 
 Mask grown(const Mask& mask, int width, int height) {
   Mask result(mask.size());
+  const auto position = [width](int x, int y) {
+    return static_cast<std::size_t>(y) * std::size_t(width) + std::size_t(x);
+  };
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v) {
         for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
-          result[std::size_t(y * width + x)] |= mask[std::size_t(v * width + u)];
+          result[position(x, y)] |= mask[position(u, v)];
         }
       }
     }

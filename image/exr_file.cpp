@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfTileDescription.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "image/exr_attributes_stored.h"
 #include "image/exr_open.h"
@@ -133,22 +134,34 @@ ExrFile readExrHeader(const std::filesystem::path& path) {
   });
 }
 
+std::string printable(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char letter) { return letter < 0x20 || letter == 0x7F; }, '?');
+  return name;
+}
+
 std::string describe(const ExrFile& file) {
-  std::string text = "'" + file.path.string() + "' holds";
+  std::ostringstream text;
+  text << "'" << file.path.string() << "' holds";
   for (std::size_t number = 0; number < file.parts.size(); ++number) {
     const ExrPart& part = file.parts[number];
     for (const ExrLayer& layer : part.layers) {
-      text += "\n  part " + std::to_string(number) + (part.name.empty() ? "" : " '" + part.name + "'") +
-              (part.view.empty() ? "" : " view '" + part.view + "'") + (part.deep ? " (deep)" : "") + ", " +
-              std::to_string(part.dataWindow.width()) + " x " + std::to_string(part.dataWindow.height()) + ": " +
-              (layer.name.empty() ? "(unnamed)" : layer.name) + " [";
-      for (const ExrChannel& channel : layer.channels) {
-        text += (&channel == &layer.channels.front() ? "" : " ") + channel.suffix;
+      text << "\n  part " << number;
+      if (!part.name.empty()) {
+        text << " '" << printable(part.name) << "'";
       }
-      text += "] " + typeName(layer.channels.front().type);
+      if (!part.view.empty()) {
+        text << " view '" << printable(part.view) << "'";
+      }
+      text << (part.deep ? " (deep), " : ", ") << part.dataWindow.width() << " x " << part.dataWindow.height() << ": "
+           << (layer.name.empty() ? "(unnamed)" : printable(layer.name)) << " [";
+      for (const ExrChannel& channel : layer.channels) {
+        text << (&channel == &layer.channels.front() ? "" : " ") << printable(channel.suffix);
+      }
+      text << "] " << typeName(layer.channels.front().type);
     }
   }
-  return text;
+  return text.str();
 }
 
 }  // namespace xrds

@@ -55,6 +55,9 @@ inline constexpr std::int64_t kMaxPixelCount = std::int64_t{1} << 28;
 /// kMaxPixelCount. Safe to call from several threads.
 [[nodiscard]] ExrFile readExrHeader(const std::filesystem::path& path);
 
+/// A name from a file as it may be shown: control characters, which could upset a terminal, become question marks.
+[[nodiscard]] std::string printable(std::string name);
+
 /// What the file holds, one line a layer, with sizes and channels: for messages that must say what there is to choose.
 [[nodiscard]] std::string describe(const ExrFile& file);
 

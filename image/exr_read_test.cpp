@@ -159,5 +159,13 @@ TEST(ExrRead, DescribesWhatTheFileHolds) {
   EXPECT_NE(text.find("Ns [X Y Z] half"), std::string::npos) << text;
 }
 
+TEST(ExrRead, ShowsNoControlCharacters) {
+  const TemporaryFolder folder;
+  writeFixture(folder / "a.exr", {{"", kFrame, kFrame, {"bell\x07\x1b[2J.R", "caf\xc3\xa9.R"}}});
+  const std::string text = describe(readExrHeader(folder / "a.exr"));
+  EXPECT_NE(text.find("bell??[2J"), std::string::npos) << text;
+  EXPECT_NE(text.find("caf\xc3\xa9"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace xrds

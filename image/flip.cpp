@@ -161,10 +161,11 @@ double colorError(const Triple& a, const Triple& b) {
   constexpr double kExponent = 0.7;
   constexpr double kKneeShare = 0.4;
   constexpr double kKneeValue = 0.95;
-  static const double largest = std::pow(hyab(huntAdjustedLab({0, 1, 0}), huntAdjustedLab({0, 0, 1})), kExponent);
+  static const double kLargest = std::pow(hyab(huntAdjustedLab({0, 1, 0}), huntAdjustedLab({0, 0, 1})), kExponent);
   const double error = std::pow(hyab(a, b), kExponent);
-  const double knee = kKneeShare * largest;
-  return error < knee ? kKneeValue / knee * error : kKneeValue + (error - knee) / (largest - knee) * (1.0 - kKneeValue);
+  const double knee = kKneeShare * kLargest;
+  return error < knee ? kKneeValue / knee * error
+                      : kKneeValue + (error - knee) / (kLargest - knee) * (1.0 - kKneeValue);
 }
 
 // The lengths of the filter's answers along both axes.
