@@ -3,6 +3,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfThreading.h>
 #include <OpenEXR/ImfTileDescription.h>
 
 #include <algorithm>
@@ -132,6 +133,13 @@ ExrFile readExrHeader(const std::filesystem::path& path) {
     }
     return file;
   });
+}
+
+void useExrThreads(int count) {
+  if (count < 0) {
+    throw Error("OpenEXR cannot use " + std::to_string(count) + " threads: expected 0 or more");
+  }
+  Imf::setGlobalThreadCount(count);
 }
 
 std::string printable(std::string name) {

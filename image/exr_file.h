@@ -55,6 +55,10 @@ inline constexpr std::int64_t kMaxPixelCount = std::int64_t{1} << 28;
 /// kMaxPixelCount. Safe to call from several threads.
 [[nodiscard]] ExrFile readExrHeader(const std::filesystem::path& path);
 
+/// How many threads OpenEXR may add to the caller's for packing and unpacking pixels, in the whole program; 0, with
+/// which a program starts, for none. Throws Error when `count` is negative. Call it before files are read or written.
+void useExrThreads(int count);
+
 /// A name from a file as it may be shown: control characters, which could upset a terminal, become question marks.
 [[nodiscard]] std::string printable(std::string name);
 

@@ -90,25 +90,28 @@ Imf::Header headerFor(const Image& image, const ExrOutput& output) {
   return header;
 }
 
-// Converts from 32-bit floats row by row, so that half precision needs no second image.
+// Converts band by band: half precision needs no second image, and every band has blocks enough for all threads.
 void writeHalfRows(Imf::OutputFile& file, const Image& image, const Window& window,
                    const std::vector<std::string>& names) {
+  constexpr int kBandHeight = 256;
   const std::size_t rowLength = static_cast<std::size_t>(image.width) * names.size();
-  std::vector<half> row(rowLength);
-  for (int y = 0; y < image.height; ++y) {
-    std::transform(image.pixels.begin() + static_cast<std::ptrdiff_t>(image.index(0, y)),
-                   image.pixels.begin() + static_cast<std::ptrdiff_t>(image.index(0, y) + rowLength), row.begin(),
-                   [](float value) {
-                     constexpr auto kLargest = static_cast<float>(HALF_MAX);
-                     return half(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
-                   });
+  std::vector<half> band;
+  for (int firstRow = 0; firstRow < image.height; firstRow += kBandHeight) {
+    const int rowCount = std::min(kBandHeight, image.height - firstRow);
+    band.resize(static_cast<std::size_t>(rowCount) * rowLength);
+    const float* source = &image.pixels[image.index(0, firstRow)];
+    std::transform(source, source + band.size(), band.begin(), [](float value) {
+      constexpr auto kLargest = static_cast<float>(HALF_MAX);
+      return half(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
+    });
     Imf::FrameBuffer buffer;
     for (std::size_t c = 0; c < names.size(); ++c) {
-      buffer.insert(names[c], Imf::Slice::Make(Imf::HALF, &row[c], Imath::V2i(window.minX, window.minY + y),
-                                               image.width, 1, names.size() * sizeof(half), rowLength * sizeof(half)));
+      buffer.insert(names[c],
+                    Imf::Slice::Make(Imf::HALF, &band[c], Imath::V2i(window.minX, window.minY + firstRow), image.width,
+                                     rowCount, names.size() * sizeof(half), rowLength * sizeof(half)));
     }
     file.setFrameBuffer(buffer);
-    file.writePixels(1);
+    file.writePixels(rowCount);
   }
 }
 

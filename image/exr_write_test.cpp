@@ -56,6 +56,29 @@ TEST(ExrWrite, ReturnsEveryFloat) {
   }
 }
 
+TEST(ExrWrite, ThreadsAndTypesGiveTheSameNumbers) {
+  const TemporaryFolder folder;
+  Image image(50, 700, 3);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    image.pixels[i] = static_cast<float>(i % 2039);
+  }
+  std::vector<std::string> files;
+  for (const int threads : {0, 3}) {
+    useExrThreads(threads);
+    for (const ExrPixelType type : {ExrPixelType::kFloat, ExrPixelType::kHalf}) {
+      ExrOutput output = outputFor(image);
+      output.pixelType = type;
+      writeExr(folder / "a.exr", image, output);
+      EXPECT_EQ(readLayer(readExrHeader(folder / "a.exr"), {0, "", {"R", "G", "B"}}), image);
+      files.push_back(test::readBytes(folder / "a.exr"));
+    }
+  }
+  useExrThreads(0);
+  EXPECT_TRUE(files[0] == files[2]);
+  EXPECT_TRUE(files[1] == files[3]);
+  EXPECT_THROW(useExrThreads(-1), Error);
+}
+
 TEST(ExrWrite, HalfStaysFinite) {
   const TemporaryFolder folder;
   Image image(4, 1, 3, 0.1F);
