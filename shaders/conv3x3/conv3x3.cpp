@@ -1,0 +1,193 @@
+#include "shaders/conv3x3/conv3x3.h"
+
+#include <algorithm>
+
+#include "shaders/common/groups.h"
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kMaxTile = 32;     // outputs of a workgroup of the lane kernel
+constexpr uint32_t kLanePixels = 4;   // of a lane of the lane kernel
+
+uint32_t parts(bool shuffled) { return shuffled ? 4 : 1; }
+uint32_t factor(bool shuffled) { return shuffled ? 2 : 1; }
+
+// Channels that the kernels see: those of the views, all parts of a shuffled one.
+uint32_t kernelInputs(const Conv3x3& op) { return op.input.channels * parts(op.unshuffleInput); }
+uint32_t kernelOutputs(const Conv3x3& op) { return outputShape(op).channels * parts(op.shuffleOutput); }
+
+TensorShape convolutionShape(const Conv3x3& op) {
+  const uint32_t f = factor(op.unshuffleInput);
+  return {op.input.height / f, op.input.width / f, op.outputChannels};
+}
+
+// A channel of the kernels, part by part, as a channel of the weight; `channels` if it is padding.
+uint32_t weightChannel(uint32_t kernelChannel, uint32_t viewChannels, bool shuffled, uint32_t channels) {
+  const uint32_t part = kernelChannel / viewChannels, c = kernelChannel % viewChannels;
+  return std::min(shuffled ? c * 4 + part : c, channels);
+}
+
+double weightAt(const Conv3x3& op, uint32_t output, uint32_t input, uint32_t tap) {
+  return op.weight[(size_t{output} * op.inputChannels + input) * 9 + tap];
+}
+
+// Outputs of a workgroup of the lane kernel: the largest divisor that fits; 0: the device takes the plain kernel.
+uint32_t laneTile(const Conv3x3& op, const DeviceTraits& device) {
+  const uint32_t outputs = kernelOutputs(op), step = outputShape(op).channels % 8 ? 4 : 8;
+  if (device.family != KernelFamily::lane || !device.shaderInt64 || (op.shuffleOutput && step == 4) ||
+      device.subgroupSize * shader::kConv3x3LaneRows > device.maxGroupInvocations)
+    return 0;
+  uint32_t tile = std::min(kMaxTile, outputs) / step * step;
+  while (outputs % tile != 0) tile -= step;
+  return tile;
+}
+
+bool startsAtEights(const TensorView& view) { return (view.channelOffset | view.channelStride) % 8 == 0; }
+
+// The weights between kernel channels; zero where either is padding.
+class KernelWeights {
+ public:
+  explicit KernelWeights(const Conv3x3& op) : op_(op), outputChannels_(outputShape(op).channels) {}
+  float at(uint32_t output, uint32_t input, uint32_t tap) const {
+    const uint32_t o = outputOf(output);
+    const uint32_t i = weightChannel(input, op_.input.channels, op_.unshuffleInput, op_.inputChannels);
+    return o < op_.outputChannels && i < op_.inputChannels ? static_cast<float>(weightAt(op_, o, i, tap)) : 0;
+  }
+  float bias(uint32_t output) const {
+    const uint32_t o = outputOf(output);
+    return o < op_.outputChannels ? op_.bias[o] : 0;
+  }
+
+ private:
+  uint32_t outputOf(uint32_t output) const {
+    return weightChannel(output, outputChannels_, op_.shuffleOutput, op_.outputChannels);
+  }
+  const Conv3x3& op_;
+  uint32_t outputChannels_;
+};
+
+std::vector<float> packedForPlain(const Conv3x3& op) {
+  const KernelWeights weights(op);
+  const uint32_t inputs = kernelInputs(op), outputs = kernelOutputs(op);
+  std::vector<float> packed;
+  for (uint32_t tap = 0; tap < 9; ++tap)
+    for (uint32_t k = 0; k < inputs; ++k)
+      for (uint32_t n = 0; n < outputs; ++n) packed.push_back(weights.at(n, k, tap));
+  for (uint32_t n = 0; n < outputs; ++n) packed.push_back(weights.bias(n));
+  return packed;
+}
+
+std::vector<float> packedForLanes(const Conv3x3& op, uint32_t tile, uint32_t lanes) {
+  const KernelWeights weights(op);
+  const uint32_t inputs = kernelInputs(op), outputs = kernelOutputs(op);
+  const size_t stepPadding = size_t{ceilDivide(9 * tile, lanes)} * lanes * 4 - size_t{9 * 4 * tile};
+  std::vector<float> packed;
+  for (uint32_t first = 0; first < outputs; first += tile) {
+    for (uint32_t k = 0; k < inputs; k += 4) {
+      for (uint32_t tap = 0; tap < 9; ++tap)
+        for (uint32_t c = 0; c < 4; ++c)
+          for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weights.at(n, k + c, tap));
+      packed.resize(packed.size() + stepPadding);
+    }
+    for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weights.bias(n));
+  }
+  return packed;
+}
+
+shader::Conv3x3Params paramsOf(const Conv3x3& op, RowRange rows, const TensorView& residual) {
+  const TensorShape shape = convolutionShape(op);
+  const uint32_t f = factor(op.shuffleOutput);
+  shader::Conv3x3Params params{};
+  params.source = sliceOf(op.input);
+  params.residual = sliceOf(residual);
+  params.target = sliceOf(op.output);
+  params.width = shape.width;
+  params.height = shape.height;
+  params.rowBegin = rows.begin;
+  params.rowEnd = rows.end;
+  params.inputChannels = op.input.channels;
+  params.outputChannels = op.output.channels;
+  params.unshuffle = factor(op.unshuffleInput);
+  params.shuffle = f;
+  params.storeOrigin = storeOrigin(op.output, {rows.begin * f, rows.end * f});
+  return params;
+}
+
+}  // namespace
+
+TensorShape outputShape(const Conv3x3& op) {
+  checkView(op.input, op.input.shape());
+  XRDS_CHECK_EQ(op.input.height % factor(op.unshuffleInput), 0u);
+  XRDS_CHECK_EQ(op.input.width % factor(op.unshuffleInput), 0u);
+  XRDS_CHECK_EQ(op.inputChannels % parts(op.unshuffleInput), 0u);
+  XRDS_CHECK_EQ(op.outputChannels % (op.shuffleOutput ? 16 : 1), 0u);
+  XRDS_CHECK_LE(op.inputChannels / parts(op.unshuffleInput), op.input.channels);
+  XRDS_CHECK_EQ(op.weight.size(), size_t{op.outputChannels} * op.inputChannels * 9);
+  XRDS_CHECK_EQ(op.bias.size(), size_t{op.outputChannels});
+  const TensorShape shape = convolutionShape(op);
+  const uint32_t f = factor(op.shuffleOutput);
+  return {shape.height * f, shape.width * f, ceilDivide(op.outputChannels, 4 * f * f) * 4};
+}
+
+Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
+  checkView(op.output, outputShape(op));
+  if (op.residual.exists()) checkView(op.residual, op.output.shape());
+  const TensorShape shape = convolutionShape(op);
+  const RowRange rows = resolve(op.rows, shape.height);
+  const uint32_t rowCount = rows.end - rows.begin, f = factor(op.shuffleOutput);
+  const TensorView& residual = op.residual.exists() ? op.residual : op.input;
+  const uint32_t activation = static_cast<uint32_t>(op.activation), hasResidual = op.residual.exists();
+  Dispatch launch{.bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residual),
+                               writeRows(op.output, {rows.begin * f, rows.end * f})},
+                  .pushConstants = pushBytes(paramsOf(op, rows, residual)),
+                  .multiplyAdds = uint64_t{rowCount} * shape.width * 9 * op.inputChannels * op.outputChannels};
+  if (const uint32_t tile = laneTile(op, device)) {
+    const bool wide = tile % 8 == 0 && startsAtEights(op.output);
+    launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
+    launch.specialization = {device.subgroupSize, kLanePixels, tile, activation, hasResidual, wide};
+    launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(shape.width, device.subgroupSize),
+                         ceilDivide(rowCount, shader::kConv3x3LaneRows * kLanePixels)};
+  } else {
+    launch.program = programName("conv3x3", KernelFamily::plain, op.output.type);
+    launch.specialization = {activation, hasResidual};
+    const uint64_t strips = uint64_t{rowCount} * ceilDivide(shape.width, shader::kConv3x3Pixels);
+    launch.groupCount = foldedGroups(ceilDivide(strips * (kernelOutputs(op) / 4), 64));
+  }
+  return launch;
+}
+
+std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device) {
+  const uint32_t tile = laneTile(op, device);
+  return tile ? packedForLanes(op, tile, device.subgroupSize) : packedForPlain(op);
+}
+
+void reference(const Conv3x3& op, HostMemory& memory) {
+  const auto [height, width, channels] = convolutionShape(op);
+  const RowRange rows = resolve(op.rows, height);
+  const auto input = [&](int64_t y, int64_t x, uint32_t c) {
+    if (y < 0 || x < 0 || y >= height || x >= width) return 0.0;
+    const auto v = static_cast<uint32_t>(y), u = static_cast<uint32_t>(x);
+    return op.unshuffleInput ? memory.at(op.input, 2 * v + c / 2 % 2, 2 * u + c % 2, c / 4) : memory.at(op.input, v, u, c);
+  };
+  const auto store = [&](uint32_t y, uint32_t x, uint32_t c, double value) {
+    if (op.residual.exists()) value += memory.at(op.residual, y, x, c);
+    memory.at(op.output, y, x, c) = value;
+  };
+  const uint32_t stored = op.shuffleOutput ? channels : op.output.channels;  // with those of padding
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t o = 0; o < stored; ++o) {
+        double sum = o < channels ? op.bias[o] : 0;
+        for (uint32_t i = 0; i < op.inputChannels && o < channels; ++i)
+          for (uint32_t tap = 0; tap < 9; ++tap)
+            sum += input(int64_t{y} + tap / 3 - 1, int64_t{x} + tap % 3 - 1, i) * weightAt(op, o, i, tap);
+        sum = activate(op.activation, sum);
+        if (op.shuffleOutput)
+          store(2 * y + o / 2 % 2, 2 * x + o % 2, o / 4, sum);
+        else
+          store(y, x, o, sum);
+      }
+}
+
+}  // namespace xrds

@@ -1,0 +1,53 @@
+#ifndef XRDS_SHADERS_CONV3X3_H
+#define XRDS_SHADERS_CONV3X3_H
+#include "shaders/common/activation.h"
+
+XRDS_SHARED_BEGIN
+struct Conv3x3Params {
+  Slice source, residual, target;
+  uint width, height;      // of the convolution: an unshuffled input has twice, a shuffled output gets twice that
+  uint rowBegin, rowEnd;   // of the convolution
+  uint inputChannels;      // of the source; an unshuffled one stands for four times as many
+  uint outputChannels;     // of the target; a shuffled one takes four times as many
+  uint unshuffle, shuffle; // 2, or 1 for none
+  uint storeOrigin;        // vec4 index at which the target binding starts
+};
+const uint kConv3x3Pixels = 4;    // pixels of an invocation of the plain kernel, side by side
+const uint kConv3x3LaneRows = 4;  // subgroups in a workgroup of the lane kernel
+XRDS_SHARED_END
+
+#ifdef __cplusplus
+namespace xrds {
+
+/// y = activation(x * w + b) + residual, a 3x3 convolution with zero padding of one pixel.
+/// Views of 3 or 6 channels are padded to a multiple of 4: weights of padded inputs count as zero, padded outputs are
+/// written as activation(0).
+struct Conv3x3 {
+  TensorView input, output;
+  TensorView residual{};                           // optional, as the output; may be the output itself
+  std::span<const float> weight, bias;             // OIHW [outputChannels][inputChannels][3][3], [outputChannels]
+  uint32_t inputChannels = 0, outputChannels = 0;  // of the weight
+  Activation activation = Activation::none;
+  bool unshuffleInput = false;  // convolves pixel_unshuffle(input, 2): input [2h, 2w, inputChannels / 4]
+  bool shuffleOutput = false;   // stores pixel_shuffle(result, 2): output [2h, 2w, outputChannels / 4]
+  DataType weightType = DataType::f32;  // storage of the packed weights
+  RowRange rows{};                      // of the convolution, before a shuffle
+};
+
+/// [h, w, outputChannels] (twice the sides and a quarter of the channels if shuffled), channels rounded up to 4.
+/// Throws std::logic_error if input, weight and bias do not fit each other.
+TensorShape outputShape(const Conv3x3& op);
+
+/// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.
+Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device);
+
+/// What the chosen kernel reads as its weights; the kernels' heads give the layouts. A shuffled channel c, y, x stands
+/// at (2 y + x) * channels + c, so that four in a row belong to one pixel.
+std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device);
+
+/// Double precision, in the order of the formula.
+void reference(const Conv3x3& op, HostMemory& memory);
+
+}  // namespace xrds
+#endif
+#endif

@@ -1,0 +1,182 @@
+#include "shaders/conv3x3/conv3x3.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+using test::view;
+
+enum class Layout { straight, unshuffled, shuffled };
+
+struct Case {
+  uint32_t height, width;  // of the convolution
+  uint32_t inputs, outputs;
+  Layout layout = Layout::straight;
+  Activation activation = Activation::none;
+  bool residual = false, inPlace = false;
+  uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
+  RowRange rows{};
+};
+
+// Odd ones first: one pixel, channels of padding, slices, rows that start inside an aligned block, then the layouts and
+// widths of the network.
+constexpr Case kCases[] = {
+    {1, 1, 4, 4},
+    {3, 5, 3, 4, Layout::straight, Activation::relu},
+    {5, 3, 6, 16, Layout::straight, Activation::leakyRelu},
+    {6, 19, 16, 3, Layout::straight, Activation::none, true},
+    {9, 7, 12, 20, Layout::straight, Activation::gelu, true, true, 4, 20, 8, 32},
+    {11, 4, 8, 24, Layout::straight, Activation::none, true, false, 0, 0, 4, 32, {5, 10}},
+    {7, 33, 24, 28, Layout::straight, Activation::none, false, false, 8, 64},
+    {2, 3, 16, 8, Layout::unshuffled, Activation::relu},
+    {7, 17, 32, 16, Layout::unshuffled, Activation::none, true, false, 8, 24, 0, 0, {1, 6}},
+    {3, 5, 8, 16, Layout::shuffled, Activation::relu, true},
+    {6, 17, 16, 32, Layout::shuffled, Activation::none, true, true, 0, 0, 8, 24, {2, 5}},
+    {5, 6, 8, 64, Layout::shuffled},
+    {18, 37, 32, 32, Layout::straight, Activation::none, true},
+    {9, 20, 64, 64, Layout::straight, Activation::leakyRelu},
+};
+
+std::vector<float> halves(std::vector<float> numbers) {
+  for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
+  return numbers;
+}
+
+constexpr uint32_t roundUp4(uint32_t channels) { return (channels + 3) / 4 * 4; }
+
+Conv3x3 operatorOf(const Case& c, DataType stored, std::span<const float> weight, std::span<const float> bias) {
+  const bool unshuffled = c.layout == Layout::unshuffled, shuffled = c.layout == Layout::shuffled;
+  const uint32_t in = unshuffled ? 2 : 1, out = shuffled ? 2 : 1;
+  Conv3x3 op{.input = view(0, stored, c.height * in, c.width * in, roundUp4(c.inputs / in / in), c.inputOffset,
+                           c.inputStride),
+             .output = view(1, stored, c.height * out, c.width * out, roundUp4(c.outputs / out / out), c.outputOffset,
+                            c.outputStride),
+             .weight = weight,
+             .bias = bias,
+             .inputChannels = c.inputs,
+             .outputChannels = c.outputs,
+             .activation = c.activation,
+             .unshuffleInput = unshuffled,
+             .shuffleOutput = shuffled,
+             .rows = c.rows};
+  if (c.residual) op.residual = op.output;
+  if (c.residual && !c.inPlace) op.residual = view(2, stored, op.output.height, op.output.width, op.output.channels);
+  return op;
+}
+
+class Conv3x3Cases : public testing::TestWithParam<std::tuple<Case, KernelFamily, DataType, DataType>> {};
+
+TEST_P(Conv3x3Cases, MatchesReference) {
+  const auto& [c, family, stored, weightType] = GetParam();
+  const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs * 9, 1));
+  const auto bias = halves(test::randomNumbers(c.outputs, 2));
+  Conv3x3 op = operatorOf(c, stored, weight, bias);
+  op.weightType = weightType;
+  DeviceTraits traits = test::gpu().traits();
+  traits.family = family;
+  if (c.layout == Layout::shuffled) {  // the harness takes rows of the output
+    test::KernelCase kernel{.dispatch = dispatch(op, traits),
+                            .weights = packedWeights(op, traits),
+                            .output = op.output,
+                            .rows = {2 * op.rows.begin, 2 * op.rows.end}};
+    kernel.reference = [&op](HostMemory& memory) { reference(op, memory); };
+    test::expectMatchesReference(kernel, test::toleranceOf(stored), {});
+    return;
+  }
+  test::expectMatchesReference(op, traits, test::toleranceOf(stored));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Conv3x3Cases,
+                         testing::Combine(testing::ValuesIn(kCases),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane),
+                                          testing::Values(DataType::f32, DataType::f16),
+                                          testing::Values(DataType::f32, DataType::f16)));
+
+// A kernel whose only weight is at the tap: the output is the input moved by one pixel, zero moving in.
+TEST(Conv3x3, OfOneTapMovesTheImage) {
+  std::vector<float> weight(4 * 4 * 9), bias(4);
+  for (uint32_t c = 0; c < 4; ++c) weight[(c * 4 + c) * 9 + 1 * 3 + 2] = 1;  // ky 1, kx 2: the right neighbour
+  HostMemory memory;
+  const Conv3x3 op{.input = view(0, DataType::f32, 1, 3, 4),
+                   .output = view(1, DataType::f32, 1, 3, 4),
+                   .weight = weight,
+                   .bias = bias,
+                   .inputChannels = 4,
+                   .outputChannels = 4};
+  memory.storage(op.input) = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  reference(op, memory);
+  EXPECT_EQ(memory.storage(op.output), (std::vector<double>{5, 6, 7, 8, 9, 10, 11, 12, 0, 0, 0, 0}));
+}
+
+// Centre taps that copy channels: unshuffle and shuffle are each other's inverse, channel c of part (y, x) being
+// 4 c + 2 y + x.
+TEST(Conv3x3, ShufflesAsPixelShuffleDoes) {
+  std::vector<float> weight(16 * 16 * 9), bias(16);
+  for (uint32_t c = 0; c < 16; ++c) weight[(c * 16 + c) * 9 + 4] = 1;
+  HostMemory memory;
+  Conv3x3 op{.input = view(0, DataType::f32, 2, 2, 4),
+             .output = view(1, DataType::f32, 1, 1, 16),
+             .weight = weight,
+             .bias = bias,
+             .inputChannels = 16,
+             .outputChannels = 16,
+             .unshuffleInput = true};
+  auto& pixels = memory.storage(op.input);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<double>(i);
+  const auto original = pixels;
+  reference(op, memory);
+  EXPECT_EQ(memory.at(op.output, 0, 0, 4 * 3 + 2 * 1 + 0), memory.at(op.input, 1, 0, 3));
+  const Conv3x3 back{.input = op.output,
+                     .output = view(2, DataType::f32, 2, 2, 4),
+                     .weight = weight,
+                     .bias = bias,
+                     .inputChannels = 16,
+                     .outputChannels = 16,
+                     .shuffleOutput = true};
+  reference(back, memory);
+  EXPECT_EQ(memory.storage(back.output), original);
+}
+
+TEST(Conv3x3, CountsTheMultiplyAddsOfItsWeight) {
+  const std::vector<float> weight(3 * 6 * 9), bias(3);
+  const Conv3x3 op{.input = view(0, DataType::f32, 5, 7, 8),
+                   .output = view(1, DataType::f32, 5, 7, 4),
+                   .weight = weight,
+                   .bias = bias,
+                   .inputChannels = 6,
+                   .outputChannels = 3,
+                   .rows = {1, 4}};
+  EXPECT_EQ(dispatch(op, {}).multiplyAdds, 3u * 7 * 9 * 6 * 3);
+}
+
+TEST(Conv3x3, RefusesWhatDoesNotFit) {
+  const std::vector<float> weight(8 * 4 * 9), bias(8);
+  const Conv3x3 op{.input = view(0, DataType::f32, 3, 4, 4),
+                   .output = view(1, DataType::f32, 3, 4, 8),
+                   .weight = weight,
+                   .bias = bias,
+                   .inputChannels = 4,
+                   .outputChannels = 8};
+  EXPECT_NO_THROW(dispatch(op, {}));
+  Conv3x3 wrong = op;
+  wrong.output.channels = 4;
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong = op;
+  wrong.residual = view(2, DataType::f32, 3, 4, 4);
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong = op;
+  wrong.inputChannels = 8;
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong = op;
+  wrong.unshuffleInput = true;  // three rows
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong = op;
+  wrong.shuffleOutput = true;  // eight channels give two
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace xrds
