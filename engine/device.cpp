@@ -136,6 +136,7 @@ Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   gpu.instance = openInstance(gpu.options.validation, gpu.options.onMessage);
   const auto found = gpu.instance ? findDevices(*gpu.instance) : std::vector<FoundDevice>{};
   std::vector<DeviceDescription> descriptions;
+  descriptions.reserve(found.size());
   for (const auto& device : found) descriptions.push_back(device.description);
   const FoundDevice& chosen = found[selectDevice(descriptions, gpu.options.select)];
   gpu.physicalDevice = chosen.physicalDevice;

@@ -35,6 +35,7 @@ size_t only(std::span<const DeviceDescription> devices, const std::vector<size_t
     throw Error(text.str());
   }
   std::vector<DeviceDescription> several;
+  several.reserve(matches.size());
   for (const size_t match : matches) several.push_back(devices[match]);
   text << "more than one Vulkan device matches \"" << select << "\": " << listed(several)
        << "; choose one by its index or UUID";
