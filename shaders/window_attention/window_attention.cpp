@@ -14,7 +14,6 @@ struct LaneShares {
   uint32_t keys;      // of each step
   uint32_t blocks;    // subgroups for all queries
   uint32_t keySteps;
-  bool paired;        // one half of the lanes holds keys, the other values: both lie in one tensor
 };
 
 bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
@@ -22,15 +21,15 @@ bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
 }
 
 LaneShares laneShares(const WindowAttention& op, uint32_t lanes) {
-  constexpr uint32_t kStepProducts = 2048;  // more do not fit the instruction caches of a CPU
+  constexpr uint32_t kStepProducts = 1024;  // of more, the code does not fit the instruction cache of a CPU
   const uint32_t tokens = op.window * op.window;
-  LaneShares shares{.queries = 8, .keys = std::max(4u, lanes / 2)};
-  while (shares.queries > 1 &&
+  LaneShares shares{.queries = 8, .keys = std::min(4u, lanes / 2)};
+  while (op.headChannels / 4 % (lanes / 2 / shares.keys) != 0) shares.keys *= 2;
+  while (shares.queries > 1 && shares.queries * shares.keys > 4 &&
          (lanes * shares.queries > tokens || 2 * op.headChannels * shares.keys * shares.queries > kStepProducts))
     shares.queries /= 2;
   shares.blocks = ceilDivide(tokens, lanes * shares.queries);
   shares.keySteps = ceilDivide(tokens, shares.keys);
-  shares.paired = lanes == 2 * shares.keys && op.keys.value == op.values.value && op.keys.type == op.values.type;
   return shares;
 }
 
@@ -112,7 +111,9 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
   if (laneFits(op, device)) {
     const LaneShares shares = laneShares(op, device.subgroupSize);
     result.program = programName("window_attention", KernelFamily::lane, op.output.type);
-    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys, shares.paired};
+    const bool oneTensor = op.keys.value == op.values.value && op.keys.type == op.values.type;
+    const bool wideStores = (op.output.channelOffset | op.output.channelStride | op.headChannels) % 8 == 0;
+    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys, oneTensor, wideStores};
     result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
   } else {
     result.program = programName("window_attention", KernelFamily::plain, op.output.type);

@@ -1,9 +1,9 @@
 // y = softmax(q k^T / sqrt(d) + bias) v as in window_attention.comp, for CPU devices.
 // A subgroup takes kQueries * kLanes queries of one window and head, kQueries consecutive ones a lane, and walks over the
-// keys kKeys at a time: lanes hold keys and values, which a shuffle with a constant lane hands to all of them, and the
-// softmax keeps a running maximum. Powers of 2: log2(e) is in the bias and the query scale. fp32.
+// keys, kKeys a step: half of the lanes hold their keys, the others their values, in kParts parts of the channels, and
+// shuffles with a constant lane hand them to all. The softmax keeps a running maximum; log2(e) is in the bias and in q.
 // bias: [class of the window: + 1 in the last column, + 2 in the last row][head][key / kKeys][query][kKeys], hidden keys
-// -1e30, queries padded to whole subgroups.
+// -1e30, queries padded to whole subgroups. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -13,28 +13,36 @@
 layout(local_size_x_id = 0, local_size_y = 4) in;  // x = subgroup size
 layout(constant_id = 1) const uint kWindow = 8;
 layout(constant_id = 2) const uint kHeadChannels = 32;
-layout(constant_id = 3) const uint kQueries = 8;
+layout(constant_id = 3) const uint kQueries = 4;
 layout(constant_id = 4) const uint kKeys = 4;
-layout(constant_id = 5) const bool kPaired = true;  // keys in the lower half of the lanes, values of the same tensor above
+layout(constant_id = 5) const bool kOneTensor = true;  // keys and values are slices of the same
+layout(constant_id = 6) const bool kWideStores = true;  // the output's slice is made of 8 channels
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kTokens = kWindow * kWindow;
 const uint kQuads = kHeadChannels / 4;
-const uint kKeySteps = (kTokens + kKeys - 1) / kKeys;
-const uint kBlocks = (kTokens + kLanes * kQueries - 1) / (kLanes * kQueries);  // subgroups a window and head
+const uint kParts = kLanes / (2 * kKeys);
+const uint kPartQuads = kQuads / kParts;
+const uint kSteps = (kTokens + kKeys - 1) / kKeys;
+const uint kBlocks = (kTokens + kLanes * kQueries - 1) / (kLanes * kQueries);  // subgroups for a window and head
+const uint kTile = kQueries < 4 ? kQueries : 4;  // queries whose sums stay in registers, times 4 keys or channels
 layout(binding = 0) uniform samplerBuffer queries;
 layout(binding = 1) uniform samplerBuffer keys;
 layout(binding = 2) uniform samplerBuffer values;
 layout(binding = 3) uniform samplerBuffer bias;
 layout(push_constant) uniform Push { WindowAttentionParams p; };
 
+// A store is a loop over the lanes, so the fewer and wider the better.
 #ifdef XRDS_F16
 #define WIDE4 uint64_t
+#define WIDE8 u64vec2
 WIDE4 wide4(vec4 v) { return packUint2x32(uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw))); }
 #else
 #define WIDE4 u64vec2
+#define WIDE8 u64vec4
 WIDE4 wide4(vec4 v) { return u64vec2(packUint2x32(floatBitsToUint(v.xy)), packUint2x32(floatBitsToUint(v.zw))); }
 #endif
-layout(binding = 4, std430) writeonly buffer Target { WIDE4 target[]; };
+layout(binding = 4, std430) writeonly buffer Target4 { WIDE4 target4[]; };
+layout(binding = 4, std430) writeonly buffer Target8 { WIDE8 target8[]; };
 
 // Pixel of a token of the window whose first token lies at `corner` of the shifted image.
 uvec2 pixelOf(uvec2 corner, uint token) {
@@ -47,13 +55,26 @@ uint texelOf(Slice slice, uvec2 pixel, uint head) {
   return (pixel.y * p.width + pixel.x) * slice.stride + slice.offset + head * kQuads;
 }
 
-// 2^x for x <= 0, relative error 2e-7.
+// 2^x for x <= 0, relative error 2e-7. A comparison, as max() costs four instructions.
 float power2(float x) {
-  x = max(x, -126.0);
+  x = x > -126.0 ? x : -126.0;
   const float whole = roundEven(x), f = x - whole;
   const float fraction =
       1.0 + f * (0.69314718 + f * (0.24022651 + f * (0.055503324 + f * (0.0096184374 + f * 0.0013398874))));
   return intBitsToFloat(floatBitsToInt(fraction) + (int(whole) << 23));
+}
+
+// Reads something of every cache line of the window's keys and values: their misses overlap here, but not step by step.
+vec4 touchAll(uvec2 corner, uint head) {
+  const uint lines = max(kQuads / 4, 1);  // of a token's keys, and of its values
+  vec4 touched = vec4(0);
+  for (uint n = 0; n < (kTokens * 2 * lines + kLanes - 1) / kLanes; n++) {
+    const uint line = n * kLanes + gl_LocalInvocationID.x;
+    const uvec2 pixel = pixelOf(corner, min(line / (2 * lines), kTokens - 1));
+    const uint token = line / lines % 2 == 0 ? texelOf(p.keys, pixel, head) : texelOf(p.values, pixel, head);
+    touched += texelFetch(keys, int(token + line % lines * 4));
+  }
+  return touched;
 }
 
 void main() {
@@ -70,6 +91,10 @@ void main() {
   const uint windowClass = p.shift == 0 ? 0 : last.x + 2 * last.y;
   const uint firstQuery = (block * kLanes + lane) * kQueries;
 
+  if (kOneTensor) {
+    const vec4 touched = touchAll(corner, head);
+    if (p.height == 0) target4[lane] = wide4(touched);  // never: keeps the reads alive
+  }
   vec4 q[kQueries][kQuads], result[kQueries][kQuads];
   float highest[kQueries], sum[kQueries];
   [[unroll]] for (uint i = 0; i < kQueries; i++) {
@@ -82,38 +107,36 @@ void main() {
     sum[i] = 0;
   }
 
-  uint biasFrom = ((windowClass * p.headCount + head) * kKeySteps * kBlocks * kLanes * kQueries + firstQuery) * (kKeys / 4);
-  for (uint step = 0; step < kKeySteps; step++) {
+  const uint biasStep = kBlocks * kLanes * kQueries * kKeys / 4;
+  uint biasFrom = (windowClass * p.headCount + head) * kSteps * biasStep + firstQuery * kKeys / 4;
+  for (uint step = 0; step < kSteps; step++) {
     const uvec2 keyPixel = pixelOf(corner, min(step * kKeys + lane % kKeys, kTokens - 1));
-    const uint keyFrom = texelOf(p.keys, keyPixel, head), valueFrom = texelOf(p.values, keyPixel, head);
-    vec4 k[kQuads], v[kQuads];
-    if (kPaired) {
-      const uint from = lane < kKeys ? keyFrom : valueFrom;
-      [[unroll]] for (uint c = 0; c < kQuads; c++) k[c] = v[c] = texelFetch(keys, int(from + c));
-    } else {
-      [[unroll]] for (uint c = 0; c < kQuads; c++) {
-        k[c] = texelFetch(keys, int(keyFrom + c));
-        v[c] = texelFetch(values, int(valueFrom + c));
-      }
+    const uint part = lane / kKeys % kParts * kPartQuads;
+    const uint keyFrom = texelOf(p.keys, keyPixel, head) + part, valueFrom = texelOf(p.values, keyPixel, head) + part;
+    const bool holdsKeys = lane < kLanes / 2;
+    vec4 held[kPartQuads];
+    [[unroll]] for (uint c = 0; c < kPartQuads; c++) {
+      held[c] = texelFetch(keys, int((holdsKeys || !kOneTensor ? keyFrom : valueFrom) + c));
+      if (!kOneTensor) held[c] = holdsKeys ? held[c] : texelFetch(values, int(valueFrom + c));
     }
 
     float weight[kQueries][kKeys];
-    [[unroll]] for (uint i = 0; i < kQueries; i++)
-      [[unroll]] for (uint j = 0; j < kKeys; j += 4) {
-        const vec4 start = texelFetch(bias, int(biasFrom + (i * kKeys + j) / 4));
-        [[unroll]] for (uint n = 0; n < 4; n++) weight[i][j + n] = start[n];
-      }
-    biasFrom += kBlocks * kLanes * kQueries * (kKeys / 4);
-    [[unroll]] for (uint j = 0; j < kKeys; j++)
-      [[unroll]] for (uint c = 0; c < kHeadChannels; c++) {
-        const float key = subgroupShuffle(k[c / 4][c % 4], j);
-        [[unroll]] for (uint i = 0; i < kQueries; i++) weight[i][j] += q[i][c / 4][c % 4] * key;
-      }
+    [[unroll]] for (uint n = 0; n < kQueries * kKeys; n += 4) {
+      const vec4 start = texelFetch(bias, int(biasFrom + n / 4));
+      [[unroll]] for (uint m = 0; m < 4; m++) weight[(n + m) / kKeys][(n + m) % kKeys] = start[m];
+    }
+    biasFrom += biasStep;
+    [[unroll]] for (uint i0 = 0; i0 < kQueries; i0 += kTile)
+      [[unroll]] for (uint c = 0; c < kHeadChannels; c++)
+        [[unroll]] for (uint j = 0; j < kKeys; j++) {
+          const float key = subgroupShuffle(held[c / 4 % kPartQuads][c % 4], c / 4 / kPartQuads * kKeys + j);
+          [[unroll]] for (uint i = 0; i < kTile; i++) weight[i0 + i][j] += q[i0 + i][c / 4][c % 4] * key;
+        }
 
     float kept[kQueries];
     [[unroll]] for (uint i = 0; i < kQueries; i++) {
       float top = highest[i];
-      [[unroll]] for (uint j = 0; j < kKeys; j++) top = max(top, weight[i][j]);
+      [[unroll]] for (uint j = 0; j < kKeys; j++) top = weight[i][j] > top ? weight[i][j] : top;
       kept[i] = power2(highest[i] - top);
       highest[i] = top;
       sum[i] *= kept[i];
@@ -122,20 +145,26 @@ void main() {
         sum[i] += weight[i][j];
       }
     }
-    [[unroll]] for (uint c = 0; c < kHeadChannels; c++) {
-      [[unroll]] for (uint i = 0; i < kQueries; i++) result[i][c / 4][c % 4] *= kept[i];
-      [[unroll]] for (uint j = 0; j < kKeys; j++) {
-        const float value = subgroupShuffle(v[c / 4][c % 4], (kPaired ? kKeys : 0) + j);
-        [[unroll]] for (uint i = 0; i < kQueries; i++) result[i][c / 4][c % 4] += weight[i][j] * value;
+    [[unroll]] for (uint i0 = 0; i0 < kQueries; i0 += kTile)
+      [[unroll]] for (uint c = 0; c < kQuads; c++) {
+        [[unroll]] for (uint i = 0; i < kTile; i++) result[i0 + i][c] *= kept[i0 + i];
+        [[unroll]] for (uint j = 0; j < kKeys; j++) {
+          const vec4 value = subgroupShuffle(held[c % kPartQuads], kLanes / 2 + c / kPartQuads * kKeys + j);
+          [[unroll]] for (uint i = 0; i < kTile; i++) result[i0 + i][c] += weight[i0 + i][j] * value;
+        }
       }
-    }
   }
 
   [[unroll]] for (uint i = 0; i < kQueries; i++) {
     const uvec2 pixel = pixelOf(corner, min(firstQuery + i, kTokens - 1));
     const uint to = texelOf(p.target, pixel, head) - p.storeOrigin;
     const float scale = 1.0 / sum[i];
-    if (pixel.y >= p.rowBegin && pixel.y < p.rowEnd)
-      [[unroll]] for (uint c = 0; c < kQuads; c++) target[to + c] = wide4(result[i][c] * scale);
+    const bool stored = pixel.y >= p.rowBegin && pixel.y < p.rowEnd;
+    if (stored && kWideStores) {
+      [[unroll]] for (uint c = 0; c < kQuads / 2; c++)
+        target8[to / 2 + c] = WIDE8(wide4(result[i][2 * c] * scale), wide4(result[i][2 * c + 1] * scale));
+    } else if (stored) {
+      [[unroll]] for (uint c = 0; c < kQuads; c++) target4[to + c] = wide4(result[i][c] * scale);
+    }
   }
 }

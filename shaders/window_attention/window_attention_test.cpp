@@ -60,7 +60,8 @@ Attention attentionOf(const Shape& s, DataType inputType = DataType::f32, DataTy
       break;
     case Layout::separate: op.queries = slices(0, 1), op.keys = slices(1, 1), op.values = slices(2, 1);
   }
-  op.output = view(3, outputType, s.height, s.width, c, 8, c + 12);
+  const uint32_t offset = s.layout == Layout::separate ? 4 : 8;  // only multiples of 8 allow the widest stores
+  op.output = view(3, outputType, s.height, s.width, c, offset, c + 16);
   op.biasTable = attention.biasTable;
   op.window = s.window, op.headChannels = s.headChannels, op.shift = s.shift, op.rows = s.rows;
   return attention;
@@ -85,10 +86,15 @@ TEST_P(WindowAttentionShapes, MatchesReference) {
   test::expectMatchesReference(attention.op, traitsOf(family), test::toleranceOf(outputType));
 }
 
+constexpr Shape kHalfShapes[] = {{4, 4, 2, 4, 2, 1, Layout::separate}, {24, 16, 8, 16, 1, 4, Layout::oneTensor, {3, 20}}};
+const auto kFamilies = testing::Values(KernelFamily::plain, KernelFamily::lane);
+const auto kTypes = testing::Values(DataType::f32, DataType::f16);
+
 INSTANTIATE_TEST_SUITE_P(All, WindowAttentionShapes,
-                         testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
-                                          testing::Values(DataType::f32, DataType::f16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+                         testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32),
+                                          testing::Values(DataType::f32), kFamilies));
+INSTANTIATE_TEST_SUITE_P(Types, WindowAttentionShapes,
+                         testing::Combine(testing::ValuesIn(kHalfShapes), kTypes, kTypes, kFamilies));
 
 class WindowAttentionFamilies : public testing::TestWithParam<KernelFamily> {
   void SetUp() override {
@@ -96,7 +102,7 @@ class WindowAttentionFamilies : public testing::TestWithParam<KernelFamily> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(All, WindowAttentionFamilies, testing::Values(KernelFamily::plain, KernelFamily::lane));
+INSTANTIATE_TEST_SUITE_P(All, WindowAttentionFamilies, kFamilies);
 
 TEST_P(WindowAttentionFamilies, KeepsScoresWhoseExponentialOverflows) {
   Attention attention = attentionOf({16, 16, 8, 8, 1, 4});
