@@ -3,6 +3,17 @@
 #include <cmath>
 
 namespace xrds {
+namespace {
+
+// A wider token does not stay in the lane's registers and close memory, and takes seconds to compile.
+constexpr uint32_t kMaxLaneChannels = 512;
+
+bool laneFits(const LayerNorm& op, const DeviceTraits& device) {
+  return device.family == KernelFamily::lane && device.shaderInt64 && op.input.channels <= kMaxLaneChannels &&
+         device.subgroupSize * shader::kLayerNormLaneRows <= device.maxGroupInvocations;
+}
+
+}  // namespace
 
 TensorShape outputShape(const LayerNorm& op) {
   checkView(op.input, op.input.shape());
@@ -11,7 +22,7 @@ TensorShape outputShape(const LayerNorm& op) {
   return op.input.shape();
 }
 
-Dispatch dispatch(const LayerNorm& op, const DeviceTraits&) {
+Dispatch dispatch(const LayerNorm& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   shader::LayerNormParams params{};
@@ -21,11 +32,20 @@ Dispatch dispatch(const LayerNorm& op, const DeviceTraits&) {
   params.tokenEnd = rows.end * op.input.width;
   params.storeOrigin = storeOrigin(op.output, rows);
   params.epsilon = op.epsilon;
-  return {.program = programName("layer_norm", KernelFamily::plain, op.output.type),
-          .specialization = {op.input.channels},
-          .bindings = {readTexels(op.input), readWeights(DataType::f32), writeRows(op.output, rows)},
-          .pushConstants = pushBytes(params),
-          .groupCount = {ceilDivide(params.tokenEnd - params.tokenBegin, 64), 1, 1}};
+  const uint32_t channels = op.input.channels, tokens = params.tokenEnd - params.tokenBegin;
+  Dispatch launch{.bindings = {readTexels(op.input), readWeights(DataType::f32), writeRows(op.output, rows)},
+                  .pushConstants = pushBytes(params)};
+  if (laneFits(op, device)) {
+    const bool wide = (op.output.channels | op.output.channelOffset | op.output.channelStride) % 8 == 0;
+    launch.program = programName("layer_norm", KernelFamily::lane, op.output.type);
+    launch.specialization = {device.subgroupSize, channels, wide};
+    launch.groupCount = {ceilDivide(tokens, device.subgroupSize * shader::kLayerNormLaneRows), 1, 1};
+  } else {
+    launch.program = programName("layer_norm", KernelFamily::plain, op.output.type);
+    launch.specialization = {channels};
+    launch.groupCount = {ceilDivide(tokens, 64), 1, 1};
+  }
+  return launch;
 }
 
 std::vector<float> packedWeights(const LayerNorm& op, const DeviceTraits&) {

@@ -15,31 +15,38 @@ struct Shape {
   RowRange rows{};
 };
 
-// Odd ones first: one token, an uneven number of tokens, slices, rows that start inside an aligned block.
+// Odd ones first: one token, an uneven number of tokens, slices, rows that start inside an aligned block; at last tokens
+// too wide for a lane.
 constexpr Shape kShapes[] = {{1, 1, 4},
                              {3, 5, 12},
                              {7, 13, 20, 4, 28, 8, 36},
                              {9, 3, 8, 0, 8, 4, 12, {2, 7}},
                              {5, 1, 4, 0, 0, 0, 0, {1, 2}},
                              {16, 16, 64},
-                             {11, 17, 128, 128, 256}};
+                             {11, 17, 128, 128, 256},
+                             {3, 9, 388},
+                             {2, 3, 516}};
 
-class LayerNormShapes : public testing::TestWithParam<std::tuple<Shape, DataType, DataType>> {};
+class LayerNormShapes : public testing::TestWithParam<std::tuple<Shape, DataType, DataType, KernelFamily>> {};
 
 TEST_P(LayerNormShapes, MatchesReference) {
-  const auto& [s, inputType, outputType] = GetParam();
+  const auto& [s, inputType, outputType, family] = GetParam();
+  DeviceTraits traits = test::gpu().traits();
+  if (family == KernelFamily::lane && traits.family != family) GTEST_SKIP() << "the lane kernel is for CPU devices";
+  traits.family = family;
   const auto weight = test::randomNumbers(s.channels, 1), bias = test::randomNumbers(s.channels, 2);
-  test::expectMatchesReference(
-      LayerNorm{.input = view(0, inputType, s.height, s.width, s.channels, s.inputOffset, s.inputStride),
-                .output = view(1, outputType, s.height, s.width, s.channels, s.outputOffset, s.outputStride),
-                .weight = weight,
-                .bias = bias,
-                .rows = s.rows});
+  const LayerNorm op{.input = view(0, inputType, s.height, s.width, s.channels, s.inputOffset, s.inputStride),
+                     .output = view(1, outputType, s.height, s.width, s.channels, s.outputOffset, s.outputStride),
+                     .weight = weight,
+                     .bias = bias,
+                     .rows = s.rows};
+  test::expectMatchesReference(op, traits, test::toleranceOf(outputType));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LayerNormShapes,
                          testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
-                                          testing::Values(DataType::f32, DataType::f16)));
+                                          testing::Values(DataType::f32, DataType::f16),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
 
 TEST(LayerNorm, OfTwoLevelsIsPlusMinusOne) {
   const std::vector<float> weight(4, 1), bias(4, 0);
