@@ -35,7 +35,7 @@ def timed(name, path, scene, *settings, keep):
     begin = time.monotonic()
     image = passes.render(scene, *settings)
     seconds = time.monotonic() - begin
-    exr.write(path, passes.only(image, *keep))
+    exr.write(path, keep(image))
     print(f"{name}: {settings[0]} x {settings[1]}, {settings[2]} spp, {seconds:.1f} s, "
           f"{os.path.getsize(path) / 1024:.0f} KiB", flush=True)
 
@@ -55,11 +55,11 @@ def main():
         return os.path.join(ask.out, f"{ask.scene}_{kind}.exr")
 
     if ask.preview:
-        timed("preview", path("preview"), scene, ask.width, ask.height, ask.preview, 9, keep=[passes.COMBINED])
+        timed("preview", path("preview"), scene, ask.width, ask.height, ask.preview, 9, keep=passes.colour)
         return
-    timed("colour", path("lr"), scene, *low, ask.samples, 1, keep=[passes.COMBINED])
-    timed("aux", path("aux"), scene, ask.width, ask.height, ask.aux_samples, 2, keep=[passes.ALBEDO, passes.NORMAL])
-    timed("reference", path("ref"), scene, ask.width, ask.height, ask.reference_samples, 3, keep=[passes.COMBINED])
+    timed("colour", path("lr"), scene, *low, ask.samples, 1, keep=passes.colour)
+    timed("aux", path("aux"), scene, ask.width, ask.height, ask.aux_samples, 2, keep=passes.auxiliaries)
+    timed("reference", path("ref"), scene, ask.width, ask.height, ask.reference_samples, 3, keep=passes.colour)
 
 
 main()

@@ -36,6 +36,17 @@ def _unpack(packed, byte_size):
     return flat.tobytes()
 
 
+def on_grid(plane, step):
+    """Rounds to multiples of `step`: fewer bits, a smaller file."""
+    return np.round(np.asarray(plane, np.float64) / step) * step
+
+
+def rounded(plane, bits):
+    """Rounds to `bits` bits behind the leading one; half has ten."""
+    share, exponent = np.frexp(np.asarray(plane, np.float64))
+    return np.ldexp(on_grid(share, 0.5 ** (bits + 1)), exponent)
+
+
 def write(path, channels):
     """Writes equally sized 2-D arrays as half floats, ZIP; the file appears whole or not at all."""
     names = sorted(channels)

@@ -79,6 +79,14 @@ def expose(scene, width, height, target=0.18, samples=16):
     return found
 
 
-def only(image, *groups):
-    """The named channels of an image; Cycles' alpha is left out."""
-    return {name: image[name] for group in groups for name in group}
+def colour(image, bits=10):
+    """The colour to store, without Cycles' alpha."""
+    return {name: exr.rounded(image[name], bits) for name in COMBINED}
+
+
+def auxiliaries(image, albedo_step=1 / 512, normal_step=1 / 512):
+    """Albedo and normal to store, on a grid finer than their noise; albedo above 1 (lamps) keeps nine bits."""
+    kept = {name: exr.on_grid(image[name], normal_step) for name in NORMAL}
+    for name in ALBEDO:
+        kept[name] = np.where(image[name] < 1, exr.on_grid(image[name], albedo_step), exr.rounded(image[name], 8))
+    return kept
