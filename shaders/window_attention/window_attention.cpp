@@ -112,8 +112,8 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
     const LaneShares shares = laneShares(op, device.subgroupSize);
     result.program = programName("window_attention", KernelFamily::lane, op.output.type);
     const bool oneTensor = op.keys.value == op.values.value && op.keys.type == op.values.type;
-    const bool wideStores = (op.output.channelOffset | op.output.channelStride | op.headChannels) % 8 == 0;
-    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys, oneTensor, wideStores};
+    const bool wide = (op.output.channelOffset | op.output.channelStride | op.headChannels) % 8 == 0;
+    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys, oneTensor, wide};
     result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
   } else {
     result.program = programName("window_attention", KernelFamily::plain, op.output.type);

@@ -8,7 +8,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#include "shaders/common/wide_storage.glsl"
 #include "shaders/window_attention/window_attention.h"
 layout(local_size_x_id = 0, local_size_y = 4) in;  // x = subgroup size
 layout(constant_id = 1) const uint kWindow = 8;
@@ -16,7 +16,7 @@ layout(constant_id = 2) const uint kHeadChannels = 32;
 layout(constant_id = 3) const uint kQueries = 4;
 layout(constant_id = 4) const uint kKeys = 4;
 layout(constant_id = 5) const bool kOneTensor = true;  // keys and values are slices of the same
-layout(constant_id = 6) const bool kWideStores = true;  // the output's slice is made of 8 channels
+layout(constant_id = 6) const bool kWide = true;  // eight channels begin at a multiple of eight
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kTokens = kWindow * kWindow;
 const uint kQuads = kHeadChannels / 4;
@@ -31,16 +31,6 @@ layout(binding = 2) uniform samplerBuffer values;
 layout(binding = 3) uniform samplerBuffer bias;
 layout(push_constant) uniform Push { WindowAttentionParams p; };
 
-// A store is a loop over the lanes, so the fewer and wider the better.
-#ifdef XRDS_F16
-#define WIDE4 uint64_t
-#define WIDE8 u64vec2
-WIDE4 wide4(vec4 v) { return packUint2x32(uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw))); }
-#else
-#define WIDE4 u64vec2
-#define WIDE8 u64vec4
-WIDE4 wide4(vec4 v) { return u64vec2(packUint2x32(floatBitsToUint(v.xy)), packUint2x32(floatBitsToUint(v.zw))); }
-#endif
 layout(binding = 4, std430) writeonly buffer Target4 { WIDE4 target4[]; };
 layout(binding = 4, std430) writeonly buffer Target8 { WIDE8 target8[]; };
 
@@ -55,9 +45,9 @@ uint texelOf(Slice slice, uvec2 pixel, uint head) {
   return (pixel.y * p.width + pixel.x) * slice.stride + slice.offset + head * kQuads;
 }
 
-// 2^x for x <= 0, relative error 2e-7. A comparison, as max() costs four instructions.
+// 2^x for x <= 0, relative error 2e-7. A comparison, as max() costs four instructions; this one hands NaN on.
 float power2(float x) {
-  x = x > -126.0 ? x : -126.0;
+  x = x < -126.0 ? -126.0 : x;
   const float whole = roundEven(x), f = x - whole;
   const float fraction =
       1.0 + f * (0.69314718 + f * (0.24022651 + f * (0.055503324 + f * (0.0096184374 + f * 0.0013398874))));
@@ -160,9 +150,9 @@ void main() {
     const uint to = texelOf(p.target, pixel, head) - p.storeOrigin;
     const float scale = 1.0 / sum[i];
     const bool stored = pixel.y >= p.rowBegin && pixel.y < p.rowEnd;
-    if (stored && kWideStores) {
+    if (stored && kWide) {
       [[unroll]] for (uint c = 0; c < kQuads / 2; c++)
-        target8[to / 2 + c] = WIDE8(wide4(result[i][2 * c] * scale), wide4(result[i][2 * c + 1] * scale));
+        target8[to / 2 + c] = wide8(result[i][2 * c] * scale, result[i][2 * c + 1] * scale);
     } else if (stored) {
       [[unroll]] for (uint c = 0; c < kQuads; c++) target4[to + c] = wide4(result[i][c] * scale);
     }
