@@ -21,7 +21,7 @@ Licence: MIT, weights included.
 
 ## Training
 - Data: {data}
-- {steps} steps of {batch} crops of {crop} x {crop} low-resolution pixels, {minutes:.0f} minutes on {threads} CPU core in bfloat16, seed {seed}.
+- {steps} steps of {batch} crops of {crop} x {crop} low-resolution pixels, {minutes:.0f} minutes on {threads} thread of a busy CPU in bfloat16, seed {seed}.
 - Loss: {loss}
 - Command: `{command}`
 
@@ -41,7 +41,8 @@ The same with other samples per pixel, mean PSNR in dB / mean RelMSE:
 
 LIMITS = """- Trained on 72 scenes of 256 x 256 pixels of one renderer (Cycles), its pixel filter and its denoising albedo and normal.
 - Normals must be in camera space: world-space normals were not seen.
-- Auxiliary images of 1 to 4 samples per pixel put their noise into the result; see the table above.
+- Auxiliary images of 1 to 4 samples per pixel put their noise into the result; see the table above. The same holds for mirrors, glass and
+  depth of field, whose albedo and normal are noisy at 16: on s9004, a room of mirrors and glossy floors, the model gains nothing in PSNR over its base.
 - Reflections, refractions, shadows and caustics that the albedo and the normal do not show are only as sharp as the colour is."""
 
 DATA = ("72 path-traced scenes (Blender Cycles 3.4, random table tops, interiors, scatter, architecture), references of at most 256 samples "
@@ -82,7 +83,7 @@ def main():
     loss = (f"{'SMAPE' if told['smape'] == 'True' else 'mean |x-y| / (0.1 + |x-y|) (equation 8 of the paper)'} of exposed linear radiance, plus {told['tone']} "
             "times the mean square error of the clamped sRGB image over that of the untrained base on the scene.")
     flags = " ".join(f"--{key.replace('_', '-')} {told[key]}" for key in
-                     ("channels", "aux_channels", "groups", "blocks", "crop", "batch", "rate", "tone", "seed", "minutes"))
+                     ("channels", "aux_channels", "groups", "blocks", "crop", "batch", "rate", "warm_up", "tone", "seed", "minutes"))
     card = CARD.format(
         name=options.model.stem, channels=config.channels, groups=config.groups, blocks=config.blocks, scale=config.scale,
         aux=" and ".join(config.aux_inputs), base=config.base, transfer=config.transfer,
