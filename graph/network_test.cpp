@@ -56,7 +56,9 @@ TEST(Network, BandsFitTheBindingsOfTheDevice) {
     traits.family = family;
     for (const LoweredDispatch& lowered : lower(graph, traits))
       for (const Binding& binding : lowered.dispatch.bindings) {
-        if (binding.kind == BindingKind::storage) EXPECT_LE(binding.byteSize, traits.maxStorageBufferRange);
+        if (binding.kind == BindingKind::storage) {
+          EXPECT_LE(binding.byteSize, traits.maxStorageBufferRange);
+        }
         EXPECT_EQ(binding.byteOffset % kBindingAlignment, 0u);
       }
   }

@@ -71,6 +71,7 @@ TensorFile parseTensors(std::span<const std::byte> bytes, const std::string& nam
   uint64_t headerBytes = 0;
   std::memcpy(&headerBytes, bytes.data(), 8);
   TensorFile file;
+  const std::span<const std::byte> body = bytes.subspan(8 + headerBytes);
   uint64_t claimedBytes = 0;
   try {
     for (const auto& [key, entry] : header.items()) {
@@ -78,9 +79,9 @@ TensorFile parseTensors(std::span<const std::byte> bytes, const std::string& nam
         file.metadata = entry.get<Metadata>();
         continue;
       }
-      file.tensors[key] = parseTensor(entry, bytes.subspan(8 + headerBytes), name + ": tensor '" + key + "'");
-      claimedBytes += 2 * file.tensors[key].values.size();
-      if (claimedBytes > bytes.size()) throw Error(name + " has tensors that share bytes.");
+      const StoredTensor& tensor = file.tensors[key] = parseTensor(entry, body, name + ": tensor '" + key + "'");
+      claimedBytes += tensor.values.size() * elementBytes(entry.at("dtype").get<std::string>());
+      if (claimedBytes > body.size()) throw Error(name + " has tensors that share bytes.");
     }
   } catch (const Json::exception&) {
     throw Error(name + " has a safetensors header with a wrong or missing field.");

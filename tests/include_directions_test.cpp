@@ -50,7 +50,9 @@ TEST(IncludeDirections, FollowTheTableOfRooms) {
         if (!kRooms.contains(first) && !kForeign.contains(first)) continue;
         ++checked;
         EXPECT_TRUE(first == room || allowed.contains(first)) << entry.path() << " includes " << include;
-        if (room == "shaders" && first == "engine") EXPECT_TRUE(kValueHeaders.contains(include)) << entry.path() << " includes " << include;
+        if (room == "shaders" && first == "engine") {
+          EXPECT_TRUE(kValueHeaders.contains(include)) << entry.path() << " includes " << include;
+        }
       }
     }
   }
