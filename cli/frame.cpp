@@ -13,63 +13,77 @@ bool contains(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-const ExrPart& partOf(const ExrFile& file, const ExrSelection& layer) { return file.parts[layer.part]; }
+std::string nameOf(const ExrSelection& layer) { return layer.layer.empty() ? "RGB" : printable(layer.layer); }
 
-std::string counted(size_t count, const char* what, const std::string& layer) {
-  return std::to_string(count) + (count == 1 ? " pixel" : " pixels") + " of layer '" + layer + "' " + what + ".";
+void addCounted(std::vector<std::string>& warnings, size_t count, const ExrSelection& layer, const char* what) {
+  if (count > 0)
+    warnings.push_back(std::to_string(count) + (count == 1 ? " pixel" : " pixels") + " of layer '" + nameOf(layer) + "' " + what + ".");
 }
 
-std::string nameOf(const ExrSelection& layer) { return layer.layer.empty() ? "RGB" : layer.layer; }
+constexpr const char* kFilled = "not finite, filled from the neighbours";
+
+bool covers(const Window& outer, const Window& inner) {
+  return outer.minX <= inner.minX && outer.minY <= inner.minY && outer.maxX >= inner.maxX && outer.maxY >= inner.maxY;
+}
 
 }  // namespace
 
 Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
              const std::vector<std::string>& auxiliaryInputs)
-    : colorFile_(readExrHeader(colorPath)),
-      auxFile_(auxPath.empty() ? colorFile_ : readExrHeader(auxPath)),
-      inputs_(auxiliaryInputs) {
-  for (const std::string& input : inputs_)
-    if (input != "albedo" && input != "normal")
-      throw Error("The model needs the auxiliary image '" + input + "', which this program cannot find in an EXR file.");
+    : colorFile_(readExrHeader(colorPath)), inputs_(auxiliaryInputs) {
+  const bool twoFiles = !auxPath.empty() && !inputs_.empty();
+  auxFile_ = twoFiles ? readExrHeader(auxPath) : colorFile_;
   AovRequest needed = request;
   needed.albedoNeeded = contains(inputs_, "albedo");
   needed.normalNeeded = contains(inputs_, "normal");
   aovs_ = findAovs(colorFile_, auxFile_, needed);
   warnings_ = aovs_.notes;
-  window_ = colorPart().dataWindow;
-  for (const auto& layer : {aovs_.albedo, aovs_.normal}) {
-    if (!layer) continue;
-    const int found = scaleBetween(colorPart().displayWindow, partOf(auxFile_, *layer).displayWindow);
-    if (scale_ != 0 && found != scale_) throw Error("The albedo and the normal layer have different sizes.");
-    scale_ = found;
-  }
+  if (!auxPath.empty() && !twoFiles)
+    warnings_.push_back("The model takes no auxiliary images; '" + auxPath.string() + "' is not used.");
+  for (const auto& layer : {aovs_.albedo, aovs_.normal})
+    if (layer) fit(auxFile_.parts[layer->part]);
+}
+
+void Frame::fit(const ExrPart& auxiliaryPart) {
+  const FrameFit found = fitFrame(colorPart(), auxiliaryPart);
+  if (fit_ && found.scale != fit_->scale)
+    throw Error("The albedo layer has " + std::to_string(fit_->scale) + " times the colour's size, the normal layer " +
+                std::to_string(found.scale) + " times: choose layers of one size with --albedo and --normal.");
+  fit_ = found;
+}
+
+ExrOutput Frame::output(int scale) const {
+  ExrOutput output = scaledOutput(colorPart(), scale);
+  if (fit_) output.displayWindow = fit_->displayWindow;
+  return output;
 }
 
 void Frame::load() {
   colour_ = readLayer(colorFile_, aovs_.color);
   const RepairCounts repaired = repairRadiance(colour_);
-  const std::string name = nameOf(aovs_.color);
-  if (repaired.nonFinitePixels > 0)
-    warnings_.push_back(counted(repaired.nonFinitePixels, "were not finite and were filled from their neighbours", name));
-  if (repaired.negativePixels > 0) warnings_.push_back(counted(repaired.negativePixels, "had negative radiance, set to 0", name));
+  addCounted(warnings_, repaired.nonFinitePixels, aovs_.color, kFilled);
+  addCounted(warnings_, repaired.negativePixels, aovs_.color, "negative, set to 0");
   if (aovs_.alpha) {
     alpha_ = readLayer(colorFile_, *aovs_.alpha);
-    repairNonFinite(*alpha_);
+    addCounted(warnings_, repairNonFinite(*alpha_).nonFinitePixels, *aovs_.alpha, "with an alpha that is not finite, filled from the neighbours");
   }
   for (const std::string& input : inputs_) auxiliary_.push_back(loadAuxiliary(input));
   std::vector<NamedLayer> layers;
   for (size_t i = 0; i < inputs_.size(); ++i) layers.push_back({inputs_[i], &auxiliary_[i]});
-  const auto edges = checkEdges(colour_, layers);
+  const auto edges = layers.empty() ? std::vector<std::string>{} : checkEdges(colour_, layers);
   warnings_.insert(warnings_.end(), edges.begin(), edges.end());
 }
 
 Image Frame::loadAuxiliary(const std::string& input) {
   const bool albedo = input == "albedo";
   const ExrSelection& layer = albedo ? *aovs_.albedo : *aovs_.normal;
-  Image image = placedInWindow(readLayer(auxFile_, layer), partOf(auxFile_, layer).dataWindow, scaledWindow(window_, scale_));
-  const RepairCounts repaired = repairNonFinite(image);
-  if (repaired.nonFinitePixels > 0)
-    warnings_.push_back(counted(repaired.nonFinitePixels, "were not finite and were filled from their neighbours", layer.layer));
+  const Window& stored = auxFile_.parts[layer.part].dataWindow;
+  const Window wanted = scaledWindow(colorPart().dataWindow, fit_->scale);
+  if (!covers(stored, wanted))
+    warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " + toString(wanted) +
+                        "; the rest is taken as 0.");
+  Image image = placedInWindow(readLayer(auxFile_, layer), stored, wanted);
+  addCounted(warnings_, repairNonFinite(image).nonFinitePixels, layer, kFilled);
   const auto suspicions = albedo ? checkAlbedo({nameOf(layer), &image}) : checkNormal({nameOf(layer), &image});
   warnings_.insert(warnings_.end(), suspicions.begin(), suspicions.end());
   return image;
@@ -84,10 +98,6 @@ std::vector<PixelView> viewsOf(const std::vector<Image>& images) {
   std::vector<PixelView> views;
   for (const Image& image : images) views.push_back(viewOf(image));
   return views;
-}
-
-int findScale(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, AovRequest request) {
-  return Frame(colorPath, auxPath, request, {"albedo"}).scale();
 }
 
 }  // namespace xrds

@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "cli/models.h"
 #include "cli/stage.h"
+#include "image/exr_file.h"
 #include "xrds/xrds.h"
 
 namespace xrds {
@@ -26,12 +27,22 @@ Size parseSize(const std::string& text) {
 }
 
 void printMetadata(const Model& model) {
-  for (const auto& [key, value] : model.metadata()) std::printf("%-26s %s\n", key.c_str(), value.c_str());
+  for (const auto& [key, value] : model.metadata()) std::printf("%-26s %s\n", printable(key).c_str(), printable(value).c_str());
   std::printf("%-26s %s\n", "hash", model.hash().c_str());
 }
 
-void printCost(const Model& model, Size size) {
-  const Model::Cost fp32 = model.cost(size.width, size.height, false), fp16 = model.cost(size.width, size.height, true);
+struct Costs {
+  Model::Cost fp32, fp16;
+};
+
+Costs costsOf(const Model& model, Size size) {
+  if (uint64_t{size.width} * size.height > static_cast<uint64_t>(kMaxPixelCount))
+    throw Error("--size is too large: expected at most " + std::to_string(kMaxPixelCount) + " pixels.");
+  return {model.cost(size.width, size.height, false), model.cost(size.width, size.height, true)};
+}
+
+void printCosts(const Costs& costs, Size size) {
+  const auto& [fp32, fp16] = costs;
   std::printf("\nFor an output of %u x %u:\n", size.width, size.height);
   std::printf("%-26s %.3f M\n", "parameters", static_cast<double>(fp32.parameters) / 1e6);
   std::printf("%-26s %.2f G\n", "MACs", static_cast<double>(fp32.multiplyAdds) / 1e9);
@@ -46,23 +57,31 @@ void printCost(const Model& model, Size size) {
   row("  weights (more)", fp32.weightBytes, fp16.weightBytes);
 }
 
+void listModels() {
+  for (const std::string& name : shippedModels()) std::printf("%s\n", name.c_str());
+}
+
 void run(const InfoOptions& options) {
+  if (options.model.empty()) return listModels();
   const Size size = parseSize(options.size);
   const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
-  printMetadata(model);
-  stage(ExitCode::usage, [&] { printCost(model, size); });
+  stage(ExitCode::usage, [&] {
+    const Costs costs = costsOf(model, size);
+    printMetadata(model);
+    printCosts(costs, size);
+  });
 }
 
 }  // namespace
 
 void addInfo(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App* verb = app.add_subcommand("info", "Show what a model is and what it costs");
-  verb->add_option("MODEL", options->model, "A shipped model's name or a .safetensors file")->required();
+  CLI::App* verb = app.add_subcommand("info", "Show what a model is and what it costs; without MODEL, list the shipped ones");
+  verb->add_option("MODEL", options->model, "A shipped model's name or a .safetensors file");
   verb->add_option("--size", options->size, "Size of the output in pixels (default 1024x1024)")->type_name("WxH");
   verb->footer("Planned peak is the arena that a run allocates; the largest live set is the least that any plan needs;\n"
                "without aliasing is the sum of all tensors. MB are 10^6 bytes. MACs are multiplications of linear maps\n"
-               "and convolutions, the token pairs of attention come on top.\n\nExample:\n  xrds info xrds-x4-compact --size 1920x1080");
+               "and convolutions, the token pairs of attention come on top.\n\nExamples:\n  xrds info\n  xrds info xrds-x4-compact --size 1920x1080");
   verb->callback([options] { run(*options); });
 }
 

@@ -9,15 +9,17 @@ namespace {
 
 constexpr const char* kFooter =
     "Exit codes: 0 done; 1 a bug of xrds; 2 wrong option; 3 an image cannot be read or does not fit; 4 the model cannot\n"
-    "be read or does not fit; 5 no Vulkan device, or it failed; 6 the result cannot be written; 7 a check found a\n"
-    "difference; 130 interrupted. Nothing but the finished result is ever written.\n\n"
+    "be read or does not fit; 5 no Vulkan device, it failed or lacks memory; 6 a result cannot be written; 7 a check\n"
+    "found a difference; 130 interrupted. Only finished files are ever written.\n\n"
     "Examples:\n"
     "  xrds upscale color_64spp.exr aux_16spp.exr -o out.exr\n"
     "  xrds compare out.exr reference.exr\n"
     "  xrds info xrds-x4-compact --size 1920x1080\n";
 
 int fail(xrds::ExitCode code, const std::string& message) {
-  std::fprintf(stderr, "xrds: %s\n", message.c_str());
+  const bool list = message.find('\n') != std::string::npos;
+  const char* end = list || message.ends_with('.') ? "" : ".";
+  std::fprintf(stderr, "xrds: %s%s\n", message.c_str(), end);
   return static_cast<int>(code);
 }
 
@@ -39,7 +41,8 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(xrds::ExitCode::usage);
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    return fail(xrds::ExitCode::usage, std::string(error.what()) + "; see --help");
   } catch (const xrds::Failure& failure) {
     return fail(failure.code, failure.message);
   } catch (const std::bad_alloc&) {

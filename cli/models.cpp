@@ -17,18 +17,16 @@ fs::path programFolder() {
   return error ? fs::path() : program.parent_path();
 }
 
-std::string shippedModels() {
-  std::vector<std::string> names;
-  for (const fs::path& folder : modelFolders()) {
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error))
-      if (entry.path().extension() == kSuffix) names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
+std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text.empty() ? "none" : text;
+}
+
+fs::path shippedFile(const std::string& name) {
+  for (const fs::path& folder : modelFolders())
+    if (const fs::path file = folder / (name + kSuffix); fs::exists(file)) return file;
+  return {};
 }
 
 }  // namespace
@@ -41,17 +39,32 @@ std::vector<fs::path> modelFolders() {
   return folders;
 }
 
-fs::path resolveModel(const std::string& nameOrFile) {
-  if (nameOrFile.ends_with(kSuffix) || nameOrFile.find('/') != std::string::npos) return nameOrFile;
+std::vector<std::string> shippedModels() {
+  std::vector<std::string> names;
   for (const fs::path& folder : modelFolders()) {
-    const fs::path file = folder / (nameOrFile + kSuffix);
-    if (fs::exists(file)) return file;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error))
+      if (entry.path().extension() == kSuffix) names.push_back(entry.path().stem().string());
   }
-  if (fs::is_regular_file(nameOrFile)) return nameOrFile;
-  throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models: " +
-              shippedModels() + ".");
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
 }
 
-std::string defaultModel(int scale) { return "xrds-x" + std::to_string(scale) + "-compact"; }
+fs::path resolveModel(const std::string& nameOrFile) {
+  if (nameOrFile.ends_with(kSuffix) || nameOrFile.find('/') != std::string::npos) return nameOrFile;
+  if (const fs::path file = shippedFile(nameOrFile); !file.empty()) return file;
+  if (fs::is_regular_file(nameOrFile)) return nameOrFile;
+  throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
+              listed(shippedModels()) + ".");
+}
+
+fs::path defaultModel(int scale) {
+  const fs::path file = shippedFile("xrds-x" + std::to_string(scale) + "-compact");
+  if (file.empty())
+    throw Error("The auxiliary images have " + std::to_string(scale) + " times the colour's size and no model of this scale is shipped, only " +
+                listed(shippedModels()) + ": render at another size or name a model with --model.");
+  return file;
+}
 
 }  // namespace xrds

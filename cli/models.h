@@ -9,10 +9,13 @@ namespace xrds {
 /// Folders in which shipped models are looked for: $XRDS_MODELS, beside the installed program, in the source tree.
 std::vector<std::filesystem::path> modelFolders();
 
+/// The shipped models' names, in alphabetical order.
+std::vector<std::string> shippedModels();
+
 /// The file of a model given by name ("xrds-x4-compact") or by path. Throws Error that lists the models there are.
 std::filesystem::path resolveModel(const std::string& nameOrFile);
 
-/// The default model of a scale, "xrds-x<scale>-compact".
-std::string defaultModel(int scale);
+/// The file of the default model of a scale, "xrds-x<scale>-compact". Throws Error as resolveModel does.
+std::filesystem::path defaultModel(int scale);
 
 }  // namespace xrds

@@ -1,9 +1,12 @@
 #include "cli/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 
+#include "cli/progress.h"
+#include "cli/stage.h"
 #include "image/compose.h"
 #include "image/metrics.h"
 #include "image/png_write.h"
@@ -35,19 +38,13 @@ void printMetricsRow(const char* name, const Image& image, const Image& referenc
   std::printf("%-22s %9.3f %10.5f %14.5f %8.4f\n", name, metrics.psnr, metrics.relMse, metrics.relMseTrimmed, metrics.flip);
 }
 
-Image readReference(const std::string& path, const Image& result) {
-  const ExrFile file = readExrHeader(path);
-  Image reference = readLayer(file, findAov(file, AovRole::kColor));
-  if (reference.width != result.width || reference.height != result.height)
-    throw Error("The reference '" + path + "' is " + std::to_string(reference.width) + " x " +
-                std::to_string(reference.height) + " pixels, the result " + std::to_string(result.width) + " x " +
-                std::to_string(result.height) + ".");
-  return reference;
-}
-
 }  // namespace
 
 void printProfile(const std::vector<Upscaler::ProfileRow>& rows) {
+  if (rows.empty()) {
+    std::printf("profile: the device has no timestamps\n");
+    return;
+  }
   std::map<std::string, OperatorSum> sums;
   double total = 0;
   for (const auto& row : rows) {
@@ -97,36 +94,48 @@ int printCheck(const std::vector<Upscaler::CheckRow>& rows) {
   return first;
 }
 
-Image runBaseline(Device& device, const std::string& base, const std::string& transfer, const Image& colour,
-                  const std::vector<Image>& auxiliary, int scale) {
-  const Model model = Model::untrained(static_cast<uint32_t>(scale), base, transfer);
-  Upscaler upscaler(device, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height), {});
+Image runBaseline(Device& device, const Baseline& baseline, const Image& colour, const std::vector<Image>& auxiliary,
+                  int scale) {
+  const Model model = Model::untrained(static_cast<uint32_t>(scale), baseline.base, baseline.transfer);
+  Upscaler upscaler(device, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height),
+                    {.exposure = baseline.exposure});
   Image result(colour.width * scale, colour.height * scale, 3);
-  upscaler.run(viewOf(colour), viewsOf(auxiliary), result.pixels);
+  upscaler.run(viewOf(colour), viewsOf(auxiliary), result.pixels, [](double) { return !interrupted(); });
+  stopIfInterrupted();
   return result;
 }
 
-void writeSideBySide(Device& device, const Model& model, const Frame& frame, const Image& result,
-                     const std::string& referencePath, const std::string& pngPath) {
-  const int scale = static_cast<int>(model.scale());
-  std::vector<Image> images{enlargeNearest(frame.colour(), scale),
-                            runBaseline(device, "bicubic", "log1p", frame.colour(), {}, scale), result};
-  if (!referencePath.empty()) images.push_back(readReference(referencePath, result));
-  writePng(pngPath, sideBySide(images, 4));
+Image readReference(const std::string& path, int width, int height) {
+  const ExrFile file = readExrHeader(path);
+  Image reference = readLayer(file, findAov(file, AovRole::kColor));
+  if (reference.width != width || reference.height != height)
+    throw Error("The reference '" + path + "' is " + std::to_string(reference.width) + " x " + std::to_string(reference.height) +
+                " pixels, expected the result's " + std::to_string(width) + " x " + std::to_string(height) + ".");
+  const auto finite = [](float value) { return std::isfinite(value); };
+  if (!std::all_of(reference.pixels.begin(), reference.pixels.end(), finite))
+    throw Error("The reference '" + path + "' has pixels that are not finite: repair it first.");
+  return reference;
 }
 
-void printAgainstReference(Device& device, const Model& model, const Frame& frame, const Image& result,
-                           const std::string& referencePath) {
-  const Image reference = readReference(referencePath, result);
-  const int scale = static_cast<int>(model.scale());
-  const auto baseline = [&](const char* base, const std::vector<Image>& aux) {
-    return runBaseline(device, base, "log1p", frame.colour(), aux, scale);
+void writeSideBySide(Device& device, const Frame& frame, const Image& result, const std::optional<Image>& reference,
+                     const std::string& pngPath) {
+  const int scale = result.width / frame.colour().width;
+  std::vector<Image> images{enlargeNearest(frame.colour(), scale),
+                            stage(ExitCode::device, [&] { return runBaseline(device, {"bicubic"}, frame.colour(), {}, scale); }), result};
+  if (reference) images.push_back(*reference);
+  stage(ExitCode::output, [&] { writePng(pngPath, sideBySide(images, 4)); });
+}
+
+void printAgainstReference(Device& device, const Frame& frame, const Image& result, const Image& reference) {
+  const auto printBaseline = [&](const char* name, const char* base, const std::vector<Image>& auxiliary) {
+    const int scale = result.width / frame.colour().width;
+    printMetricsRow(name, runBaseline(device, {base}, frame.colour(), auxiliary, scale), reference);
   };
   std::printf("%-22s %9s %10s %14s %8s\n", "against the reference", "PSNR dB", "RelMSE", "trimmed RelMSE", "FLIP");
-  printMetricsRow("bicubic", baseline("bicubic", {}), reference);
-  if (model.auxiliaryInputs() == std::vector<std::string>{"albedo", "normal"}) {
-    printMetricsRow("demodulated bicubic", baseline("demodulated", frame.auxiliary()), reference);
-    printMetricsRow("guided", baseline("guided", frame.auxiliary()), reference);
+  printBaseline("bicubic", "bicubic", {});
+  if (frame.inputs() == std::vector<std::string>{"albedo", "normal"}) {
+    printBaseline("demodulated bicubic", "demodulated", frame.auxiliary());
+    printBaseline("guided", "guided", frame.auxiliary());
   }
   printMetricsRow("xrds", result, reference);
 }

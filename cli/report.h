@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,17 +19,26 @@ std::vector<Upscaler::CheckRow> checkOnCrop(Device& device, const Model& model, 
 /// Prints the operators that diverge, or that none does; returns the index of the first one, -1 for none.
 int printCheck(const std::vector<Upscaler::CheckRow>& rows);
 
-/// Upscales without a network: "bicubic", "demodulated" or "guided", with transfer "log1p" or "none".
-Image runBaseline(Device& device, const std::string& base, const std::string& transfer, const Image& colour,
-                  const std::vector<Image>& auxiliary, int scale);
+/// A way to upscale without a network: base "bicubic", "demodulated" or "guided"; transfer "log1p" or "none".
+struct Baseline {
+  std::string base, transfer = "log1p";
+  std::optional<float> exposure{};  // empty: from the frame
+};
 
-/// Writes the input's pixels enlarged, its bicubic upscaling, the result and, if a path is given, the reference side by
+/// Throws Error as Model::untrained and Upscaler do, Failure when interrupted.
+Image runBaseline(Device& device, const Baseline& baseline, const Image& colour, const std::vector<Image>& auxiliary,
+                  int scale);
+
+/// Reads the colour of a reference for a result of width x height pixels. Throws Error unless it has this size and
+/// finite values.
+Image readReference(const std::string& path, int width, int height);
+
+/// Writes the input's pixels enlarged, its bicubic upscaling, the result and, if there is one, the reference side by
 /// side as a PNG.
-void writeSideBySide(Device& device, const Model& model, const Frame& frame, const Image& result,
-                     const std::string& referencePath, const std::string& pngPath);
+void writeSideBySide(Device& device, const Frame& frame, const Image& result, const std::optional<Image>& reference,
+                     const std::string& pngPath);
 
 /// Prints PSNR, RelMSE, its trimmed form and FLIP for the result and for the baselines that the frame's layers allow.
-void printAgainstReference(Device& device, const Model& model, const Frame& frame, const Image& result,
-                           const std::string& referencePath);
+void printAgainstReference(Device& device, const Frame& frame, const Image& result, const Image& reference);
 
 }  // namespace xrds

@@ -1,14 +1,20 @@
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 
+#include "cli/alpha.h"
 #include "cli/commands.h"
 #include "cli/frame.h"
 #include "cli/models.h"
+#include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/stage.h"
 #include "image/png_write.h"
+#include "image/repair.h"
 
 namespace xrds {
 namespace {
@@ -22,7 +28,7 @@ struct UpscaleOptions {
 
   Upscaler::Options upscaler() const {
     Upscaler::Options options{.fp16 = precision == "fp16", .profile = profile};
-    if (exposure != "auto") options.exposure = std::stof(exposure);
+    if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
     return options;
   }
 };
@@ -32,50 +38,72 @@ struct Timer {
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
 };
 
+/// The model of a run and the file it came from.
+struct OpenedModel {
+  fs::path file;
+  Model model;
+  std::string name() const { return file.stem().string(); }
+};
+
+/// What a run computed, and how.
+struct Upscaled {
+  Image colour;
+  float exposure = 0;
+  double seconds = 0;
+  uint64_t deviceBytes = 0;
+};
+
 std::string validExposure(const std::string& text) {
   if (text == "auto") return {};
   char* end = nullptr;
   const float value = std::strtof(text.c_str(), &end);
-  return *end == 0 && value > 0 && value < 1e30f ? "" : "expected auto or a positive number, found '" + text + "'";
+  return *end == 0 && value > 1e-30F && value < 1e30F ? "" : "expected auto or a positive number, found '" + text + "'";
 }
 
-std::string modelName(const UpscaleOptions& options) {
-  if (!options.model.empty()) return options.model;
-  const int scale = stage(ExitCode::input, [&] { return findScale(options.color, options.aux, options.layers); });
-  return defaultModel(scale);
+// Everything that can be known to fail is asked for before the long computation.
+void checkOutputs(const UpscaleOptions& options) {
+  requireExtension(options.output, ".exr", "--output");
+  if (!options.preview.empty()) requireExtension(options.preview, ".png", "--preview");
+  if (!options.sideBySide.empty()) requireExtension(options.sideBySide, ".png", "--side-by-side");
+  if (!options.preview.empty() && options.preview == options.sideBySide)
+    throw Failure{ExitCode::usage, "--preview and --side-by-side name the same file '" + options.preview + "'."};
+  for (const std::string& path : {options.output, options.preview, options.sideBySide})
+    if (!path.empty()) requireWritable(path);
 }
 
-// Alpha has no model of its own: bicubic, on the same device.
-Image upscaleAlpha(Device& device, const Image& alpha, int scale) {
-  Image spread(alpha.width, alpha.height, 3);
-  for (size_t p = 0; p < alpha.pixelCount(); ++p)
-    for (size_t c = 0; c < 3; ++c) spread.pixels[3 * p + c] = alpha.pixels[p * alpha.channels];
-  const Image upscaled = runBaseline(device, "bicubic", "none", spread, {}, scale);
-  Image result(upscaled.width, upscaled.height, 1);
-  for (size_t p = 0; p < result.pixelCount(); ++p) result.pixels[p] = std::min(1.f, upscaled.pixels[3 * p]);
-  return result;
+fs::path modelFile(const UpscaleOptions& options) {
+  if (!options.model.empty()) return stage(ExitCode::model, [&] { return resolveModel(options.model); });
+  const int scale = stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {"albedo"}).scale(); });
+  return stage(ExitCode::model, [&] { return defaultModel(scale); });
 }
 
-Image withAlpha(const Image& colour, const Image& alpha) {
-  Image joined(colour.width, colour.height, 4);
-  for (size_t p = 0; p < joined.pixelCount(); ++p) {
-    std::copy_n(&colour.pixels[3 * p], 3, &joined.pixels[4 * p]);
-    joined.pixels[4 * p + 3] = alpha.pixels[p];
-  }
-  return joined;
+OpenedModel openModel(const UpscaleOptions& options) {
+  const fs::path file = modelFile(options);
+  OpenedModel opened{file, stage(ExitCode::model, [&] { return Model(file); })};
+  for (const std::string& input : opened.model.auxiliaryInputs())
+    if (input != "albedo" && input != "normal")
+      throw Failure{ExitCode::model, "Model '" + opened.name() + "' needs the auxiliary image '" + printable(input) +
+                                         "', which this program cannot find in an EXR file: use the library."};
+  return opened;
 }
 
-void writeResult(const UpscaleOptions& options, const Frame& frame, const Model& model, const Image& result,
-                 const Image& preview) {
-  stage(ExitCode::output, [&] {
-    ExrOutput output = scaledOutput(frame.colorPart(), static_cast<int>(model.scale()));
-    output.texts["xrds:version"] = XRDS_VERSION;
-    output.texts["xrds:model"] = fs::path(resolveModel(options.model)).stem().string() + " " + model.hash();
-    output.texts["xrds:options"] = "precision=" + options.precision + " exposure=" + options.exposure;
-    output.pixelType = options.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
-    writeExr(options.output, result, output);
-    if (!options.preview.empty()) writePng(options.preview, preview);
+Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
+  Frame frame = stage(ExitCode::input, [&] {
+    return Frame(options.color, options.aux, options.layers, opened.model.auxiliaryInputs());
   });
+  const int scale = static_cast<int>(opened.model.scale());
+  if (frame.scale() != 0 && frame.scale() != scale)
+    throw Failure{ExitCode::model, "The auxiliary images have " + std::to_string(frame.scale()) + " times the colour's size, but model '" +
+                                       opened.name() + "' upscales by " + std::to_string(scale) + ": choose another with --model."};
+  stage(ExitCode::input, [&] {
+    (void)frame.output(scale);  // throws if the windows do not fit
+    frame.load();
+  });
+  return frame;
+}
+
+void printWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) std::fprintf(stderr, "xrds: warning: %s\n", warning.c_str());
 }
 
 void runCheck(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
@@ -85,55 +113,70 @@ void runCheck(Device& device, const Model& model, const Frame& frame, const Upsc
     throw Failure{ExitCode::differs, "The device diverges from the reference, first at operator '" + rows[divergent].label + "'."};
 }
 
-void run(UpscaleOptions options) {
-  const Timer whole;
-  options.model = modelName(options);
-  const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
-  Frame frame = stage(ExitCode::input, [&] {
-    Frame read(options.color, options.aux, options.layers, model.auxiliaryInputs());
-    if (read.scale() != 0 && read.scale() != static_cast<int>(model.scale()))
-      throw Error("The auxiliary images are " + std::to_string(read.scale()) + " times the colour's size, but model '" +
-                  options.model + "' upscales by " + std::to_string(model.scale()) + ".");
-    read.load();
-    return read;
-  });
-  for (const std::string& warning : frame.warnings()) std::fprintf(stderr, "xrds: warning: %s\n", warning.c_str());
-  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
-  if (options.check) runCheck(device, model, frame, options);
-
-  const uint32_t scale = model.scale();
-  Image result(static_cast<int>(frame.width() * scale), static_cast<int>(frame.height() * scale), 3);
-  double seconds = 0;
-  uint64_t deviceBytes = 0;
-  float exposure = 0;
-  stage(ExitCode::device, [&] {
-    Upscaler upscaler(device, model, frame.width(), frame.height(), options.upscaler());
+Upscaled compute(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
+  const int scale = static_cast<int>(model.scale());
+  Upscaled result{Image(frame.colour().width * scale, frame.colour().height * scale, 3)};
+  Upscaler upscaler(device, model, frame.width(), frame.height(), options.upscaler());
+  stopIfInterrupted();
+  const Timer timer;
+  {
     ProgressBar bar(options.quiet);
-    const Timer compute;
-    const auto aux = viewsOf(frame.auxiliary());
-    if (!upscaler.run(viewOf(frame.colour()), aux, result.pixels, [&](double share) { return bar.update(share); }))
-      throw Failure{ExitCode::interrupted, "Interrupted; nothing was written."};
-    seconds = compute.seconds();
-    deviceBytes = upscaler.deviceBytes();
-    exposure = upscaler.exposure();
-    if (options.profile) printProfile(upscaler.profile());
+    const auto auxiliary = viewsOf(frame.auxiliary());
+    upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, [&](double share) { return bar.update(share); });
+  }
+  stopIfInterrupted();
+  result.seconds = timer.seconds();
+  result.deviceBytes = upscaler.deviceBytes();
+  result.exposure = upscaler.exposure();
+  if (options.profile) printProfile(upscaler.profile());
+  if (const size_t count = repairNonFinite(result.colour).nonFinitePixels; count > 0)
+    printWarnings({std::to_string(count) + " pixels of the result were not finite and were filled from their neighbours" +
+                   (options.precision == "fp16" ? "; --precision fp32 has a larger range." : ".")});
+  return result;
+}
+
+void writeResult(const UpscaleOptions& options, const Frame& frame, const OpenedModel& opened, const Upscaled& result,
+                 const std::optional<Image>& alpha) {
+  char exposure[32];
+  std::snprintf(exposure, sizeof exposure, "%.6g", result.exposure);
+  stage(ExitCode::output, [&] {
+    ExrOutput output = frame.output(static_cast<int>(opened.model.scale()));
+    output.texts["xrds:version"] = XRDS_VERSION;
+    output.texts["xrds:model"] = opened.name() + " " + opened.model.hash();
+    output.texts["xrds:options"] = "precision=" + options.precision + " exposure=" + exposure + (options.exposure == "auto" ? " (auto)" : "");
+    output.pixelType = options.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
+    writeExr(options.output, alpha ? withAlpha(result.colour, *alpha) : result.colour, output);
+    if (!options.preview.empty()) writePng(options.preview, result.colour);
   });
-  const Image full = frame.alpha() ? withAlpha(result, stage(ExitCode::device, [&] {
-                       return upscaleAlpha(device, *frame.alpha(), static_cast<int>(scale));
-                     }))
-                                   : result;
-  if (interrupted()) throw Failure{ExitCode::interrupted, "Interrupted; nothing was written."};
-  writeResult(options, frame, model, full, result);
+}
+
+void run(const UpscaleOptions& options) {
+  const Timer whole;
+  checkOutputs(options);
+  const OpenedModel opened = openModel(options);
+  const int scale = static_cast<int>(opened.model.scale());
+  const Frame frame = openFrame(options, opened);
+  std::optional<Image> reference;
+  if (!options.reference.empty())
+    reference = stage(ExitCode::input, [&] {
+      return readReference(options.reference, scale * frame.colour().width, scale * frame.colour().height);
+    });
+  printWarnings(frame.warnings());
+  stopIfInterrupted();
+  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
+  if (options.check) runCheck(device, opened.model, frame, options);
+
+  const Upscaled result = stage(ExitCode::device, [&] { return compute(device, opened.model, frame, options); });
+  std::optional<Image> alpha;
+  if (frame.alpha()) alpha = stage(ExitCode::device, [&] { return upscaleAlpha(device, *frame.alpha(), scale); });
+  writeResult(options, frame, opened, result, alpha);
   if (!options.quiet)
     std::printf("%s: %d x %d, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in all\n",
-                options.output.c_str(), result.width, result.height, options.model.c_str(), options.precision.c_str(),
-                exposure, device.description().name.c_str(), seconds, static_cast<double>(deviceBytes) / 1e6, whole.seconds());
-  if (!options.sideBySide.empty())
-    stage(ExitCode::output, [&] {
-      writeSideBySide(device, model, frame, result, options.reference, options.sideBySide);
-    });
-  if (!options.reference.empty())
-    stage(ExitCode::input, [&] { printAgainstReference(device, model, frame, result, options.reference); });
+                options.output.c_str(), result.colour.width, result.colour.height, opened.name().c_str(), options.precision.c_str(),
+                result.exposure, device.description().name.c_str(), result.seconds, static_cast<double>(result.deviceBytes) / 1e6,
+                whole.seconds());
+  if (!options.sideBySide.empty()) writeSideBySide(device, frame, result.colour, reference, options.sideBySide);
+  if (reference) stage(ExitCode::device, [&] { printAgainstReference(device, frame, result.colour, *reference); });
 }
 
 }  // namespace
@@ -142,24 +185,26 @@ void addUpscale(CLI::App& app) {
   const auto options = std::make_shared<UpscaleOptions>();
   CLI::App* verb = app.add_subcommand("upscale", "Upscale one frame");
   verb->add_option("COLOR", options->color, "EXR file with the low-resolution colour, many samples a pixel")->required();
-  verb->add_option("AUX", options->aux, "EXR file with full-resolution albedo and normal; without it they are in COLOR");
-  verb->add_option("-o,--output", options->output, "EXR file to write: R, G, B (and A), 32-bit float, ZIP")->required();
-  verb->add_option("--model", options->model, "A shipped model's name or a .safetensors file (default: the compact one of the scale)");
+  verb->add_option("AUX", options->aux, "EXR file with full-resolution albedo and normal (default: they are in COLOR)");
+  verb->add_option("-o,--output", options->output, "EXR file to write: R, G, B (and A), 32-bit float, ZIP")->required()->type_name("EXR");
+  verb->add_option("--model", options->model, "A shipped model's name or a .safetensors file (default: the compact one of the scale)")->type_name("MODEL");
   verb->add_option("--precision", options->precision, "Storage of activations and weights")->check(CLI::IsMember({"fp32", "fp16"}))->capture_default_str();
   verb->add_option("--exposure", options->exposure, "Factor that brings the colour to a mean log luminance of 0.18")->check(CLI::Validator(validExposure, "auto|E"))->capture_default_str();
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)");
+  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")->type_name("DEVICE");
   verb->add_option("--color", options->layers.color, "Layer to take as colour")->type_name("LAYER");
   verb->add_option("--albedo", options->layers.albedo, "Layer to take as albedo")->type_name("LAYER");
   verb->add_option("--normal", options->layers.normal, "Layer to take as normal")->type_name("LAYER");
-  verb->add_option("--reference", options->reference, "EXR file to compare with: prints metrics beside the baselines");
-  verb->add_option("--preview", options->preview, "PNG file to write as well, with the sRGB curve");
-  verb->add_option("--side-by-side", options->sideBySide, "PNG file with input, bicubic, result and reference side by side");
+  verb->add_option("--reference", options->reference, "EXR file to compare with: prints metrics beside the baselines")->type_name("EXR");
+  verb->add_option("--preview", options->preview, "PNG file to write as well, with the sRGB curve")->type_name("PNG");
+  verb->add_option("--side-by-side", options->sideBySide, "PNG file with input, bicubic, result and reference side by side")->type_name("PNG");
   verb->add_flag("--half", options->half, "Write 16-bit half floats");
   verb->add_flag("--profile", options->profile, "Print the device time of every operator");
   verb->add_flag("--check", options->check, "First compare each operator with its double-precision reference, on a crop");
   verb->add_flag("--quiet", options->quiet, "Print nothing but warnings and what was asked for");
-  verb->footer("Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold, RenderMan, LuxCore and plain names;\n"
-               "the options above choose one where that fails. The scale follows from the two sizes.\n\nExamples:\n"
+  verb->footer("The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
+               "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
+               "RenderMan, LuxCore and plain names; --color, --albedo and --normal choose others. The scale follows from\n"
+               "the two sizes.\n\nExamples:\n"
                "  xrds upscale color.exr aux.exr -o out.exr\n"
                "  xrds upscale color.exr aux.exr -o out.exr --model my.safetensors --precision fp16 --preview out.png\n"
                "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'");

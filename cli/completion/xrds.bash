@@ -1,20 +1,25 @@
 # Bash completion for xrds: source it, or install it as share/bash-completion/completions/xrds.
 _xrds() {
-  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} verb=${COMP_WORDS[1]}
+  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} verb=${COMP_WORDS[1]} program=${COMP_WORDS[0]}
+  COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
     mapfile -t COMPREPLY < <(compgen -W "upscale compare info devices --help --version" -- "$current")
     return
   fi
+  # Options and models are read from the program itself, so that this list cannot go stale.
   case $previous in
     --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
     --exposure) mapfile -t COMPREPLY < <(compgen -W "auto" -- "$current"); return ;;
+    --model) mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current"); return ;;
+    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --heat-max | --min-psnr) return ;;
   esac
   if [[ $current == -* ]]; then
-    # The options are read from the program itself, so that this list cannot go stale.
     local options
-    options=$("${COMP_WORDS[0]}" "$verb" --help 2>/dev/null | grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | tr -d ' ,')
+    options=$("$program" "$verb" --help 2>/dev/null | grep -oE -- '^ +(-[a-z],)?--[a-z-]+' | tr ',' '\n')
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
-  else
+  elif [ "$verb" = info ]; then
+    mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current")
+  elif [ "$verb" != devices ]; then
     mapfile -t COMPREPLY < <(compgen -f -- "$current")
   fi
 }

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace xrds {
+
+/// Throws Failure with ExitCode::usage unless the name ends in `extension` (".exr"), in upper or lower case. `option`
+/// is what the user knows it by.
+void requireExtension(const std::string& path, const std::string& extension, const char* option);
+
+/// Throws Failure with ExitCode::output unless a file of this name can be written: asked before a long computation,
+/// not after it. Creates a temporary file in the folder and removes it.
+void requireWritable(const std::string& path);
+
+}  // namespace xrds
