@@ -103,7 +103,8 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
       .queries = sliceOf(op.queries), .keys = sliceOf(op.keys), .values = sliceOf(op.values),
       .target = sliceOf(op.output), .width = shape.width, .height = shape.height, .rowBegin = rows.begin,
       .rowEnd = rows.end, .shift = op.shift, .firstWindowRow = shiftedBegin / op.window,
-      .headCount = headCount(op), .storeOrigin = storeOrigin(op.output, rows)};
+      .headCount = headCount(op), .storeOrigin = storeOrigin(op.output, rows),
+      .queriesApart = op.queries.value != op.keys.value};
   Dispatch result{.bindings = {readTexels(op.queries), readTexels(op.keys), readTexels(op.values),
                                readWeights(DataType::f32), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params)};

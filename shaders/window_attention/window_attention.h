@@ -11,6 +11,7 @@ struct WindowAttentionParams {
   uint firstWindowRow;     // of this dispatch, in the shifted image; window rows are cyclic too
   uint headCount;
   uint storeOrigin;        // vec4 index at which the target binding starts
+  uint queriesApart;       // 1 if the queries lie in another tensor than the keys
 };
 XRDS_SHARED_END
 
