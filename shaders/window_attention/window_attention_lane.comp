@@ -55,7 +55,7 @@ float power2(float x) {
 }
 
 // Reads something of each cache line of the window's rows, for all heads, in the order of the memory, which a CPU
-// fetches ahead; the reads of single heads and lanes jump about. Worth a third of the time.
+// fetches ahead; the reads of single heads and lanes jump about. Worth a quarter of the time.
 float touchRows(samplerBuffer tensor, uint stride, uvec2 corner, bool wanted) {
   const uint last = p.width * p.height * stride - 1;
   float touched = 0;
