@@ -26,18 +26,23 @@ def arguments():
     parser.add_argument("--samples", type=int, default=64, help="of the low-resolution colour")
     parser.add_argument("--aux-samples", type=int, default=16)
     parser.add_argument("--reference-samples", type=int, default=1024)
+    parser.add_argument("--kinds", nargs="+", default=("lr", "aux", "ref"), choices=("lr", "aux", "ref"))
     parser.add_argument("--threads", type=int, default=0, help="0: all")
     parser.add_argument("--preview", type=int, default=0, metavar="SAMPLES", help="only a small image NAME_preview.exr")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
 
-def timed(name, path, scene, *settings, keep):
-    begin = time.monotonic()
-    image = passes.render(scene, *settings)
-    seconds = time.monotonic() - begin
-    exr.write(path, keep(image))
-    print(f"{name}: {settings[0]} x {settings[1]}, {settings[2]} spp, {seconds:.1f} s, "
-          f"{os.path.getsize(path) / 1024:.0f} KiB", flush=True)
+def timed(path, scene, width, height, samples, seed, keep, at_once=1024):
+    """Renders, stores and reports; in rounds of `at_once` samples, so that a slow machine leaves a usable file early."""
+    begin, mean = time.monotonic(), {}
+    for done in range(0, samples, at_once):
+        count = min(at_once, samples - done)
+        image = passes.render(scene, width, height, count, seed + done // at_once)
+        for name in image:
+            mean[name] = mean.get(name, 0.0) + (image[name] - mean.get(name, 0.0)) * (count / (done + count))
+        exr.write(path, keep(mean))
+        print(f"{os.path.basename(path)}: {width} x {height}, {done + count} spp, {time.monotonic() - begin:.1f} s, "
+              f"{os.path.getsize(path) / 1024:.0f} KiB", flush=True)
 
 
 def main():
@@ -55,11 +60,14 @@ def main():
         return os.path.join(ask.out, f"{ask.scene}_{kind}.exr")
 
     if ask.preview:
-        timed("preview", path("preview"), scene, ask.width, ask.height, ask.preview, 9, keep=passes.colour)
+        timed(path("preview"), scene, ask.width, ask.height, ask.preview, 9, passes.colour)
         return
-    timed("colour", path("lr"), scene, *low, ask.samples, 1, keep=passes.colour)
-    timed("aux", path("aux"), scene, ask.width, ask.height, ask.aux_samples, 2, keep=passes.auxiliaries)
-    timed("reference", path("ref"), scene, ask.width, ask.height, ask.reference_samples, 3, keep=passes.colour)
+    if "lr" in ask.kinds:
+        timed(path("lr"), scene, *low, ask.samples, 1, passes.colour)
+    if "aux" in ask.kinds:
+        timed(path("aux"), scene, ask.width, ask.height, ask.aux_samples, 2, passes.auxiliaries)
+    if "ref" in ask.kinds:
+        timed(path("ref"), scene, ask.width, ask.height, ask.reference_samples, 3, passes.colour, at_once=64)
 
 
 main()
