@@ -7,8 +7,8 @@
 namespace xrds {
 namespace {
 
-constexpr uint32_t kMaxTile = 32;     // outputs of a workgroup of the lane kernel
-constexpr uint32_t kLanePixels = 4;   // of a lane of the lane kernel
+constexpr uint32_t kMaxTile = 32;    // outputs of a workgroup of the lane kernel
+constexpr uint32_t kLanePixels = 4;  // of a lane of the lane kernel
 
 uint32_t parts(bool shuffled) { return shuffled ? 4 : 1; }
 uint32_t factor(bool shuffled) { return shuffled ? 2 : 1; }
@@ -168,7 +168,8 @@ void reference(const Conv3x3& op, HostMemory& memory) {
   const auto input = [&](int64_t y, int64_t x, uint32_t c) {
     if (y < 0 || x < 0 || y >= height || x >= width) return 0.0;
     const auto v = static_cast<uint32_t>(y), u = static_cast<uint32_t>(x);
-    return op.unshuffleInput ? memory.at(op.input, 2 * v + c / 2 % 2, 2 * u + c % 2, c / 4) : memory.at(op.input, v, u, c);
+    return op.unshuffleInput ? memory.at(op.input, 2 * v + c / 2 % 2, 2 * u + c % 2, c / 4)
+                             : memory.at(op.input, v, u, c);
   };
   const auto store = [&](uint32_t y, uint32_t x, uint32_t c, double value) {
     if (op.residual.exists()) value += memory.at(op.residual, y, x, c);

@@ -5,12 +5,12 @@
 XRDS_SHARED_BEGIN
 struct Conv3x3Params {
   Slice source, residual, target;
-  uint width, height;      // of the convolution: an unshuffled input has twice, a shuffled output gets twice that
-  uint rowBegin, rowEnd;   // of the convolution
-  uint inputChannels;      // of the source; an unshuffled one stands for four times as many
-  uint outputChannels;     // of the target; a shuffled one takes four times as many
-  uint unshuffle, shuffle; // 2, or 1 for none
-  uint storeOrigin;        // vec4 index at which the target binding starts
+  uint width, height;       // of the convolution: an unshuffled input has twice, a shuffled output gets twice that
+  uint rowBegin, rowEnd;    // of the convolution
+  uint inputChannels;       // of the source; an unshuffled one stands for four times as many
+  uint outputChannels;      // of the target; a shuffled one takes four times as many
+  uint unshuffle, shuffle;  // 2, or 1 for none
+  uint storeOrigin;         // vec4 index at which the target binding starts
 };
 const uint kConv3x3Pixels = 4;    // pixels of an invocation of the plain kernel, side by side
 const uint kConv3x3LaneRows = 4;  // subgroups in a workgroup of the lane kernel
@@ -28,8 +28,8 @@ struct Conv3x3 {
   std::span<const float> weight, bias;             // OIHW [outputChannels][inputChannels][3][3], [outputChannels]
   uint32_t inputChannels = 0, outputChannels = 0;  // of the weight
   Activation activation = Activation::none;
-  bool unshuffleInput = false;  // convolves pixel_unshuffle(input, 2): input [2h, 2w, inputChannels / 4]
-  bool shuffleOutput = false;   // stores pixel_shuffle(result, 2): output [2h, 2w, outputChannels / 4]
+  bool unshuffleInput = false;          // convolves pixel_unshuffle(input, 2): input [2h, 2w, inputChannels / 4]
+  bool shuffleOutput = false;           // stores pixel_shuffle(result, 2): output [2h, 2w, outputChannels / 4]
   DataType weightType = DataType::f32;  // storage of the packed weights
   RowRange rows{};                      // of the convolution, before a shuffle
 };

@@ -86,7 +86,8 @@ void main() {
   if (column >= p.width) return;
   [[unroll]] for (uint i = 0; i < kPixels; i++) {
     if (row + i < p.rowEnd) {
-      [[unroll]] for (uint n = 0; n < kTileQuads; n += 2) {
+      [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
+        const uint n = 2 * m;  // a step of 2 past a bound of 1 would not be unrolled
         const bool pair = n + 1 < kTileQuads;
         const uint output4 = gl_WorkGroupID.x * kTileQuads + n;
         const uint part = output4 / targetQuads, quad = output4 % targetQuads;
@@ -94,7 +95,7 @@ void main() {
         const uint pixel = to.y * p.width * p.shuffle + to.x;
         const uint texel = pixel * p.target.stride + p.target.offset + quad - p.storeOrigin;
         const vec4 a = finished(sum[i][n], pixel, quad);
-        const vec4 b = pair ? finished(sum[i][n + 1], pixel, quad + 1) : vec4(0);
+        const vec4 b = pair ? finished(sum[i][min(n + 1, kTileQuads - 1)], pixel, quad + 1) : vec4(0);
         if (kWide) {
           target8[texel / 2] = wide8(a, b);
         } else {

@@ -15,7 +15,8 @@ constexpr uint32_t kMaxTile = 64;
 uint32_t inputChannels(const Linear& op) { return op.input.channels; }
 uint32_t outputChannels(const Linear& op) { return static_cast<uint32_t>(op.bias.size()); }
 
-// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits, of eights if there is one; 0: none fits.
+// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits, of eights if there is one; 0: none
+// fits.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
   const uint32_t inputs = inputChannels(op), outputs = outputChannels(op);
   const uint64_t lanes = uint64_t{device.subgroupSize} * shader::kLinearLaneRows;
@@ -24,7 +25,8 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
     return 0;
   const uint32_t step = outputs % 8 ? 4 : 8;
   for (uint32_t tile = std::min(kMaxTile, outputs) / step * step; tile > 0; tile -= step)
-    if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes) return tile;
+    if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes)
+      return tile;
   return 0;
 }
 

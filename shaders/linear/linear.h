@@ -10,7 +10,7 @@ struct LinearParams {
   uint tokenEnd;
   uint storeOrigin;  // vec4 index at which the target binding starts
 };
-const uint kLinearTokens = 4;   // tokens of an invocation of the plain kernel
+const uint kLinearTokens = 4;     // tokens of an invocation of the plain kernel
 const uint kLinearLaneRows = 32;  // subgroups in a workgroup of the lane kernel
 XRDS_SHARED_END
 
@@ -19,12 +19,12 @@ namespace xrds {
 
 /// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image.
 struct Linear {
-  TensorView input, output;                  // [h, w, K], [h, w, N]
-  TensorView residual{};                     // optional, [h, w, N]; may be the output itself
-  std::span<const float> weight, bias;       // [N][K], [N]
+  TensorView input, output;             // [h, w, K], [h, w, N]
+  TensorView residual{};                // optional, [h, w, N]; may be the output itself
+  std::span<const float> weight, bias;  // [N][K], [N]
   Activation activation = Activation::none;
-  DataType weightType = DataType::f32;       // storage of the packed weights
-  RowRange rows{};                           // of the output
+  DataType weightType = DataType::f32;  // storage of the packed weights
+  RowRange rows{};                      // of the output
 };
 
 /// [h, w, N], N being the length of the bias. Throws std::logic_error if the weight does not fit.

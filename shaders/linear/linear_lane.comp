@@ -43,7 +43,8 @@ void main() {
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
     x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
 
-  [[unroll]] for (uint n = 0; n < kTileQuads; n += 2) {
+  [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
+    const uint n = 2 * m;  // a step of 2 past a bound of 1 would not be unrolled
     const bool pair = n + 1 < kTileQuads;
     vec4 a = tile[kInputs * kTileQuads + n];
     vec4 b = pair ? tile[kInputs * kTileQuads + n + 1] : vec4(0);
