@@ -3,8 +3,9 @@
 #define XRDS_SHADERS_COMMON_STORAGE_GLSL
 
 #ifdef XRDS_F16
+#include "shaders/common/half.glsl"
 #define STORED4 uvec2
-uvec2 stored4(vec4 v) { return uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw)); }
+uvec2 stored4(vec4 v) { return packHalf4(v); }
 #else
 #define STORED4 vec4
 vec4 stored4(vec4 v) { return v; }

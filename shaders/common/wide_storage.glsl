@@ -5,9 +5,10 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 #ifdef XRDS_F16
+#include "shaders/common/half.glsl"
 #define WIDE4 uint64_t
 #define WIDE8 u64vec2
-WIDE4 wide4(vec4 v) { return packUint2x32(uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw))); }
+WIDE4 wide4(vec4 v) { return packUint2x32(packHalf4(v)); }
 #else
 #define WIDE4 u64vec2
 #define WIDE8 u64vec4

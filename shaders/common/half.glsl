@@ -1,0 +1,17 @@
+// Half floats rounded to nearest even whatever the device's packHalf2x16 does (lavapipe's truncates, which is a bias).
+#ifndef XRDS_SHADERS_COMMON_HALF_GLSL
+#define XRDS_SHADERS_COMMON_HALF_GLSL
+
+// The value with the ten fraction bits of a half: packing it is then exact. NaN stays NaN.
+vec4 roundedToHalf(vec4 v) {
+  const uvec4 bits = floatBitsToUint(v);
+  const vec4 rounded = uintBitsToFloat((bits + 0xFFFu + (bits >> 13 & 1u)) & ~0x1FFFu);
+  return mix(rounded, v, isnan(v));
+}
+
+uvec2 packHalf4(vec4 v) {
+  const vec4 r = roundedToHalf(v);
+  return uvec2(packHalf2x16(r.xy), packHalf2x16(r.zw));
+}
+
+#endif
