@@ -123,13 +123,15 @@ def write_case(folder, name, size, fields, seed):
     exposure = float(torch.tensor(pipeline.auto_exposure(colour[0])))
     stacked = torch.cat(aux, 1).double() if aux else None
 
-    # One pass sets the scale of the output layer (residual of 0.4, logits of 1.2 RMS), the second is recorded.
+    # One pass sets the scale of the output layer (residual of 0.4, logits of 1.2 RMS), the second is recorded. The scale
+    # is bounded: where a pixel's output is small by cancellation, a large one would amplify the rounding errors too.
     with torch.no_grad():
         _, raw, _ = pipeline.upscale(network.double(), colour.double(), stacked, exposure)
         rms = raw.square().mean((0, 2, 3)).sqrt()
         wanted = torch.tensor([0.4] * 3 + [1.2] * (raw.shape[1] - 3))
-        network.out.weight.mul_((wanted / rms).view(-1, 1, 1, 1))
-        network.out.bias.mul_(wanted / rms)
+        gain = (wanted / rms).clamp(max=2)
+        network.out.weight.mul_(gain.view(-1, 1, 1, 1))
+        network.out.bias.mul_(gain)
         path = folder / f"{name}.model.safetensors"
         weights.save_model(path, network, {"license": "MIT", "data": "random parameters", "seed": str(seed)})
         network, _ = weights.load_model(path, torch.float64)
