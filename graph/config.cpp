@@ -53,7 +53,8 @@ std::vector<std::string> splitList(const std::string& text) {
 }
 
 void checkCombination(const NetworkConfig& config) {
-  require(std::has_single_bit(config.scale), "gives scale " + std::to_string(config.scale) + ", expected 1, 2, 4, 8 or 16");
+  require(std::has_single_bit(config.scale),
+          "gives scale " + std::to_string(config.scale) + ", expected 1, 2, 4, 8 or 16");
   require(config.channels % 4 == 0 && config.auxChannels % 4 == 0 && config.headChannels % 4 == 0,
           "gives channels that are no multiples of 4");
   require(config.channels % config.headChannels == 0, "gives channels that are no multiple of head_channels");

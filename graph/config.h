@@ -16,22 +16,22 @@ using Metadata = std::map<std::string, std::string>;
 
 /// Every symbol of the network, as the metadata of a model file states it. The letters are the paper's.
 struct NetworkConfig {
-  uint32_t scale = 4;                // s
-  uint32_t channels = 64;            // C
-  uint32_t auxChannels = 32;         // Ca
+  uint32_t scale = 4;                                      // s
+  uint32_t channels = 64;                                  // C
+  uint32_t auxChannels = 32;                               // Ca
   std::vector<std::string> auxInputs{"albedo", "normal"};  // three channels each
-  uint32_t groups = 3;               // N; 0: no network, the base image alone
-  uint32_t blocks = 5;               // B
-  uint32_t window = 8;               // w
-  uint32_t headChannels = 32;        // d
+  uint32_t groups = 3;                                     // N; 0: no network, the base image alone
+  uint32_t blocks = 5;                                     // B
+  uint32_t window = 8;                                     // w
+  uint32_t headChannels = 32;                              // d
   Transfer transfer = Transfer::log1p;
   BaseImage base = BaseImage::guided;
-  uint32_t kernels = 0;              // side of the learned kernels, 0 or 5
-  bool auxSkip = false;              // H_N is fed to the output convolution
+  uint32_t kernels = 0;  // side of the learned kernels, 0 or 5
+  bool auxSkip = false;  // H_N is fed to the output convolution
 
   uint32_t auxWidth() const { return 3 * static_cast<uint32_t>(auxInputs.size()); }  // A
   uint32_t outputWidth() const { return 3 + kernels * kernels; }
-  uint32_t steps() const;                       // n = log2 s
+  uint32_t steps() const;                        // n = log2 s
   int auxOffset(const std::string& name) const;  // first channel of that input; -1: the model has none
   bool demodulates() const { return base == BaseImage::demodulated || base == BaseImage::guided; }
 };

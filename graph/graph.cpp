@@ -28,7 +28,8 @@ std::vector<uint32_t> bandBounds(const Op& op, const DeviceTraits& device, uint6
   const uint32_t rows = rowCount(op);
   const uint64_t rowBytes = std::max<uint64_t>(1, op.output.storedByteSize() / rows);
   const uint64_t rowWork = std::max<uint64_t>(1, multiplyAdds / rows);
-  uint64_t step = std::min((device.maxStorageBufferRange - kBindingSlack) / rowBytes, kMaxMultiplyAddsPerDispatch / rowWork);
+  uint64_t step =
+      std::min((device.maxStorageBufferRange - kBindingSlack) / rowBytes, kMaxMultiplyAddsPerDispatch / rowWork);
   step = std::clamp<uint64_t>(step, 1, rows);
   uint32_t first = 0;
   std::vector<uint32_t> bounds{0};

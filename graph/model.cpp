@@ -59,7 +59,8 @@ ModelWeights ModelWeights::fromTensors(TensorFile file, const std::string& name)
   };
   buildGraph(model.config_, kSmallestFrame, checked, {});
   for (const auto& [key, tensor] : model.file_->tensors)
-    if (!used.contains(key)) throw Error(name + " holds the tensor '" + key + "', which its architecture does not have.");
+    if (!used.contains(key))
+      throw Error(name + " holds the tensor '" + key + "', which its architecture does not have.");
   return model;
 }
 

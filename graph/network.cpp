@@ -197,7 +197,8 @@ TensorView NetworkBuilder::group(uint32_t g, TensorView f, TensorView d, TensorV
   for (uint32_t b = 0; b < config_.blocks; ++b) {
     const TensorView next =
         b + 1 < config_.blocks ? create(name + "blocks." + std::to_string(b + 1) + ".dense", x, 3 * c) : TensorView{};
-    y = denseBlock(name + "blocks." + std::to_string(b) + ".", dense, b, next.exists() ? slice(next, 0, c) : TensorView{});
+    y = denseBlock(name + "blocks." + std::to_string(b) + ".", dense, b,
+                   next.exists() ? slice(next, 0, c) : TensorView{});
     dense = next;
   }
   return conv(name + "conv", y, c, c, {.into = into, .residual = x});
@@ -235,7 +236,8 @@ TensorView NetworkBuilder::network(TensorView x, TensorView aux) {
   u = conv("up_pre", u, c, c, {.into = steps == 0 ? target : TensorView{}, .activation = Activation::leakyRelu});
   for (uint32_t j = 0; j < steps; ++j)
     u = conv("up." + std::to_string(j), u, c, 4 * c, {.into = j + 1 == steps ? target : TensorView{}, .shuffle = true});
-  if (config_.auxSkip) copy("aux_skip", h, slice(upscaled, c, ca));  // holding its place since H_N would cost more memory
+  if (config_.auxSkip)
+    copy("aux_skip", h, slice(upscaled, c, ca));  // holding its place since H_N would cost more memory
   return conv("out", upscaled, upscaled.channels, config_.outputWidth(), {});
 }
 
@@ -301,16 +303,19 @@ TensorView baseImage(const NetworkConfig& config, const Prepared& prepared, Grap
 
 }  // namespace
 
-Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights, const GraphOptions& options) {
+Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
+                 const GraphOptions& options) {
   constexpr uint32_t kMaxSide = 65536;
-  if (frame.height == 0 || frame.width == 0 || frame.height > kMaxSide / config.scale || frame.width > kMaxSide / config.scale)
+  if (frame.height == 0 || frame.width == 0 || frame.height > kMaxSide / config.scale ||
+      frame.width > kMaxSide / config.scale)
     throw Error("A frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
                 " pixels cannot be upscaled by " + std::to_string(config.scale) +
                 ": each side of the output must be 1 to 65536 pixels.");
   Graph graph;
   const Prepared prepared = prepareInputs(config, frame, options, graph);
   const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
-  if (config.groups > 0) graph.network = NetworkBuilder(config, weights, graph, stored).network(prepared.x, prepared.aux);
+  if (config.groups > 0)
+    graph.network = NetworkBuilder(config, weights, graph, stored).network(prepared.x, prepared.aux);
   graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});
   const TensorView base = baseImage(config, prepared, graph);
 

@@ -27,6 +27,7 @@ struct GraphOptions {
 
 /// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).
 /// Throws Error if the frame is empty or too large, and what the lookup throws.
-Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights, const GraphOptions& options);
+Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
+                 const GraphOptions& options);
 
 }  // namespace xrds

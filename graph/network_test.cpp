@@ -22,7 +22,8 @@ TEST_P(PaperTable, CostsMatchToEveryPrintedDigit) {
   config.blocks = GetParam().blocks;
   const ModelWeights model = ModelWeights::random(config, 1);
   uint64_t multiplyAdds = 0;
-  for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {}).nodes) multiplyAdds += cost(node).multiplyAdds;
+  for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {}).nodes)
+    multiplyAdds += cost(node).multiplyAdds;
   EXPECT_NEAR(static_cast<double>(multiplyAdds) / 1e9, GetParam().gigaMultiplyAdds, 0.005);
   EXPECT_NEAR(static_cast<double>(model.parameterCount()) / 1e6, GetParam().millionParameters,
               0.005 * GetParam().millionParameters);
@@ -118,10 +119,15 @@ TEST(Model, NamesWhatIsWrongWithItsTensors) {
     }
     return std::string();
   };
-  EXPECT_NE(message([](TensorFile& f) { f.tensors.erase("fuse.bias"); }).find("misses the tensor 'fuse.bias'"), std::string::npos);
+  EXPECT_NE(message([](TensorFile& f) { f.tensors.erase("fuse.bias"); }).find("misses the tensor 'fuse.bias'"),
+            std::string::npos);
   EXPECT_NE(message([](TensorFile& f) { f.tensors["extra"] = {{1}, {0}}; }).find("'extra'"), std::string::npos);
-  EXPECT_NE(message([](TensorFile& f) { f.tensors["fuse.bias"] = {{4}, {0, 0, 0, 0}}; }).find("is 4, expected 8"), std::string::npos);
-  EXPECT_NE(message([](TensorFile& f) { f.tensors["fuse.bias"].values[2] = NAN; }).find("not finite"), std::string::npos);
+  EXPECT_NE(message([](TensorFile& f) {
+              f.tensors["fuse.bias"] = {{4}, {0, 0, 0, 0}};
+            }).find("is 4, expected 8"),
+            std::string::npos);
+  EXPECT_NE(message([](TensorFile& f) { f.tensors["fuse.bias"].values[2] = NAN; }).find("not finite"),
+            std::string::npos);
   EXPECT_EQ(message([](TensorFile&) {}), "");
 }
 

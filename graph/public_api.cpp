@@ -11,7 +11,7 @@ namespace {
 
 Device::Description describeDevice(const DeviceDescription& device) {
   static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
-  return {device.name,   kKinds[static_cast<size_t>(device.kind)], device.uuid, device.driver, device.apiVersion,
+  return {device.name,       kKinds[static_cast<size_t>(device.kind)], device.uuid, device.driver, device.apiVersion,
           device.memoryBytes};
 }
 
@@ -39,7 +39,8 @@ struct PackedFrame {
 
 std::string sizeText(uint32_t width, uint32_t height) { return std::to_string(width) + " x " + std::to_string(height); }
 
-void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& colour, std::span<const PixelView> auxiliary) {
+void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& colour,
+                std::span<const PixelView> auxiliary) {
   if (colour.width != frame.width || colour.height != frame.height)
     throw Error("The colour image is " + sizeText(colour.width, colour.height) + " pixels, expected " +
                 sizeText(frame.width, frame.height) + ".");

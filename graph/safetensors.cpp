@@ -123,7 +123,8 @@ void writeTensors(const std::filesystem::path& path, const TensorFile& file, Dat
   std::filesystem::path temporary = path;
   temporary += ".part";
   std::ofstream stream(temporary, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(&headerBytes), 8).write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.write(reinterpret_cast<const char*>(&headerBytes), 8)
+      .write(text.data(), static_cast<std::streamsize>(text.size()));
   stream.write(body.data(), static_cast<std::streamsize>(body.size()));
   stream.close();
   std::error_code error;

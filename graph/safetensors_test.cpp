@@ -48,7 +48,8 @@ TEST(Safetensors, ReadsWhatItWrites) {
 TEST(Safetensors, RefusesHostileHeaders) {
   EXPECT_NE(refusal("not json", 0).find("no readable"), std::string::npos);
   EXPECT_NE(refusal("[1, 2]", 0).find("no readable"), std::string::npos);
-  EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 4).find("truncated"), std::string::npos);
+  EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 4).find("truncated"),
+            std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[3],"data_offsets":[0,8]}})", 8).find("belies"), std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[8,0]}})", 8).find("outside"), std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})", 8).find("I64"), std::string::npos);
@@ -57,15 +58,20 @@ TEST(Safetensors, RefusesHostileHeaders) {
   EXPECT_NE(refusal(R"({"a":{"shape":[2],"data_offsets":[0,8]}})", 8).find("wrong or missing"), std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[-1],"data_offsets":[0,8]}})", 8), "accepted");
   EXPECT_NE(refusal(R"({"a":7})", 8).find("wrong or missing"), std::string::npos);
-  EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]},"b":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})",
-                    8).find("share"), std::string::npos);
+  EXPECT_NE(
+      refusal(
+          R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]},"b":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})",
+          8)
+          .find("share"),
+      std::string::npos);
   EXPECT_THROW(parseTensors({}, "empty"), Error);
   EXPECT_THROW(readTensors("does/not/exist.safetensors"), Error);
 }
 
 TEST(Safetensors, NoByteFlipCrashes) {
   const auto path = std::filesystem::path(testing::TempDir()) / "flip.safetensors";
-  NetworkConfig config{.scale = 2, .channels = 8, .auxChannels = 4, .groups = 1, .blocks = 1, .window = 4, .headChannels = 4};
+  NetworkConfig config{
+      .scale = 2, .channels = 8, .auxChannels = 4, .groups = 1, .blocks = 1, .window = 4, .headChannels = 4};
   writeTensors(path, ModelWeights::random(config, 1).file(), DataType::f16);
   std::vector<char> text(std::filesystem::file_size(path));
   std::FILE* stream = std::fopen(path.string().c_str(), "rb");
@@ -76,7 +82,8 @@ TEST(Safetensors, NoByteFlipCrashes) {
   for (int trial = 0; trial < 400; ++trial) {
     auto damaged = text;
     if (trial % 4 == 0) damaged.resize(random() % damaged.size());
-    for (int flips = 0; flips < 3 && !damaged.empty(); ++flips) damaged[random() % std::min<size_t>(damaged.size(), 6000)] ^= 1 << random() % 8;
+    for (int flips = 0; flips < 3 && !damaged.empty(); ++flips)
+      damaged[random() % std::min<size_t>(damaged.size(), 6000)] ^= 1 << random() % 8;
     try {
       ModelWeights::fromTensors(parseTensors(std::as_bytes(std::span(damaged)), "damaged"), "damaged");
     } catch (const Error&) {

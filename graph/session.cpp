@@ -117,7 +117,8 @@ Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionO
   recording_.emplace(gpu, placed_, RecordingOptions{.timestamps = options.timestamps});
 }
 
-bool Session::run(const FrameInput& input, std::span<float> output, const std::function<bool(size_t, size_t)>& progress) {
+bool Session::run(const FrameInput& input, std::span<float> output,
+                  const std::function<bool(size_t, size_t)>& progress) {
   const auto upload = [&](const TensorView& view, std::span<const float> values) {
     arena_->upload(plan_.offsets[storage_[view.value]], std::as_bytes(values));
   };
@@ -126,8 +127,10 @@ bool Session::run(const FrameInput& input, std::span<float> output, const std::f
   upload(graph_.colour, interleave({input.colour}, graph_.colour.pixelCount(), 4));
   if (graph_.auxiliary.exists()) {
     for (const auto& image : input.auxiliary) checkSize("auxiliary", image.size(), graph_.auxiliary.pixelCount());
-    if (3 * input.auxiliary.size() > graph_.auxiliary.channels || 3 * input.auxiliary.size() + 3 < graph_.auxiliary.channels)
-      throw Error("The model was given " + std::to_string(input.auxiliary.size()) + " auxiliary images, another number than it expects.");
+    if (3 * input.auxiliary.size() > graph_.auxiliary.channels ||
+        3 * input.auxiliary.size() + 3 < graph_.auxiliary.channels)
+      throw Error("The model was given " + std::to_string(input.auxiliary.size()) +
+                  " auxiliary images, another number than it expects.");
     upload(graph_.auxiliary, interleave(input.auxiliary, graph_.auxiliary.pixelCount(), graph_.auxiliary.channels));
   }
   if (!graph_.computesExposure()) {

@@ -13,10 +13,10 @@ namespace xrds {
 
 /// What a frame shape needs of a device's memory, in bytes: a question that needs no device.
 struct MemoryNeeds {
-  uint64_t planned = 0;      // the arena
-  uint64_t lowerBound = 0;   // largest live set
-  uint64_t unaliased = 0;    // every value with bytes of its own
-  uint64_t weights = 0;      // packed
+  uint64_t planned = 0;     // the arena
+  uint64_t lowerBound = 0;  // largest live set
+  uint64_t unaliased = 0;   // every value with bytes of its own
+  uint64_t weights = 0;     // packed
 };
 MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device);
 
@@ -29,9 +29,9 @@ struct SessionOptions {
 
 /// One frame on the host. Pixels are row-major, `colourChannels` or three floats each.
 struct FrameInput {
-  std::span<const float> colour;                     // [h, w, 3], linear radiance
-  std::vector<std::span<const float>> auxiliary{};   // [s h, s w, 3] each, in the model's order
-  std::optional<float> exposure{};                   // needed without autoExposure
+  std::span<const float> colour;                    // [h, w, 3], linear radiance
+  std::vector<std::span<const float>> auxiliary{};  // [s h, s w, 3] each, in the model's order
+  std::optional<float> exposure{};                  // needed without autoExposure
 };
 
 struct DispatchTime {

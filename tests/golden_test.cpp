@@ -54,11 +54,13 @@ double relativeRms(const std::vector<float>& found, const std::vector<float>& ex
 }
 
 // The real pixels and channels of the padded raw output.
-std::vector<float> cropped(const std::vector<float>& padded, const TensorView& view, const Graph& graph, uint32_t channels) {
+std::vector<float> cropped(const std::vector<float>& padded, const TensorView& view, const Graph& graph,
+                           uint32_t channels) {
   std::vector<float> values;
   for (uint32_t y = 0; y < graph.output.height; ++y)
     for (uint32_t x = 0; x < graph.output.width; ++x)
-      for (uint32_t c = 0; c < channels; ++c) values.push_back(padded[(size_t{y} * view.width + x) * view.channelStride + c]);
+      for (uint32_t c = 0; c < channels; ++c)
+        values.push_back(padded[(size_t{y} * view.width + x) * view.channelStride + c]);
   return values;
 }
 
@@ -97,7 +99,8 @@ TEST_P(GoldenNetwork, Fp32OfTheDevicesFamily) { expectMatch(test::gpu().traits()
 TEST_P(GoldenNetwork, Fp32Plain) { expectMatch(KernelFamily::plain, Precision::fp32, 1e-4); }
 TEST_P(GoldenNetwork, Fp16OfTheDevicesFamily) { expectMatch(test::gpu().traits().family, Precision::fp16, 5e-3); }
 
-INSTANTIATE_TEST_SUITE_P(All, GoldenNetwork, testing::ValuesIn(goldenNames()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(All, GoldenNetwork, testing::ValuesIn(goldenNames()),
+                         [](const auto& info) { return info.param; });
 
 TEST(GoldenReference, HostReplayMatchesToo) {
   const Golden golden("s2_guided");

@@ -67,7 +67,8 @@ TEST(IncludeDirections, OperatorsKeepToThemselves) {
     for (const std::string& include : includesOf(entry.path())) {
       if (!include.starts_with("shaders/")) continue;
       const std::string other = include.substr(8, include.find('/', 8) - 8);
-      EXPECT_TRUE(other == own || other == "common" || other == "programs.h") << entry.path() << " includes " << include;
+      EXPECT_TRUE(other == own || other == "common" || other == "programs.h")
+          << entry.path() << " includes " << include;
     }
   }
 }

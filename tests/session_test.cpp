@@ -33,8 +33,15 @@ struct Frame {
   std::vector<std::vector<float>> auxiliary;
 };
 
-const NetworkConfig kSmall{.scale = 2, .channels = 16, .auxChannels = 8, .groups = 2, .blocks = 2, .window = 4, .headChannels = 8,
-                           .kernels = 5, .auxSkip = true};
+const NetworkConfig kSmall{.scale = 2,
+                           .channels = 16,
+                           .auxChannels = 8,
+                           .groups = 2,
+                           .blocks = 2,
+                           .window = 4,
+                           .headChannels = 8,
+                           .kernels = 5,
+                           .auxSkip = true};
 
 class Aliasing : public testing::TestWithParam<std::tuple<Precision, KernelFamily>> {};
 

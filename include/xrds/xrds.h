@@ -101,8 +101,8 @@ class Model {
 class Upscaler {
  public:
   struct Options {
-    bool fp16 = false;                 // storage of activations and weights; arithmetic is fp32
-    std::optional<float> exposure{};   // factor on the colour; empty: from the frame's mean log luminance
+    bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
+    std::optional<float> exposure{};  // factor on the colour; empty: from the frame's mean log luminance
     bool profile = false;
   };
   /// Called between submissions with the finished share in [0, 1]; returning false cancels the run.

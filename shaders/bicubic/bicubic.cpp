@@ -57,8 +57,8 @@ void reference(const Bicubic& op, HostMemory& memory) {
         double sum = 0;
         for (int i = top; i < top + 4; ++i)
           for (int j = left; j < left + 4; ++j)
-            sum += cubic(v - i) * cubic(u - j) *
-                   memory.at(op.input, std::clamp(i, 0, h - 1), std::clamp(j, 0, w - 1), c);
+            sum +=
+                cubic(v - i) * cubic(u - j) * memory.at(op.input, std::clamp(i, 0, h - 1), std::clamp(j, 0, w - 1), c);
         memory.at(op.output, y, x, c) = sum;
       }
 }

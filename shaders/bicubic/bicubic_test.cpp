@@ -15,20 +15,11 @@ struct Shape {
 };
 
 // Odd ones first: one pixel, one row, one column, rows inside a run and across runs, the last row; then every scale.
-constexpr Shape kShapes[] = {{1, 1, 1, 1, 16},
-                             {1, 1, 8, 8, 4},
-                             {1, 9, 8, 16, 2},
-                             {9, 1, 16, 8, 8},
-                             {5, 7, 8, 8, 4, {3, 10}},
-                             {5, 7, 8, 8, 4, {2, 3}},
-                             {5, 7, 8, 8, 2, {9, 10}},
-                             {5, 7, 8, 8, 8, {1, 39}},
-                             {13, 9, 16, 16, 1},
-                             {13, 9, 16, 16, 2},
-                             {13, 9, 16, 16, 4},
-                             {6, 5, 8, 8, 8},
-                             {3, 4, 4, 4, 16},
-                             {16, 16, 16, 16, 4}};
+constexpr Shape kShapes[] = {{1, 1, 1, 1, 16},         {1, 1, 8, 8, 4},          {1, 9, 8, 16, 2},
+                             {9, 1, 16, 8, 8},         {5, 7, 8, 8, 4, {3, 10}}, {5, 7, 8, 8, 4, {2, 3}},
+                             {5, 7, 8, 8, 2, {9, 10}}, {5, 7, 8, 8, 8, {1, 39}}, {13, 9, 16, 16, 1},
+                             {13, 9, 16, 16, 2},       {13, 9, 16, 16, 4},       {6, 5, 8, 8, 8},
+                             {3, 4, 4, 4, 16},         {16, 16, 16, 16, 4}};
 
 Bicubic bicubicOf(const Shape& s, DataType inputType = DataType::f32, DataType outputType = DataType::f32) {
   return {.input = view(0, inputType, s.paddedHeight, s.paddedWidth, 4),
@@ -49,9 +40,8 @@ INSTANTIATE_TEST_SUITE_P(All, BicubicShapes,
                                           testing::Values(DataType::f32, DataType::f16)));
 
 TEST(Bicubic, ReadsAndWritesSlices) {
-  test::expectMatchesReference(Bicubic{.input = view(0, DataType::f32, 5, 8, 4, 4, 8),
-                                       .output = view(1, DataType::f32, 16, 28, 4, 4, 12),
-                                       .scale = 4});
+  test::expectMatchesReference(Bicubic{
+      .input = view(0, DataType::f32, 5, 8, 4, 4, 8), .output = view(1, DataType::f32, 16, 28, 4, 4, 12), .scale = 4});
 }
 
 // As PyTorch's interpolate(mode="bicubic", align_corners=False): at a scale of 4 the distances are odd eighths.

@@ -16,14 +16,8 @@ struct Shape {
 };
 
 // Odd ones first: one pixel, one row, slices, some rows; then every scale.
-constexpr Shape kShapes[] = {{1, 1, 4, 16},
-                             {1, 37, 8, 2},
-                             {9, 5, 12, 4, {2, 7}},
-                             {5, 7, 4, 2, {4, 5}, 4, 12, 8, 16},
-                             {33, 35, 8, 1},
-                             {17, 33, 8, 4},
-                             {5, 3, 12, 8},
-                             {4, 6, 8, 16}};
+constexpr Shape kShapes[] = {{1, 1, 4, 16},  {1, 37, 8, 2},  {9, 5, 12, 4, {2, 7}}, {5, 7, 4, 2, {4, 5}, 4, 12, 8, 16},
+                             {33, 35, 8, 1}, {17, 33, 8, 4}, {5, 3, 12, 8},         {4, 6, 8, 16}};
 
 BoxMean meanOf(const Shape& s, DataType inputType = DataType::f32, DataType outputType = DataType::f32) {
   return {.input = view(0, inputType, s.height * s.scale, s.width * s.scale, s.channels, s.inputOffset, s.inputStride),

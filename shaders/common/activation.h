@@ -18,10 +18,14 @@ enum class Activation : uint32_t { none, relu, leakyRelu, gelu };
 /// Double precision, for reference().
 inline double activate(Activation activation, double x) {
   switch (activation) {
-    case Activation::relu: return x > 0 ? x : 0;
-    case Activation::leakyRelu: return x > 0 ? x : 0.01 * x;
-    case Activation::gelu: return x * (1 + std::erf(x / std::sqrt(2.0))) / 2;
-    default: return x;
+    case Activation::relu:
+      return x > 0 ? x : 0;
+    case Activation::leakyRelu:
+      return x > 0 ? x : 0.01 * x;
+    case Activation::gelu:
+      return x * (1 + std::erf(x / std::sqrt(2.0))) / 2;
+    default:
+      return x;
   }
 }
 }  // namespace xrds

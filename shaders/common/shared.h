@@ -4,7 +4,9 @@
 
 #ifdef __cplusplus
 #include "engine/dispatch.h"
-#define XRDS_SHARED_BEGIN namespace xrds::shader { using uint = uint32_t;
+#define XRDS_SHARED_BEGIN  \
+  namespace xrds::shader { \
+  using uint = uint32_t;
 #define XRDS_SHARED_END }
 #else
 #define XRDS_SHARED_BEGIN

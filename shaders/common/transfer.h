@@ -23,9 +23,7 @@ inline double transform(Transfer transfer, double x) {
 }
 
 /// T^-1 in double precision, for reference().
-inline double inverseTransform(Transfer transfer, double x) {
-  return transfer == Transfer::log1p ? std::expm1(x) : x;
-}
+inline double inverseTransform(Transfer transfer, double x) { return transfer == Transfer::log1p ? std::expm1(x) : x; }
 }  // namespace xrds
 #endif
 #endif

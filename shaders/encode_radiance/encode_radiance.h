@@ -17,10 +17,10 @@ namespace xrds {
 /// The colour as the network sees it: x = T(e I / (b + 0.02)) with b the mean albedo, or T(e I) where the model does
 /// not demodulate, padded on the right and at the bottom by edge replication of x.
 struct EncodeRadiance {
-  TensorView colour;     // [h, w, 4] linear radiance I
-  TensorView exposure;   // [1, 1, 4] e, 1 / e
-  TensorView auxMean{};  // [hp, wp, c], needed to demodulate
-  TensorView output;     // [hp, wp, 4], the fourth channel zero
+  TensorView colour;      // [h, w, 4] linear radiance I
+  TensorView exposure;    // [1, 1, 4] e, 1 / e
+  TensorView auxMean{};   // [hp, wp, c], needed to demodulate
+  TensorView output;      // [hp, wp, 4], the fourth channel zero
   int albedoOffset = -1;  // first channel of b in auxMean; -1: no demodulation
   Transfer transfer = Transfer::none;
   RowRange rows{};

@@ -30,14 +30,14 @@ constexpr Shape kShapes[] = {{1, 1, 8, 8, Transfer::log1p, 0},
                              {64, 64, 64, 64, Transfer::log1p, 0}};
 
 EncodeRadiance encodeOf(const Shape& s, DataType inputType = DataType::f32, DataType outputType = DataType::f32) {
-  return {.colour = view(0, inputType, s.height, s.width, 4),
-          .exposure = view(1, DataType::f32, 1, 1, 4),
-          .auxMean = s.albedoOffset < 0 ? TensorView{}
-                                        : view(2, inputType, s.paddedHeight, s.paddedWidth, s.auxChannels),
-          .output = view(3, outputType, s.paddedHeight, s.paddedWidth, 4),
-          .albedoOffset = s.albedoOffset,
-          .transfer = s.transfer,
-          .rows = s.rows};
+  return {
+      .colour = view(0, inputType, s.height, s.width, 4),
+      .exposure = view(1, DataType::f32, 1, 1, 4),
+      .auxMean = s.albedoOffset < 0 ? TensorView{} : view(2, inputType, s.paddedHeight, s.paddedWidth, s.auxChannels),
+      .output = view(3, outputType, s.paddedHeight, s.paddedWidth, 4),
+      .albedoOffset = s.albedoOffset,
+      .transfer = s.transfer,
+      .rows = s.rows};
 }
 
 // Radiances of which every fourth is negative, an exposure and albedos between 0 and 1.

@@ -34,8 +34,7 @@ TEST_P(ExposureShapes, MatchesReference) {
   const auto [height, width] = GetParam();
   const size_t count = size_t{height} * width * 4;
   const Exposure op = exposureOf(height, width);
-  for (const float level : {1e-5f, 1.0f, 1e7f})
-    test::expectMatchesReference(op, {{0, radiances(count, level)}});
+  for (const float level : {1e-5f, 1.0f, 1e7f}) test::expectMatchesReference(op, {{0, radiances(count, level)}});
   test::expectMatchesReference(exposureOf(height, width, DataType::f16), {{0, radiances(count, 1.0f)}});
 }
 
@@ -44,9 +43,9 @@ INSTANTIATE_TEST_SUITE_P(All, ExposureShapes,
                                          Shape{131, 127}, Shape{200, 300}));
 
 TEST(Exposure, ReadsASlice) {
-  test::expectMatchesReference(Exposure{.colour = view(0, DataType::f32, 5, 7, 4, 4, 12),
-                                        .output = view(1, DataType::f32, 1, 1, 4, 8, 16)},
-                               {{0, radiances(5 * 7 * 12, 1e-4f)}});
+  test::expectMatchesReference(
+      Exposure{.colour = view(0, DataType::f32, 5, 7, 4, 4, 12), .output = view(1, DataType::f32, 1, 1, 4, 8, 16)},
+      {{0, radiances(5 * 7 * 12, 1e-4f)}});
 }
 
 TEST(Exposure, OfAConstantImageIsTheKeyOverItsLuminance) {
@@ -62,8 +61,9 @@ TEST(Exposure, OfAConstantImageIsTheKeyOverItsLuminance) {
 
 TEST(Exposure, LeavesOutBlackAndNonFinitePixels) {
   const float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-  const std::vector<float> pixels{1e-3f, 2e-3f, 3e-3f, 9, 1e-9f, 1e-9f, 1e-9f, 0, nan, 1, 1, 0,
-                                  1, infinity, 1, 0, 1, -infinity, 1, 0, -1, -1, -1, 0, 4e-3f, 1e-3f, 0, nan};
+  const std::vector<float> pixels{1e-3f, 2e-3f, 3e-3f, 9,        1e-9f, 1e-9f, 1e-9f, 0,         nan, 1,
+                                  1,     0,     1,     infinity, 1,     0,     1,     -infinity, 1,   0,
+                                  -1,    -1,    -1,    0,        4e-3f, 1e-3f, 0,     nan};
   test::expectMatchesReference(exposureOf(1, 7), {{0, pixels}});
 }
 

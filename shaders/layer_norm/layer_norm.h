@@ -18,8 +18,8 @@ namespace xrds {
 
 /// Layer normalization over the channels of each token, with an affine map ("LN" in the Swin layers).
 struct LayerNorm {
-  TensorView input, output;                // [h, w, c]
-  std::span<const float> weight, bias;     // [c] each
+  TensorView input, output;             // [h, w, c]
+  std::span<const float> weight, bias;  // [c] each
   float epsilon = 1e-5f;
   RowRange rows{};
 };

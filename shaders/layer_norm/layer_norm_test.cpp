@@ -15,8 +15,8 @@ struct Shape {
   RowRange rows{};
 };
 
-// Odd ones first: one token, an uneven number of tokens, slices, rows that start inside an aligned block; at last tokens
-// too wide for a lane.
+// Odd ones first: one token, an uneven number of tokens, slices, rows that start inside an aligned block; at last
+// tokens too wide for a lane.
 constexpr Shape kShapes[] = {{1, 1, 4},
                              {3, 5, 12},
                              {7, 13, 20, 4, 28, 8, 36},

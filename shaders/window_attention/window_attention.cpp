@@ -10,14 +10,15 @@ uint32_t headCount(const WindowAttention& op) { return op.queries.channels / op.
 
 /// How the lane kernel shares a window and head among the lanes of subgroups.
 struct LaneShares {
-  uint32_t queries;   // of each lane
-  uint32_t keys;      // of each step
-  uint32_t blocks;    // subgroups for all queries
+  uint32_t queries;  // of each lane
+  uint32_t keys;     // of each step
+  uint32_t blocks;   // subgroups for all queries
   uint32_t keySteps;
 };
 
 bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
-  return device.family == KernelFamily::lane && device.shaderInt64 && device.subgroupSize >= 4 && op.headChannels <= 128;
+  return device.family == KernelFamily::lane && device.shaderInt64 && device.subgroupSize >= 4 &&
+         op.headChannels <= 128;
 }
 
 LaneShares laneShares(const WindowAttention& op, uint32_t lanes) {
@@ -99,22 +100,31 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
   const RowRange rows = resolve(op.rows, shape.height);
   const uint32_t shiftedBegin = (rows.begin + shape.height - op.shift) % shape.height;
   const uint32_t windowRows = windowRowCount(op, rows, shiftedBegin), windowColumns = shape.width / op.window;
-  shader::WindowAttentionParams params{
-      .queries = sliceOf(op.queries), .keys = sliceOf(op.keys), .values = sliceOf(op.values),
-      .target = sliceOf(op.output), .width = shape.width, .height = shape.height, .rowBegin = rows.begin,
-      .rowEnd = rows.end, .shift = op.shift, .firstWindowRow = shiftedBegin / op.window,
-      .headCount = headCount(op), .storeOrigin = storeOrigin(op.output, rows),
-      .queriesApart = op.queries.value != op.keys.value};
+  shader::WindowAttentionParams params{.queries = sliceOf(op.queries),
+                                       .keys = sliceOf(op.keys),
+                                       .values = sliceOf(op.values),
+                                       .target = sliceOf(op.output),
+                                       .width = shape.width,
+                                       .height = shape.height,
+                                       .rowBegin = rows.begin,
+                                       .rowEnd = rows.end,
+                                       .shift = op.shift,
+                                       .firstWindowRow = shiftedBegin / op.window,
+                                       .headCount = headCount(op),
+                                       .storeOrigin = storeOrigin(op.output, rows),
+                                       .queriesApart = op.queries.value != op.keys.value};
   Dispatch result{.bindings = {readTexels(op.queries), readTexels(op.keys), readTexels(op.values),
                                readWeights(DataType::f32), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params)};
-  result.multiplyAdds = 2ull * windowRows * windowColumns * shape.channels * op.window * op.window * op.window * op.window;
+  result.multiplyAdds =
+      2ull * windowRows * windowColumns * shape.channels * op.window * op.window * op.window * op.window;
   if (laneFits(op, device)) {
     const LaneShares shares = laneShares(op, device.subgroupSize);
     result.program = programName("window_attention", KernelFamily::lane, op.output.type);
     const bool oneTensor = op.keys.value == op.values.value && op.keys.type == op.values.type;
     const bool wide = (op.output.channelOffset | op.output.channelStride | op.headChannels) % 8 == 0;
-    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys, oneTensor, wide};
+    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys,
+                             oneTensor,           wide};
     result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
   } else {
     result.program = programName("window_attention", KernelFamily::plain, op.output.type);
@@ -141,9 +151,7 @@ void reference(const WindowAttention& op, HostMemory& memory) {
     for (uint32_t x = 0; x < width; ++x)
       for (uint32_t head = 0; head < channels / d; ++head) {
         const uint32_t sy = (y + height - op.shift) % height, sx = (x + width - op.shift) % width;  // shifted image
-        const auto keyPosition = [&](uint32_t key) {
-          return std::pair{sy / w * w + key / w, sx / w * w + key % w};
-        };
+        const auto keyPosition = [&](uint32_t key) { return std::pair{sy / w * w + key / w, sx / w * w + key % w}; };
         const auto keyPixel = [&](uint32_t key) {
           const auto [ky, kx] = keyPosition(key);
           return std::pair{(ky + op.shift) % height, (kx + op.shift) % width};
@@ -155,7 +163,8 @@ void reference(const WindowAttention& op, HostMemory& memory) {
           double product = 0;
           for (uint32_t c = head * d; c < (head + 1) * d; ++c)
             product += memory.at(op.queries, y, x, c) * memory.at(op.keys, py, px, c);
-          const bool seen = region(ky, height, op) == region(sy, height, op) && region(kx, width, op) == region(sx, width, op);
+          const bool seen =
+              region(ky, height, op) == region(sy, height, op) && region(kx, width, op) == region(sx, width, op);
           weights[key] = seen ? product / std::sqrt(d) + bias(op, sy % w * w + sx % w, key, head) : -INFINITY;
           highest = std::max(highest, weights[key]);
         }

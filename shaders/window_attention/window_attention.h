@@ -5,13 +5,13 @@
 XRDS_SHARED_BEGIN
 struct WindowAttentionParams {
   Slice queries, keys, values, target;
-  uint width, height;      // of the image, in pixels
-  uint rowBegin, rowEnd;   // image rows that are stored
-  uint shift;              // position (y, x) of the shifted image is pixel (y + shift, x + shift), cyclic
-  uint firstWindowRow;     // of this dispatch, in the shifted image; window rows are cyclic too
+  uint width, height;     // of the image, in pixels
+  uint rowBegin, rowEnd;  // image rows that are stored
+  uint shift;             // position (y, x) of the shifted image is pixel (y + shift, x + shift), cyclic
+  uint firstWindowRow;    // of this dispatch, in the shifted image; window rows are cyclic too
   uint headCount;
-  uint storeOrigin;        // vec4 index at which the target binding starts
-  uint queriesApart;       // 1 if the queries lie in another tensor than the keys
+  uint storeOrigin;   // vec4 index at which the target binding starts
+  uint queriesApart;  // 1 if the queries lie in another tensor than the keys
 };
 XRDS_SHARED_END
 
@@ -23,9 +23,9 @@ namespace xrds {
 /// A shift moves the windows cyclically; tokens that only the wrap-around brought together do not see each other.
 struct WindowAttention {
   TensorView queries, keys, values, output;  // [h, w, c], often slices of one tensor; h and w multiples of window
-  std::span<const float> biasTable;          // [(2 window - 1)^2][heads], row (yq - yk + window - 1)(2 window - 1) + ...
+  std::span<const float> biasTable;  // [(2 window - 1)^2][heads], row (yq - yk + window - 1)(2 window - 1) + ...
   uint32_t window = 8, headChannels = 32, shift = 0;  // heads = c / headChannels; shift is 0 or window / 2
-  RowRange rows{};                           // cheapest when it begins at shift + a multiple of window
+  RowRange rows{};                                    // cheapest when it begins at shift + a multiple of window
 };
 
 /// The shape of the queries. Throws std::logic_error on sizes that do not fit each other.

@@ -58,7 +58,8 @@ Attention attentionOf(const Shape& s, DataType inputType = DataType::f32, DataTy
     case Layout::keysWithValues:
       op.queries = slices(0, 1), op.keys = slice(slices(1, 2), 0, c), op.values = slice(slices(1, 2), c, c);
       break;
-    case Layout::separate: op.queries = slices(0, 1), op.keys = slices(1, 1), op.values = slices(2, 1);
+    case Layout::separate:
+      op.queries = slices(0, 1), op.keys = slices(1, 1), op.values = slices(2, 1);
   }
   const uint32_t offset = s.layout == Layout::separate ? 4 : 8;  // only multiples of 8 allow the widest stores
   op.output = view(3, outputType, s.height, s.width, c, offset, c + 16);
@@ -86,7 +87,8 @@ TEST_P(WindowAttentionShapes, MatchesReference) {
   test::expectMatchesReference(attention.op, traitsOf(family), test::toleranceOf(outputType));
 }
 
-constexpr Shape kHalfShapes[] = {{4, 4, 2, 4, 2, 1, Layout::separate}, {24, 16, 8, 16, 1, 4, Layout::oneTensor, {3, 20}}};
+constexpr Shape kHalfShapes[] = {{4, 4, 2, 4, 2, 1, Layout::separate},
+                                 {24, 16, 8, 16, 1, 4, Layout::oneTensor, {3, 20}}};
 const auto kFamilies = testing::Values(KernelFamily::plain, KernelFamily::lane);
 const auto kTypes = testing::Values(DataType::f32, DataType::f16);
 
