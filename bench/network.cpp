@@ -1,0 +1,125 @@
+// Times whole networks: random weights of any configuration, or a model file, for one frame size. Prints the first run
+// (with compilation), the median of the steady ones, and time and rate of each kind of kernel.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <random>
+
+#include "graph/session.h"
+#include "shaders/programs.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+struct BenchOptions {
+  NetworkConfig config;
+  std::string model, writeModel, device, precision = "fp32";
+  uint32_t size = 1024;  // side of the output in pixels
+  int runs = 5;
+  bool plain = false;
+};
+
+std::vector<float> randomImage(size_t pixels, std::minstd_rand& random) {
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<float> image(3 * pixels);
+  for (float& value : image) value = uniform(random);
+  return image;
+}
+
+double seconds(const std::function<void()>& action) {
+  const auto start = std::chrono::steady_clock::now();
+  action();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void printKernels(const std::vector<DispatchTime>& times) {
+  struct Sum {
+    double microseconds = 0;
+    uint64_t multiplyAdds = 0;
+    int runs = 0;
+  };
+  std::map<std::string, Sum> sums;
+  for (const DispatchTime& time : times) {
+    Sum& sum = sums[time.program];
+    sum.microseconds += time.microseconds;
+    sum.multiplyAdds += time.multiplyAdds;
+    ++sum.runs;
+  }
+  std::printf("%-32s %6s %10s %9s\n", "kernel", "runs", "ms", "GFLOP/s");
+  for (const auto& [program, sum] : sums)
+    std::printf("%-32s %6d %10.1f %9.1f\n", program.c_str(), sum.runs, sum.microseconds / 1e3,
+                2e-3 * static_cast<double>(sum.multiplyAdds) / sum.microseconds);
+}
+
+void run(const BenchOptions& options) {
+  const ModelWeights model =
+      options.model.empty() ? ModelWeights::random(options.config, 1) : ModelWeights::read(options.model);
+  if (!options.writeModel.empty()) writeTensors(options.writeModel, model.file(), DataType::f16);
+  Gpu gpu({.select = options.device, .programs = embeddedProgram});
+  if (options.plain) {
+    DeviceTraits traits = gpu.traits();
+    traits.family = KernelFamily::plain;
+    gpu.setTraits(traits);
+  }
+  const uint32_t side = options.size / model.config().scale;
+  std::minstd_rand random(1);
+  const std::vector<float> colour = randomImage(size_t{side} * side, random);
+  std::vector<std::vector<float>> auxiliary(model.config().auxInputs.size());
+  for (auto& image : auxiliary) image = randomImage(size_t{options.size} * options.size, random);
+  std::vector<float> output(size_t{3} * side * side * model.config().scale * model.config().scale);
+  FrameInput input{colour};
+  for (const auto& image : auxiliary) input.auxiliary.emplace_back(image);
+
+  const Precision precision = options.precision == "fp16" ? Precision::fp16 : Precision::fp32;
+  std::unique_ptr<Session> session;
+  const double preparation = seconds([&] {
+    session = std::make_unique<Session>(gpu, model, FrameShape{side, side},
+                                        SessionOptions{.precision = precision, .timestamps = true});
+  });
+  const double first = seconds([&] { session->run(input, output); });
+  std::vector<double> steady;
+  for (int i = 0; i < options.runs; ++i) steady.push_back(seconds([&] { session->run(input, output); }));
+  std::sort(steady.begin(), steady.end());
+  std::printf("device %s (%s)\noutput %u x %u, %s, arena %.1f MB, weights %.1f MB\n", gpu.description().name.c_str(),
+              gpu.description().driver.c_str(), options.size, options.size, options.precision.c_str(),
+              static_cast<double>(session->plan().byteSize) / 1e6,
+              static_cast<double>(session->weightByteSize()) / 1e6);
+  std::printf("preparation %.3f s, first run %.3f s, steady median %.3f s (least %.3f, most %.3f, %d runs)\n",
+              preparation, first, steady[steady.size() / 2], steady.front(), steady.back(), options.runs);
+  printKernels(session->times());
+}
+
+}  // namespace
+}  // namespace xrds
+
+int main(int argc, char** argv) {
+  xrds::BenchOptions options;
+  CLI::App app("Times a whole network with random weights or a model file", "xrds_bench_network");
+  app.add_option("--model", options.model, "Model file (default: random weights of the symbols below)");
+  app.add_option("--scale", options.config.scale, "s")->capture_default_str();
+  app.add_option("--channels", options.config.channels, "C")->capture_default_str();
+  app.add_option("--aux-channels", options.config.auxChannels, "Ca")->capture_default_str();
+  app.add_option("--groups", options.config.groups, "N")->capture_default_str();
+  app.add_option("--blocks", options.config.blocks, "B")->capture_default_str();
+  app.add_option("--head-channels", options.config.headChannels, "d")->capture_default_str();
+  app.add_option("--kernels", options.config.kernels, "0 or 5")->capture_default_str();
+  app.add_flag("--aux-skip", options.config.auxSkip, "Feed H_N to the output convolution");
+  app.add_option("--size", options.size, "Side of the output in pixels")->capture_default_str();
+  app.add_option("--precision", options.precision, "fp32 or fp16")
+      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->capture_default_str();
+  app.add_option("--runs", options.runs, "Steady runs")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--device", options.device, "As xrds --device");
+  app.add_flag("--plain", options.plain, "Plain kernels only");
+  app.add_option("--write-model", options.writeModel, "Also write the model to this file, for xrds info");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    xrds::run(options);
+  } catch (const xrds::Error& error) {
+    std::fprintf(stderr, "xrds_bench_network: %s\n", error.what());
+    return 1;
+  }
+}
