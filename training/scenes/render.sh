@@ -1,0 +1,22 @@
+#!/bin/sh
+# Renders training scenes in the background of other work; start it again to go on where it stopped.
+# usage: render.sh OUT FIRST END [PROCESSES=1] [HDRI] [MODELS]
+set -eu
+here=$(dirname "$0")
+out=$1 first=$2 end=$3 processes=${4:-1} hdri=${5:-} models=${6:-}
+mkdir -p "$out"
+
+# A process for every 20 seeds, so that a crash costs one scene and memory is given back.
+share() {
+    from=$((first + $1))
+    while [ "$from" -lt "$end" ]; do
+        to=$((from + 20 * processes))
+        nice -n 19 blender -b --factory-startup -noaudio -P "$here/render.py" -- --seeds "$from:$((to < end ? to : end))" \
+            --stride "$processes" --threads 1 --out "$out" --hdri "$hdri" --models "$models" 2>&1 |
+            grep -E "^s[0-9]+ |Error|error" >>"$out/render.$1.log" || true
+        from=$to
+    done
+}
+
+for process in $(seq 0 $((processes - 1))); do share "$process" & done
+wait
