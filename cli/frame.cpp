@@ -13,7 +13,7 @@ bool contains(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::string nameOf(const ExrSelection& layer) { return layer.layer.empty() ? "RGB" : printable(layer.layer); }
+std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
 void addCounted(std::vector<std::string>& warnings, size_t count, const ExrSelection& layer, const char* what) {
   if (count > 0)

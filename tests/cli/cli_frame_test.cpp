@@ -1,0 +1,159 @@
+// What comes out of good and of doubtful frames: pixels, windows, attributes, alpha, repairs.
+#include <cmath>
+#include <limits>
+
+#include "tests/cli/frames.h"
+
+namespace xrds::test {
+namespace {
+
+bool allFinite(const Image& image) {
+  for (const float value : image.pixels)
+    if (!std::isfinite(value)) return false;
+  return true;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(CliFrame, UpscalesTwoFilesAndSaysWhatItDid) {
+  const SmallFrame frame;
+  const Ended ended = runXrds(frame.arguments({"--preview", (frame.folder / "p.png").string()}));
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(ended.error, "");
+  EXPECT_TRUE(contains(ended.output, "40 x 32, model s4_guided.model (fp32)")) << ended.output;
+  EXPECT_EQ(frame.folder.fileCount(), 4u);
+  const Image result = readColour(frame.out);
+  EXPECT_EQ(result.width, 40);
+  EXPECT_EQ(result.height, 32);
+  EXPECT_TRUE(allFinite(result));
+  EXPECT_TRUE(readBytes(frame.folder / "p.png").starts_with("\x89PNG"));
+}
+
+TEST(CliFrame, KeepsAttributesAndAddsItsOwn) {
+  const SmallFrame frame;
+  ASSERT_EQ(runXrds(frame.arguments({"--quiet", "--half", "--exposure", "0.5"})).exitCode, 0);
+  const ExrPart part = headerOf(frame.out);
+  EXPECT_EQ(part.attributes.text("renderer"), "made up");
+  const auto names = part.attributes.names();
+  EXPECT_NE(std::find(names.begin(), names.end(), "cameraZoom"), names.end());
+  EXPECT_TRUE(part.attributes.text("xrds:model").value_or("").starts_with("s4_guided.model "));
+  EXPECT_EQ(part.attributes.text("xrds:options"), "precision=fp32 exposure=0.5");
+  EXPECT_TRUE(part.attributes.text("xrds:version").has_value());
+  EXPECT_EQ(part.layers.front().channels.front().type, ExrPixelType::kHalf);
+}
+
+TEST(CliFrame, ScalesOffsetWindowsAndOverscanExactly) {
+  const SmallFrame frame;
+  const Window low{-2, 3, 7, 10}, high{-8, 12, 31, 43};
+  writeParts(frame.color, {{low, windowOf(6, 14), {colourLayer("", 10)}}});
+  writeParts(frame.aux, {{high, windowOf(24, 56), {albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  const Ended ended = runXrds(frame.arguments());
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(headerOf(frame.out).dataWindow, high);
+  EXPECT_EQ(headerOf(frame.out).displayWindow, windowOf(24, 56));
+}
+
+TEST(CliFrame, AnAuxiliaryCropIsPlacedAndReported) {
+  const SmallFrame frame;
+  writeParts(frame.aux, {{{4, 4, 39, 31}, windowOf(40, 32), {albedoLayer("albedo", 36), normalLayer("normal", 36)}}});
+  const Ended ended = runXrds(frame.arguments());
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "Layer 'albedo' covers 36 x 28 at (4, 4)")) << ended.error;
+}
+
+TEST(CliFrame, FindsAllLayersInOneFileOfSeveralParts) {
+  const SmallFrame frame;
+  const std::string all = (frame.folder / "all.exr").string();
+  writeParts(all, {{windowOf(10, 8), windowOf(40, 32), {colourLayer("", 10)}, "beauty"},
+                   {windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}, "features"}});
+  const Ended ended = runXrds({"upscale", all, "-o", frame.out, "--model", goldenModel("s4_guided")});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(40, 32));
+  EXPECT_EQ(headerOf(frame.out).displayWindow, windowOf(40, 32));
+  ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);
+  EXPECT_EQ(runXrds({"compare", frame.out, frame.out}).exitCode, 0);
+}
+
+TEST(CliFrame, OneLayerFileOfScaleOne) {
+  const SmallFrame frame;
+  const std::string all = (frame.folder / "all.exr").string();
+  writeParts(all, {{windowOf(10, 8), windowOf(10, 8), {colourLayer("", 10), albedoLayer("albedo", 10), normalLayer("normal", 10)}}});
+  const Ended ended = runXrds({"upscale", all, "-o", frame.out, "--model", goldenModel("s1_guided")});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(10, 8));
+}
+
+TEST(CliFrame, OutputMayReplaceAnInput) {
+  const SmallFrame frame;
+  ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);
+  const Image expected = readColour(frame.out);
+  for (const std::string& target : {frame.color, frame.aux}) {
+    const SmallFrame again;
+    const std::string replaced = target == frame.color ? again.color : again.aux;
+    const Ended ended = runXrds({"upscale", again.color, again.aux, "-o", replaced, "--model", goldenModel("s4_guided")});
+    ASSERT_EQ(ended.exitCode, 0) << ended.error;
+    EXPECT_EQ(readColour(replaced).pixels, expected.pixels);
+    EXPECT_EQ(again.folder.fileCount(), 2u);
+  }
+}
+
+TEST(CliFrame, UpscalesAlphaAndKeepsOpaqueOpaque) {
+  const SmallFrame frame;
+  const Layer colour = colourLayer("", 10);
+  const Layer withAlpha{"", "RGBA", [&](int x, int y, int c) { return c < 3 ? colour.pixels(x, y, c) : x < 5 ? 1.F : 0.F; }};
+  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {withAlpha}}});
+  ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);
+  const ExrFile file = readExrHeader(frame.out);
+  const Image alpha = readLayer(file, {0, "", {"A"}});
+  EXPECT_EQ(alpha.at(0, 16, 0), 1.F);
+  EXPECT_EQ(alpha.at(39, 16, 0), 0.F);
+  for (const float value : alpha.pixels) EXPECT_TRUE(value >= 0 && value <= 1);
+}
+
+TEST(CliFrame, RepairsCountsAndReportsWhatIsNotFinite) {
+  const SmallFrame frame;
+  const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
+  const Layer good = colourLayer("", 10), normal = normalLayer("normal", 40);
+  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [&](int x, int y, int c) {
+    return x == 3 && y < 2 ? nan : x == 7 && y == 4 ? inf : x == 8 && y == 6 ? -1.F : good.pixels(x, y, c);
+  }}}}});
+  writeParts(frame.aux, {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", [&](int x, int y, int c) {
+    return x == 9 && y == 9 ? nan : normal.pixels(x, y, c);
+  }}}}});
+  const Ended ended = runXrds(frame.arguments());
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "3 pixels of layer '(unnamed)' not finite")) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "1 pixel of layer '(unnamed)' negative")) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "1 pixel of layer 'normal' not finite")) << ended.error;
+  EXPECT_TRUE(allFinite(readColour(frame.out)));
+}
+
+TEST(CliFrame, AModelWithoutAuxiliaryImagesNeedsNone) {
+  const SmallFrame frame;
+  const std::vector<std::string> rest{"-o", frame.out, "--model", goldenModel("s4_none_noaux")};
+  const auto upscale = [&](std::vector<std::string> inputs) {
+    inputs.insert(inputs.begin(), "upscale");
+    inputs.insert(inputs.end(), rest.begin(), rest.end());
+    return runXrds(inputs);
+  };
+  const Ended ended = upscale({frame.color});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(40, 32));
+  const Ended warned = upscale({frame.color, frame.aux});
+  EXPECT_EQ(warned.exitCode, 0);
+  EXPECT_TRUE(contains(warned.error, "takes no auxiliary images")) << warned.error;
+}
+
+TEST(CliFrame, ChecksProfilesAndShowsTheBaselines) {
+  const SmallFrame frame;
+  writeParts(frame.folder / "ref.exr", {{windowOf(40, 32), windowOf(40, 32), {colourLayer("", 40)}}});
+  const Ended ended = runXrds(frame.arguments({"--check", "--profile", "--reference", (frame.folder / "ref.exr").string(),
+                                               "--side-by-side", (frame.folder / "s.png").string()}));
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  for (const char* expected : {"operators agree with the reference", "slowest dispatches", "\nbicubic ", "\ndemodulated bicubic ", "\nguided ", "\nxrds "})
+    EXPECT_TRUE(contains(ended.output, expected)) << expected << " in " << ended.output;
+  EXPECT_EQ(frame.folder.fileCount(), 5u);
+}
+
+}  // namespace
+}  // namespace xrds::test

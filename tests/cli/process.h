@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace xrds::test {
+
+/// How a started program ended and what it said. The exit code is 1000 plus the signal's number if a signal ended it.
+struct Ended {
+  int exitCode = -1;
+  std::string output, error;
+};
+
+struct StartOptions {
+  std::map<std::string, std::string> environment{};
+  std::filesystem::path folder{};   // to start in; empty: here
+  long largestFileBytes = -1;       // writing more fails, as on a full disk; -1: no limit
+};
+
+/// Starts the built xrds and waits for its end.
+Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& options = {});
+
+/// Starts xrds on a terminal of its own, types `keys` once the output contains `awaited`, and waits for the end.
+/// `output` is all that appeared on the terminal.
+Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string& awaited, const std::string& keys);
+
+}  // namespace xrds::test

@@ -1,0 +1,28 @@
+// Upscales a small picture with an installed library and model: consumer MODEL
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "xrds/xrds.h"
+
+int main(int, char** arguments) {
+  constexpr uint32_t kWidth = 12, kHeight = 8;
+  try {
+    xrds::Device device;
+    const xrds::Model model(arguments[1]);
+    const uint32_t scale = model.scale(), width = scale * kWidth, height = scale * kHeight;
+    const std::vector<float> colour(3 * kWidth * kHeight, 0.5F), albedo(size_t{3} * width * height, 0.4F);
+    std::vector<float> normal(albedo.size(), 0.F), output(albedo.size(), -1.F);
+    for (size_t p = 2; p < normal.size(); p += 3) normal[p] = 1;
+    xrds::Upscaler upscaler(device, model, kWidth, kHeight, {});
+    const xrds::PixelView auxiliary[] = {{albedo.data(), width, height}, {normal.data(), width, height}};
+    if (!upscaler.run({colour.data(), kWidth, kHeight}, auxiliary, output)) return 1;
+    for (const float value : output)
+      if (!std::isfinite(value) || value < 0 || value > 2) return 2;
+    std::printf("%u x %u\n", width, height);
+    return 0;
+  } catch (const xrds::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 3;
+  }
+}
