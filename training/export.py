@@ -42,7 +42,7 @@ The same with other samples per pixel, mean PSNR in dB / mean RelMSE:
 LIMITS = """- Trained on 72 scenes of 256 x 256 pixels of one renderer (Cycles), its pixel filter and its denoising albedo and normal.
 - Normals must be in camera space: world-space normals were not seen.
 - Auxiliary images of 1 to 4 samples per pixel put their noise into the result; see the table above. The same holds for mirrors, glass and
-  depth of field, whose albedo and normal are noisy at 16: on s9004, a room of mirrors and glossy floors, the model gains nothing in PSNR over its base.
+  depth of field, whose albedo and normal are noisy at 16: on s9004, a room of mirrors and glossy floors, the model gains less than 0.2 dB over its base.
 - Reflections, refractions, shadows and caustics that the albedo and the normal do not show are only as sharp as the colour is."""
 
 DATA = ("72 path-traced scenes (Blender Cycles 3.4, random table tops, interiors, scatter, architecture), references of at most 256 samples "
