@@ -7,9 +7,6 @@
 namespace xrds {
 namespace {
 
-constexpr uint32_t kMaxTile = 32;    // outputs of a workgroup of the lane kernel
-constexpr uint32_t kLanePixels = 4;  // of a lane of the lane kernel
-
 uint32_t parts(bool shuffled) { return shuffled ? 4 : 1; }
 uint32_t factor(bool shuffled) { return shuffled ? 2 : 1; }
 
@@ -32,15 +29,27 @@ double weightAt(const Conv3x3& op, uint32_t output, uint32_t input, uint32_t tap
   return op.weight[(size_t{output} * op.inputChannels + input) * 9 + tap];
 }
 
-// Outputs of a workgroup of the lane kernel: the largest divisor that fits; 0: the device takes the plain kernel.
-uint32_t laneTile(const Conv3x3& op, const DeviceTraits& device) {
+// What a workgroup of the lane kernel computes. Its compiled body grows with outputs * rows; larger ones spread the
+// fetched inputs (outputs) and weights (rows) over more products.
+struct LaneTile {
+  uint32_t outputs = 0;  // 0: the device takes the plain kernel
+  uint32_t rows = 0;     // of a lane
+};
+
+// The largest multiple of `step` that divides `channels` and is at most `limit`.
+uint32_t largestDivisor(uint32_t channels, uint32_t step, uint32_t limit) {
+  uint32_t divisor = std::min(channels, limit) / step * step;
+  while (channels % divisor != 0) divisor -= step;
+  return divisor;
+}
+
+LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
   const uint32_t outputs = kernelOutputs(op), step = outputShape(op).channels % 8 ? 4 : 8;
   if (device.family != KernelFamily::lane || !device.shaderInt64 || (op.shuffleOutput && step == 4) ||
-      device.subgroupSize * shader::kConv3x3LaneRows > device.maxGroupInvocations)
-    return 0;
-  uint32_t tile = std::min(kMaxTile, outputs) / step * step;
-  while (outputs % tile != 0) tile -= step;
-  return tile;
+      device.subgroupSize * shader::kConv3x3LaneGroups > device.maxGroupInvocations)
+    return {};
+  if (const uint32_t tile = largestDivisor(outputs, step, 16); tile >= 8 || outputs < 8) return {tile, 4};
+  return {largestDivisor(outputs, step, 32), 3};
 }
 
 bool startsAtEights(const TensorView& view) { return (view.channelOffset | view.channelStride) % 8 == 0; }
@@ -53,6 +62,12 @@ class KernelWeights {
     const uint32_t o = outputOf(output);
     const uint32_t i = weightChannel(input, op_.input.channels, op_.unshuffleInput, op_.inputChannels);
     return o < op_.outputChannels && i < op_.inputChannels ? static_cast<float>(weightAt(op_, o, i, tap)) : 0;
+  }
+  // Element 0..3 of Winograd's F(2, 3) in place of the three weights of a row.
+  float transformedAt(uint32_t output, uint32_t input, uint32_t ky, uint32_t element) const {
+    const double a = at(output, input, ky * 3), b = at(output, input, ky * 3 + 1), c = at(output, input, ky * 3 + 2);
+    if (element == 0) return static_cast<float>(a);
+    return static_cast<float>(element == 3 ? c : (element == 1 ? a + b + c : a - b + c) / 2);
   }
   float bias(uint32_t output) const {
     const uint32_t o = outputOf(output);
@@ -81,13 +96,13 @@ std::vector<float> packedForPlain(const Conv3x3& op) {
 std::vector<float> packedForLanes(const Conv3x3& op, uint32_t tile, uint32_t lanes) {
   const KernelWeights weights(op);
   const uint32_t inputs = kernelInputs(op), outputs = kernelOutputs(op);
-  const size_t stepPadding = size_t{ceilDivide(9 * tile, lanes)} * lanes * 4 - size_t{9 * 4 * tile};
+  const size_t stepPadding = size_t{ceilDivide(12 * tile, lanes)} * lanes * 4 - size_t{12 * 4 * tile};
   std::vector<float> packed;
   for (uint32_t first = 0; first < outputs; first += tile) {
     for (uint32_t k = 0; k < inputs; k += 4) {
-      for (uint32_t tap = 0; tap < 9; ++tap)
-        for (uint32_t c = 0; c < 4; ++c)
-          for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weights.at(n, k + c, tap));
+      for (uint32_t i = 0; i < 12; ++i)  // [element][ky]
+        for (uint32_t c = k; c < k + 4; ++c)
+          for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weights.transformedAt(n, c, i % 3, i / 3));
       packed.resize(packed.size() + stepPadding);
     }
     for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weights.bias(n));
@@ -142,12 +157,12 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                                writeRows(op.output, {rows.begin * f, rows.end * f})},
                   .pushConstants = pushBytes(paramsOf(op, rows, residual)),
                   .multiplyAdds = uint64_t{rowCount} * shape.width * 9 * op.inputChannels * op.outputChannels};
-  if (const uint32_t tile = laneTile(op, device)) {
+  if (const auto [tile, tileRows] = laneTile(op, device); tile) {
     const bool wide = tile % 8 == 0 && startsAtEights(op.output);
     launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, kLanePixels, tile, activation, hasResidual, wide};
-    launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(shape.width, device.subgroupSize),
-                         ceilDivide(rowCount, shader::kConv3x3LaneRows * kLanePixels)};
+    launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, wide};
+    launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(shape.width, 2 * device.subgroupSize),
+                         ceilDivide(rowCount, shader::kConv3x3LaneGroups * tileRows)};
   } else {
     launch.program = programName("conv3x3", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};
@@ -158,7 +173,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
 }
 
 std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device) {
-  const uint32_t tile = laneTile(op, device);
+  const uint32_t tile = laneTile(op, device).outputs;
   return tile ? packedForLanes(op, tile, device.subgroupSize) : packedForPlain(op);
 }
 

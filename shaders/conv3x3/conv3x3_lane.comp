@@ -1,7 +1,8 @@
 // y = activation(x * w + b) + residual as in conv3x3.comp, for CPU devices.
-// A column of kPixels pixels a lane, neighbours in x side by side, kTile outputs a workgroup (gl_WorkGroupID.x). The
-// loop runs over channel quads of the input. Weights of a step, [3][3][4][kTile], are spread over the lanes and handed
-// to all of them by a shuffle with a constant lane; padded to whole subgroups; bias[kTile] last. fp32.
+// A lane computes kRows rows of two pixels by Winograd's F(2, 3) along x: four products where the sum over three taps
+// takes six. kTile outputs a workgroup (gl_WorkGroupID.x). The loop runs over channel quads of the input. Weights of a
+// step, [4][3 ky][4][kTile] after the transform, are spread over the lanes and handed to all of them by a shuffle with a
+// constant lane; padded to whole subgroups; bias[kTile] last. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -9,15 +10,15 @@
 #include "shaders/common/activation.glsl"
 #include "shaders/common/wide_storage.glsl"
 #include "shaders/conv3x3/conv3x3.h"
-layout(local_size_x_id = 0, local_size_y = kConv3x3LaneRows) in;  // x = subgroup size
-layout(constant_id = 1) const uint kPixels = 4;
+layout(local_size_x_id = 0, local_size_y = kConv3x3LaneGroups) in;  // x = subgroup size
+layout(constant_id = 1) const uint kRows = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
 layout(constant_id = 5) const bool kWide = false;  // eight channels begin at a multiple of eight
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kTileQuads = kTile / 4;
-const uint kRegisters = (9 * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
+const uint kRegisters = (12 * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
@@ -32,29 +33,31 @@ vec4 finished(vec4 sum, uint pixel, uint quad) {
 }
 
 void main() {
-  const uint column = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x;
-  const uint row = p.rowBegin + (gl_WorkGroupID.z * kConv3x3LaneRows + gl_LocalInvocationID.y) * kPixels;
+  const uint column = 2 * (gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x);
+  const uint row = p.rowBegin + (gl_WorkGroupID.z * kConv3x3LaneGroups + gl_LocalInvocationID.y) * kRows;
   if (row >= p.rowEnd) return;
   const uint steps = p.inputChannels / 4 * p.unshuffle * p.unshuffle;
   const uint firstWeight = gl_WorkGroupID.x * (steps * kRegisters * kLanes + kTileQuads);
 
-  int rowTexel[kPixels + 2], columnTexel[3];
-  bool hasRow[kPixels + 2], hasColumn[3];
-  [[unroll]] for (uint i = 0; i < kPixels + 2; i++) {
+  int rowTexel[kRows + 2], columnTexel[4];
+  bool hasRow[kRows + 2], hasColumn[4];
+  [[unroll]] for (uint i = 0; i < kRows + 2; i++) {
     const int y = int(row + i) - 1, inside = clamp(y, 0, int(p.height) - 1);
     hasRow[i] = y == inside;
     rowTexel[i] = int(inside * p.unshuffle * p.width * p.unshuffle * p.source.stride + p.source.offset);
   }
-  [[unroll]] for (uint i = 0; i < 3; i++) {
+  [[unroll]] for (uint i = 0; i < 4; i++) {
     const int x = int(column + i) - 1, inside = clamp(x, 0, int(p.width) - 1);
     hasColumn[i] = x == inside;
     columnTexel[i] = int(inside * p.unshuffle * p.source.stride);
   }
 
-  vec4 sum[kPixels][kTileQuads];
+  // The pixels are products 0 + 1 + 2 and 1 - 2 - 3: a bias in product 1 reaches both.
+  vec4 product[kRows][4][kTileQuads];
   [[unroll]] for (uint n = 0; n < kTileQuads; n++) {
     const vec4 bias = texelFetch(weights, int(firstWeight + steps * kRegisters * kLanes + n));
-    [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i][n] = bias;
+    [[unroll]] for (uint i = 0; i < kRows; i++)
+      [[unroll]] for (uint e = 0; e < 4; e++) product[i][e][n] = e == 1 ? bias : vec4(0);
   }
   uint quad = 0, part = 0;
   [[dont_unroll]] for (uint step = 0; step < steps; step++) {
@@ -62,19 +65,23 @@ void main() {
     [[unroll]] for (uint j = 0; j < kRegisters; j++)
       w[j] = texelFetch(weights, int(firstWeight + (step * kRegisters + j) * kLanes + gl_LocalInvocationID.x));
     const int shift = int((part / 2 * p.width * p.unshuffle + part % 2) * p.source.stride + quad);
-    vec4 x[kPixels + 2][3];
-    [[unroll]] for (uint i = 0; i < kPixels + 2; i++)
-      [[unroll]] for (uint j = 0; j < 3; j++) {
+    vec4 x[kRows + 2][4];
+    [[unroll]] for (uint i = 0; i < kRows + 2; i++) {
+      vec4 d[4];
+      [[unroll]] for (uint j = 0; j < 4; j++) {
         const vec4 v = texelFetch(source, rowTexel[i] + columnTexel[j] + shift);
-        x[i][j] = hasRow[i] && hasColumn[j] ? v : vec4(0);
+        d[j] = hasRow[i] && hasColumn[j] ? v : vec4(0);
       }
+      x[i] = vec4[](d[0] - d[2], d[1] + d[2], d[2] - d[1], d[1] - d[3]);
+    }
     [[unroll]] for (uint n = 0; n < kTileQuads; n++)
-      [[unroll]] for (uint tap = 0; tap < 9; tap++)
-        [[unroll]] for (uint c = 0; c < 4; c++) {
-          const uint texel = (tap * 4 + c) * kTileQuads + n;
-          const vec4 weight = subgroupShuffle(w[texel / kLanes], texel % kLanes);
-          [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i][n] += x[i + tap / 3][tap % 3][c] * weight;
-        }
+      [[unroll]] for (uint e = 0; e < 4; e++)
+        [[unroll]] for (uint ky = 0; ky < 3; ky++)
+          [[unroll]] for (uint c = 0; c < 4; c++) {
+            const uint texel = ((e * 3 + ky) * 4 + c) * kTileQuads + n;
+            const vec4 weight = subgroupShuffle(w[texel / kLanes], texel % kLanes);
+            [[unroll]] for (uint i = 0; i < kRows; i++) product[i][e][n] += x[i + ky][e][c] * weight;
+          }
     quad++;
     if (quad == p.inputChannels / 4) {
       quad = 0;
@@ -83,19 +90,23 @@ void main() {
   }
 
   const uint targetQuads = p.outputChannels / 4;
-  if (column >= p.width) return;
-  [[unroll]] for (uint i = 0; i < kPixels; i++) {
-    if (row + i < p.rowEnd) {
+  [[unroll]] for (uint i = 0; i < kRows; i++)
+    [[unroll]] for (uint h = 0; h < 2; h++) {
+      if (row + i >= p.rowEnd || column + h >= p.width) continue;
+      vec4 sum[kTileQuads];
+      [[unroll]] for (uint n = 0; n < kTileQuads; n++)
+        sum[n] = h == 0 ? product[i][0][n] + product[i][1][n] + product[i][2][n]
+                        : product[i][1][n] - product[i][2][n] - product[i][3][n];
       [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
         const uint n = 2 * m;  // a step of 2 past a bound of 1 would not be unrolled
         const bool pair = n + 1 < kTileQuads;
         const uint output4 = gl_WorkGroupID.x * kTileQuads + n;
         const uint part = output4 / targetQuads, quad = output4 % targetQuads;
-        const uvec2 to = uvec2(column, row + i) * p.shuffle + uvec2(part % 2, part / 2);
+        const uvec2 to = uvec2(column + h, row + i) * p.shuffle + uvec2(part % 2, part / 2);
         const uint pixel = to.y * p.width * p.shuffle + to.x;
         const uint texel = pixel * p.target.stride + p.target.offset + quad - p.storeOrigin;
-        const vec4 a = finished(sum[i][n], pixel, quad);
-        const vec4 b = pair ? finished(sum[i][min(n + 1, kTileQuads - 1)], pixel, quad + 1) : vec4(0);
+        const vec4 a = finished(sum[n], pixel, quad);
+        const vec4 b = pair ? finished(sum[min(n + 1, kTileQuads - 1)], pixel, quad + 1) : vec4(0);
         if (kWide) {
           target8[texel / 2] = wide8(a, b);
         } else {
@@ -104,5 +115,4 @@ void main() {
         }
       }
     }
-  }
 }
