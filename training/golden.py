@@ -44,7 +44,7 @@ CASES = {
     "s2_demodulated_linear": ((5, 7), dict(scale=2, base="demodulated", transfer="none")),
     "s2_guided_linear": ((5, 6), dict(scale=2, transfer="none")),
     "s4_one_pixel": ((1, 1), dict()),
-    "s1_one_pixel": ((1, 1), dict(scale=1, base="none", transfer="none")),
+    "s1_one_pixel": ((1, 1), dict(scale=1, base="none", transfer="none", channels=24)),
     "s16_one_pixel_kernels": ((1, 1), dict(scale=16, kernels=5, aux_skip=1)),
     "s2_three_groups": ((9, 10), dict(scale=2, groups=3)),
     "s2_two_blocks": ((10, 11), dict(scale=2, blocks=2)),
