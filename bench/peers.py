@@ -1,0 +1,229 @@
+"""Times the engine beside ONNX Runtime and PyTorch on the CPU: the same weights, frame size and cores, in alternation.
+
+    python3 bench/peers.py build/release/bench/xrds_bench_network [--configs compact,paper] [--size 1024] [--rounds 5]
+
+Needs training/requirements.txt, and `pip install onnx onnxruntime`. Random weights, written by the engine, are loaded
+by training/weights.py. Every peer is a process of its own with one thread a core; in each round each peer in turn runs
+one frame that is not timed and one that is. Peers run the bare network on resident tensors. The engine's time includes more:
+upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download.
+"""
+import argparse
+import collections
+import importlib.metadata
+import json
+import os
+import pathlib
+import platform
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy
+
+CONFIGS = {
+    "paper": dict(channels=64, aux_channels=32, groups=3, blocks=5, head_channels=32),
+    "compact": dict(channels=32, aux_channels=16, groups=3, blocks=1, head_channels=32, kernels=5, aux_skip=True),
+    "nano": dict(channels=16, aux_channels=8, groups=2, blocks=1, head_channels=16, kernels=5, aux_skip=True),
+}
+# Kernels of the engine that are not the network's.
+PIPELINE = ("box_mean", "decode_radiance", "encode_radiance", "exposure", "joint_bilateral", "pack_auxiliary")
+CORES = len(os.sched_getaffinity(0))
+ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "PASSIVE", "OMP_NUM_THREADS": str(CORES), "LP_NUM_THREADS": str(CORES)}
+
+
+def network_inputs(size, scale=4):
+    """(x [1, 3, size/s, size/s], aux [1, 6, size, size]), uniform in [0, 1)."""
+    random = numpy.random.default_rng(1)
+    return (random.random((1, 3, size // scale, size // scale), numpy.float32),
+            random.random((1, 6, size, size), numpy.float32))
+
+
+# ---- in the process of a peer --------------------------------------------------------------------------------------
+
+def load_network(model):
+    import torch
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "training"))
+    import weights
+    torch.set_num_threads(CORES)
+    return torch, weights.load_model(model)[0]
+
+
+def export_onnx(model, size):
+    """Writes model.onnx for one frame size."""
+    torch, network = load_network(model)
+    inputs = tuple(map(torch.from_numpy, network_inputs(size)))
+    with torch.inference_mode():
+        torch.onnx.export(network, inputs, model + ".onnx", input_names=["x", "aux"], output_names=["raw"],
+                          opset_version=20, dynamo=False)
+
+
+def onnxruntime_frame(model, size):
+    """A function that runs one frame and returns the raw output as an array."""
+    import onnxruntime
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = CORES
+    options.add_session_config_entry("session.force_spinning_stop", "1")  # idle threads must not disturb the other peers
+    session = onnxruntime.InferenceSession(model + ".onnx", options, providers=["CPUExecutionProvider"])
+    inputs = dict(zip(("x", "aux"), network_inputs(size)))
+    return lambda: session.run(None, inputs)[0]
+
+
+def pytorch_frame(model, size, compiled=False):
+    torch, network = load_network(model)
+    network = network.to(memory_format=torch.channels_last)
+    inputs = [torch.from_numpy(x).contiguous(memory_format=torch.channels_last) for x in network_inputs(size)]
+    if compiled:
+        import torch._inductor.config
+        torch._inductor.config.freezing = True
+        network = torch.compile(network)
+
+    def frame():
+        with torch.inference_mode() if not compiled else torch.no_grad():
+            return network(*inputs).numpy()
+    return frame
+
+
+FRAMES = {
+    "onnxruntime": onnxruntime_frame,
+    "pytorch": pytorch_frame,
+    "pytorch-compile": lambda model, size: pytorch_frame(model, size, compiled=True),
+}
+
+
+def serve(peer, model, size):
+    """Loads, runs one frame into model.<peer>.npy, then times one frame for every line of standard input."""
+    frame = FRAMES[peer](model, size)
+    numpy.save(f"{model}.{peer}.npy", frame())
+    print("ready", flush=True)
+    for _ in sys.stdin:
+        frame()
+        start = time.perf_counter()
+        frame()
+        seconds = time.perf_counter() - start
+        peak = re.search(r"VmHWM:\s+(\d+)", pathlib.Path("/proc/self/status").read_text())[1]
+        print(json.dumps([seconds, int(peak) / 1024]), flush=True)
+
+
+# ---- in the process that alternates --------------------------------------------------------------------------------
+
+class Peer:
+    """A peer's process, asked for one timed frame at a time."""
+
+    def __init__(self, name, model, size):
+        self.name = name
+        self.log = open(f"{model}.{name}.log", "w+")
+        self.process = subprocess.Popen([sys.executable, __file__, "--serve", name, model, str(size)], text=True,
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.log, env=ENVIRONMENT)
+        if self.process.stdout.readline() != "ready\n":
+            self.close()
+            self.log.seek(0)
+            raise RuntimeError((self.log.read().strip().splitlines() or ["no message"])[-1])
+
+    def frame(self):
+        """(seconds, peak MiB)"""
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+class Engine:
+    """The engine's benchmark program: a process a round, its first frame not counted."""
+
+    def __init__(self, program, model, size):
+        self.name, self.command = "xrds", [program, "--model", model, "--size", str(size), "--runs", "1"]
+
+    def frame(self):
+        process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT)
+        text = process.stdout.read()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode:
+            raise RuntimeError(f"{self.command[0]} exited with {process.returncode}")
+        self.device = re.search(r"device (.*)", text)[1]
+        kernels = re.findall(r"^(\w+) +\d+ +([\d.]+) +[\d.]+$", text, re.M)
+        total = sum(float(time) for _, time in kernels)
+        self.pipeline = sum(float(time) for name, time in kernels if name.startswith(PIPELINE)) / total if total else 0
+        return float(re.search(r"steady median ([\d.]+)", text)[1]), usage.ru_maxrss / 1024
+
+    def close(self):
+        pass
+
+
+def write_model(program, config, path):
+    flags = []
+    for name, value in CONFIGS[config].items():
+        flags += ["--" + name.replace("_", "-")] + ([] if value is True else [str(value)])
+    subprocess.run([program, "--size", "64", "--runs", "1", *flags, "--write-model", path],
+                   check=True, stdout=subprocess.DEVNULL, env=ENVIRONMENT)
+
+
+def relative_rms(x, y):
+    return float(numpy.sqrt(numpy.mean((x - y) ** 2, dtype=float) / numpy.mean(y ** 2, dtype=float)))
+
+
+def measure(config, arguments, folder):
+    model = str(folder / f"{config}.safetensors")
+    write_model(arguments.program, config, model)
+    subprocess.run([sys.executable, __file__, "--export", model, str(arguments.size)], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT)
+    engine = Engine(arguments.program, model, arguments.size)
+    peers = [engine]
+    try:
+        for name in arguments.peers.split(","):
+            try:
+                peers.append(Peer(name, model, arguments.size))
+            except RuntimeError as error:
+                print(f"{name}: left out, {error}")
+        samples = collections.defaultdict(list)
+        for _ in range(arguments.rounds):
+            for peer in peers:
+                samples[peer.name].append(peer.frame())
+    finally:
+        for peer in peers:
+            peer.close()
+    report(config, arguments, engine, samples)
+    outputs = [(peer.name, numpy.load(f"{model}.{peer.name}.npy")) for peer in peers[1:]]
+    for (first, x), (second, y) in zip(outputs, outputs[1:]):
+        error = relative_rms(x, y)
+        print(f"{first} against {second}: relative RMS {error:.1e}" + ("" if error < 1e-4 else "  DIFFERENT"))
+
+
+def report(config, arguments, engine, samples):
+    print(f"\n{config}, {arguments.size} x {arguments.size}, scale 4, fp32, {arguments.rounds} rounds, {CORES} cores; "
+          f"{engine.device}; image pipeline {100 * engine.pipeline:.1f} % of the engine's kernel time")
+    print(f"{'':16} {'median s':>9} {'least':>8} {'most':>8} {'peak MiB':>9} {'engine/peer':>12}")
+    medians = {name: statistics.median(seconds for seconds, _ in rows) for name, rows in samples.items()}
+    for name, rows in samples.items():
+        seconds = [time for time, _ in rows]
+        print(f"{name:16} {medians[name]:9.3f} {min(seconds):8.3f} {max(seconds):8.3f} {max(peak for _, peak in rows):9.0f} "
+              f"{medians['xrds'] / medians[name]:12.2f}", flush=True)
+
+
+def main():
+    if sys.argv[1:2] == ["--export"]:
+        return export_onnx(sys.argv[2], int(sys.argv[3]))
+    if sys.argv[1:2] == ["--serve"]:
+        return serve(sys.argv[2], sys.argv[3], int(sys.argv[4]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", help="xrds_bench_network of a release build")
+    parser.add_argument("--configs", default="paper,compact,nano", help=f"comma list of {', '.join(CONFIGS)}")
+    parser.add_argument("--peers", default=",".join(FRAMES), help=f"comma list of {', '.join(FRAMES)}")
+    parser.add_argument("--size", type=int, default=1024, help="side of the output in pixels, a multiple of 32")
+    parser.add_argument("--rounds", type=int, default=5)
+    arguments = parser.parse_args()
+    print("Python " + platform.python_version() + "".join(
+        f", {package} {importlib.metadata.version(package)}" for package in ("numpy", "torch", "onnx", "onnxruntime")))
+    for config in arguments.configs.split(","):
+        with tempfile.TemporaryDirectory() as folder:
+            measure(config, arguments, pathlib.Path(folder))
+
+
+if __name__ == "__main__":
+    main()
