@@ -73,12 +73,12 @@ def render(ask, seed, scene):
     full, total = ask.size, 0
     for scale, samples in storage.LOW:
         low = passes.render(scene, full // scale, full // scale, samples, 7 * seed + 10 * scale + samples)
-        total += storage.write(ask.out, seed, storage.low_kind(scale, samples), storage.keep(low, colour=True, colour_bits=10))
+        total += storage.write(ask.out, seed, storage.low_kind(scale, samples), storage.colour(low))
     for samples in storage.AUX:
         aux = passes.render(scene, full, full, samples, 7 * seed + 1000 + samples)
-        total += storage.write(ask.out, seed, f"aux{samples}", storage.keep(aux, aux=True))
+        total += storage.write(ask.out, seed, f"aux{samples}", storage.auxiliaries(aux))
     reference = passes.render(scene, full, full, storage.REFERENCE, 7 * seed + 2000, threshold=0.015)
-    return total + storage.write(ask.out, seed, "gt", storage.keep(reference, colour=True, aux=True))
+    return total + storage.write(ask.out, seed, "gt", storage.reference(reference))
 
 
 def main():
@@ -97,7 +97,7 @@ def main():
         built = time.monotonic()
         if ask.preview:
             image = passes.render(scene, ask.size, ask.size, ask.preview, seed)
-            byte_size = storage.write(ask.out, seed, "preview", storage.keep(image, colour=True, aux=True))
+            byte_size = storage.write(ask.out, seed, "preview", storage.reference(image))
         else:
             byte_size = render(ask, seed, scene)
         print(f"s{seed} {name}: built in {built - begin:.0f} s, rendered in {time.monotonic() - built:.0f} s, "

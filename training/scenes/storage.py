@@ -22,13 +22,21 @@ def finished(folder, seed):
     return os.path.exists(path(folder, seed, "gt"))
 
 
-def keep(image, colour=False, aux=False, colour_bits=8):
-    """The channels to store. Colour keeps `colour_bits` of half's ten (0.2 % at eight); albedo and normals lie on a
-    grid far below their noise, which halves the files."""
-    kept = passes.colour(image, colour_bits) if colour else {}
-    if aux:
-        kept.update(passes.auxiliaries(image, 1 / 256, 1 / 128))
+def colour(image):
+    """Low-resolution colour to store, as rendered."""
+    return passes.colour(image)
+
+
+def auxiliaries(image, albedo_bits=5, normal_step=1 / 64):
+    """Noisy albedo (to `albedo_bits` of half's ten) and normal (on a grid) to store: half of their bytes."""
+    kept = {name: exr.rounded(image[name], albedo_bits) for name in passes.ALBEDO}
+    kept.update((name, exr.on_grid(image[name], normal_step)) for name in passes.NORMAL)
     return kept
+
+
+def reference(image):
+    """Reference to store: colour to eight bits (0.2 %), albedo and normal finer than the noisy ones."""
+    return {**passes.colour(image, 8), **auxiliaries(image, 7, 1 / 128)}
 
 
 def write(folder, seed, kind, channels):

@@ -18,7 +18,8 @@ def facade(random, palette, at, wide, floors, turn=0.0, glow=None):
     sill, bars = random.uniform(0.5, 0.9), random.randint(1, 3)
     balcony, shutters = random.random() < 0.35, random.random() < 0.35
     parts = [box("wall", (wide, 6, floors * high + 0.5), (0, 3, floors * high / 2), wall)]
-    shared = {"frame": box_mesh("frame", (open_wide + 0.16, 0.12, open_high + 0.16), trim), "pane": box_mesh("pane", (open_wide, 0.04, open_high), pane),
+    shared = {"frame": box_mesh("frame", (open_wide + 0.16, 0.12, open_high + 0.16), trim),
+              "pane": box_mesh("pane", (open_wide, 0.04, open_high), pane),
               "lit": box_mesh("lit", (open_wide, 0.04, open_high), glow or pane), "bar": box_mesh("bar", (0.045, 0.06, open_high), frame),
               "rung": box_mesh("rung", (open_wide, 0.06, 0.045), frame), "sill": box_mesh("sill", (open_wide + 0.3, 0.22, 0.07), trim),
               "leaf": box_mesh("leaf", (open_wide / 2, 0.05, open_high), frame), "rail": box_mesh("rail", (step * 0.85, 0.03, 0.04), frame),

@@ -52,7 +52,8 @@ def build(scene, random, folders):
     palette = materials.Palette(random)
     library = Library(folders.models)
     walls = [n for n in library.names("wall") if n in ("wall", "wall_arched", "wall_cracked", "wall_pillar", "wall_shelves", "wall_broken",
-                                                       "wall_archedwindow_gated", "wall_archedwindow_open", "wall_window_open", "wall_gated", "wall_scaffold")]
+                                                       "wall_archedwindow_gated", "wall_archedwindow_open", "wall_window_open",
+                                                       "wall_gated", "wall_scaffold")]
     floors = library.names("floor_tile_large", "floor_wood_large", "floor_dirt_large")
     if not walls or not floors:
         raise LookupError("dungeon needs the modular walls and floors of KayKit's Dungeon Remastered in --models")
@@ -70,7 +71,8 @@ def build(scene, random, folders):
         if random.random() < 0.5:
             library.put(random.choice(walls), (4 * columns, 4 * j + 2, 0), -90)
     own = [materials.any_surface(random, palette, 0.3) for _ in range(4)]
-    furniture = library.names("table", "chair", "bed", "shelf", "barrel", "box", "crates", "keg", "trunk", "chest", "stool", "pillar", "column", "rubble", "stairs_wood")
+    furniture = library.names("table", "chair", "bed", "shelf", "barrel", "box", "crates", "keg", "trunk", "chest",
+                              "stool", "pillar", "column", "rubble", "stairs_wood")
     small = library.names("bottle", "candle", "coin_stack", "plate", "sword", "key")
     points, spots = [], []
     for _ in range(random.randint(8, 22)):

@@ -85,7 +85,8 @@ def _furnish(random, palette, width, depth, height, frame, top, cloth):
             side = 90 * k + turn
             away = (0.5 if k % 2 else 0.62) * (deep if k % 2 == 0 else wide)
             angle = math.radians(side - 90)
-            things.group(things.chair(random, frame, cloth), (x - away * math.cos(angle), y - away * math.sin(angle), 0), side + random.gauss(180, 15))
+            at = (x - away * math.cos(angle), y - away * math.sin(angle), 0)
+            things.group(things.chair(random, frame, cloth), at, side + random.gauss(180, 15))
     if random.random() < 0.6:
         things.group(things.sofa(random, cloth), (random.uniform(-0.25, 0.25) * width, depth - 0.55, 0), 180)
     else:
@@ -156,4 +157,5 @@ def _daylight(scene, random, folders, width, depth, height):
     x = -width / 2 - 0.25
     light("AREA", (x, depth / 2 + 0.6, 1.5), (0, depth / 2 + 0.6, 1.2), 90, (0.8, 0.9, 1.0), depth - 1.5, height - 1).visible_camera = False
     if random.random() < 0.7:
-        light("SUN", (-5, random.uniform(-2, 3), random.uniform(2, 5)), (0, 0.5, 0), random.uniform(6, 14), (1, 0.85, 0.65), random.uniform(0.006, 0.03))
+        at = (-5, random.uniform(-2, 3), random.uniform(2, 5))
+        light("SUN", at, (0, 0.5, 0), random.uniform(6, 14), (1, 0.85, 0.65), random.uniform(0.006, 0.03))

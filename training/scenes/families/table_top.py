@@ -10,8 +10,8 @@ from shapes import box, curve_through, lathe_mesh, place, sheet_mesh
 
 def build(scene, random, folders):
     palette = materials.Palette(random)
-    box("table", (2.4, 1.8, 0.06), (0, 0, -0.035), materials.timber(random, "X") if random.random() < 0.6 else materials.patterned(random, palette, 0.15),
-        bevel=0.01)
+    top = materials.timber(random, "X") if random.random() < 0.6 else materials.patterned(random, palette, 0.15)
+    box("table", (2.4, 1.8, 0.06), (0, 0, -0.035), top, bevel=0.01)
     if random.random() < 0.6:
         phase, lift = random.uniform(0, 9), random.uniform(0.001, 0.003)
         place("cloth", sheet_mesh("cloth", random.uniform(0.6, 1.2), random.uniform(0.5, 0.9), (150, 120), lambda x, y: lift * (

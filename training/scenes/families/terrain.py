@@ -54,7 +54,8 @@ def build(scene, random, folders):
         near = math.exp(-(x * x + (y + 6) ** 2) / 30)
         return high * value * (1 - 0.85 * near)
 
-    place("terrain", sheet_mesh("terrain", 90, 90, (420, 420), lambda x, y: lie(x, y + 32), _cover(random, palette, high), kind != "terraces"), (0, 32, 0))
+    land = sheet_mesh("terrain", 90, 90, (420, 420), lambda x, y: lie(x, y + 32), _cover(random, palette, high), kind != "terraces")
+    place("terrain", land, (0, 32, 0))
     if random.random() < 0.5:
         water, g = materials.material("water")
         ripple = g.noise(g.at(scale=(3, 1.2, 1)), 1, 4)

@@ -27,7 +27,8 @@ def _poster(random, palette, at, turn, wide, high, ink):
             per_line = max(1, int(wide / columns / (3.1 * size)))
             for k in range(columns):
                 body = "\n".join(things.words(random, per_line) for _ in range(lines))
-                parts.append(things.lettering("text", body, size, ink[0], (-0.46 * wide + 0.95 * wide * k / columns, 0, z - size), (90, 0, 0), centred=False))
+                left = -0.46 * wide + 0.95 * wide * k / columns
+                parts.append(things.lettering("text", body, size, ink[0], (left, 0, z - size), (90, 0, 0), centred=False))
             z -= 1.1 * size * lines
         elif kind == "rule":
             parts.append(box("rule", (0.92 * wide, 0.002, high * random.uniform(0.002, 0.012)), (0, -0.001, z - 0.02 * high), random.choice(ink)))
@@ -36,7 +37,8 @@ def _poster(random, palette, at, turn, wide, high, ink):
             tall = min(2.2 * size, z - 0.05 * high)
             for k in range(random.randint(8, 40) if kind == "bars" else 0):
                 bar = tall * random.random()
-                parts.append(box("bar", (wide * random.uniform(0.004, 0.015), 0.002, bar), (wide * (random.random() - 0.5) * 0.9, -0.001, z - tall + bar / 2), random.choice(ink)))
+                thin, x = wide * random.uniform(0.004, 0.015), wide * (random.random() - 0.5) * 0.9
+                parts.append(box("bar", (thin, 0.002, bar), (x, -0.001, z - tall + bar / 2), random.choice(ink)))
             for _ in range(3 if kind == "chart" else 0):
                 way = [(wide * (0.9 * t / 14 - 0.45), -0.002, z - tall * random.random()) for t in range(15)]
                 parts.append(tube("curve", way, 0.003 * high * random.random() + 0.0006, random.choice(ink), smooth=random.random() < 0.5))
@@ -68,7 +70,7 @@ def _net(random, surface, at, turn, wide, high):
 
 def build(scene, random, folders):
     palette = materials.Palette(random)
-    ink = [materials.plain("ink", (0.02, 0.02, 0.022), 0.5), materials.plain("ink", palette.colour(0.05, 0.5), 0.5), materials.plain("ink", palette.colour(), 0.4)]
+    ink = [materials.plain("ink", tint, 0.5) for tint in ((0.02, 0.02, 0.022), palette.colour(0.05, 0.5), palette.colour())]
     place("ground", sheet_mesh("ground", 10, 10, (4, 4), lambda x, y: 0.0, materials.flooring(random, palette)))
     box("wall", (10, 0.1, 5), (0, 1.0, 2.4), materials.walling(random, palette))
     points = []
@@ -86,8 +88,8 @@ def build(scene, random, folders):
         points += [(at[0] - size, at[1], 0), (at[0] + size, at[1], size)]
     metal = materials.metallic(random)
     for _ in range(random.randint(0, 3)):
-        _net(random, random.choice((metal, ink[0], ink[1])), (random.uniform(-1, 1), random.uniform(-0.5, 0.8), random.uniform(0, 0.4)), random.uniform(-40, 40),
-             random.uniform(0.4, 1.2), random.uniform(0.4, 1.1))
+        at = (random.uniform(-1, 1), random.uniform(-0.5, 0.8), random.uniform(0, 0.4))
+        _net(random, random.choice((metal, ink[0], ink[1])), at, random.uniform(-40, 40), random.uniform(0.4, 1.2), random.uniform(0.4, 1.1))
     for _ in range(random.randint(0, 14)):
         ends = [(random.uniform(-2.2, 2.2), random.uniform(-0.6, 0.9), random.uniform(0.3, 2.2)) for _ in range(2)]
         sag = [(sum(c) / 2 - (0.3 if k == 2 else 0)) for k, c in enumerate(zip(*ends))]
@@ -99,7 +101,8 @@ def build(scene, random, folders):
             way = [(x + s * r * math.sin(a), 0.93, z + s * r * math.cos(a)) for s in (1 - long, 1.0)]
             tube("tick", way, 0.004 if k % 5 == 0 else 0.002, ink[0])
             if k % 5 == 0:
-                things.lettering("hour", str(k // 5 or 12), 0.16 * r, ink[1], (x + 0.75 * r * math.sin(a), 0.93, z + 0.75 * r * math.cos(a) - 0.05 * r), (90, 0, 0))
+                at = (x + 0.75 * r * math.sin(a), 0.93, z + 0.75 * r * math.cos(a) - 0.05 * r)
+                things.lettering("hour", str(k // 5 or 12), 0.16 * r, ink[1], at, (90, 0, 0))
         for a, long in ((random.uniform(0, 6), 0.5), (random.uniform(0, 6), 0.8)):
             tube("hand", [(x, 0.92, z), (x + long * r * math.sin(a), 0.92, z + long * r * math.cos(a))], 0.005, ink[2])
         points.append((x, 0.93, z))

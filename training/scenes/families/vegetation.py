@@ -59,7 +59,8 @@ def build(scene, random, folders):
         size, turn = random.uniform(0.6, 1.3), random.uniform(0, 360)
         for part in random.choice(trees):
             place("tree", part, (x, y, lie(x, y)), (0, 0, turn), size)
-    shrub = leaves_mesh("shrub", random, [[random.gauss(0, 0.35), random.gauss(0, 0.35), 0.4 + random.gauss(0, 0.2)] for _ in range(1500)], 0.09, leaf)
+    spots = [[random.gauss(0, 0.35), random.gauss(0, 0.35), 0.4 + random.gauss(0, 0.2)] for _ in range(1500)]
+    shrub = leaves_mesh("shrub", random, spots, 0.09, leaf)
     for _ in range(random.randint(0, 14)):
         y = random.uniform(2.5, 18)
         x = random.uniform(-0.7, 0.7) * y
