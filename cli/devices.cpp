@@ -8,8 +8,9 @@ namespace xrds {
 
 void addDevices(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("devices", "List the Vulkan devices that --device can choose");
-  verb->footer("--device takes the number, a part of the name, or the UUID. Without it the best one is taken: discrete\n"
-               "before integrated before virtual before CPU.\n\nExample:\n  xrds devices");
+  verb->footer(
+      "--device takes the number, a part of the name, or the UUID. Without it the best one is taken: discrete\n"
+      "before integrated before virtual before CPU.\n\nExample:\n  xrds devices");
   verb->callback([] {
     const auto devices = stage(ExitCode::device, [] { return Device::list(); });
     if (devices.empty())

@@ -7,13 +7,13 @@ namespace xrds {
 /// What the process returns; documented in `xrds --help`.
 enum class ExitCode : int {
   ok = 0,
-  bug = 1,          // of ours: please report
-  usage = 2,        // a wrong option or argument
-  input = 3,        // an image cannot be read, or its layers or sizes do not fit
-  model = 4,        // a model file cannot be read or does not fit
-  device = 5,       // no Vulkan device, or it failed, or not enough memory
-  output = 6,       // the result cannot be written
-  differs = 7,      // --check or compare --min-psnr found too large a difference
+  bug = 1,      // of ours: please report
+  usage = 2,    // a wrong option or argument
+  input = 3,    // an image cannot be read, or its layers or sizes do not fit
+  model = 4,    // a model file cannot be read or does not fit
+  device = 5,   // no Vulkan device, or it failed, or not enough memory
+  output = 6,   // the result cannot be written
+  differs = 7,  // --check or compare --min-psnr found too large a difference
   interrupted = 130
 };
 

@@ -17,7 +17,8 @@ std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
 void addCounted(std::vector<std::string>& warnings, size_t count, const ExrSelection& layer, const char* what) {
   if (count > 0)
-    warnings.push_back(std::to_string(count) + (count == 1 ? " pixel" : " pixels") + " of layer '" + nameOf(layer) + "' " + what + ".");
+    warnings.push_back(std::to_string(count) + (count == 1 ? " pixel" : " pixels") + " of layer '" + nameOf(layer) +
+                       "' " + what + ".");
 }
 
 constexpr const char* kFilled = "not finite, filled from the neighbours";
@@ -65,7 +66,8 @@ void Frame::load() {
   addCounted(warnings_, repaired.negativePixels, aovs_.color, "negative, set to 0");
   if (aovs_.alpha) {
     alpha_ = readLayer(colorFile_, *aovs_.alpha);
-    addCounted(warnings_, repairNonFinite(*alpha_).nonFinitePixels, *aovs_.alpha, "with an alpha that is not finite, filled from the neighbours");
+    addCounted(warnings_, repairNonFinite(*alpha_).nonFinitePixels, *aovs_.alpha,
+               "with an alpha that is not finite, filled from the neighbours");
   }
   for (const std::string& input : inputs_) auxiliary_.push_back(loadAuxiliary(input));
   std::vector<NamedLayer> layers;
@@ -80,8 +82,8 @@ Image Frame::loadAuxiliary(const std::string& input) {
   const Window& stored = auxFile_.parts[layer.part].dataWindow;
   const Window wanted = scaledWindow(colorPart().dataWindow, fit_->scale);
   if (!covers(stored, wanted))
-    warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " + toString(wanted) +
-                        "; the rest is taken as 0.");
+    warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
+                        toString(wanted) + "; the rest is taken as 0.");
   Image image = placedInWindow(readLayer(auxFile_, layer), stored, wanted);
   addCounted(warnings_, repairNonFinite(image).nonFinitePixels, layer, kFilled);
   const auto suspicions = albedo ? checkAlbedo({nameOf(layer), &image}) : checkNormal({nameOf(layer), &image});

@@ -16,9 +16,9 @@ namespace xrds {
 /// The layers of a frame to upscale, found in one or two EXR files, with what the output must keep.
 class Frame {
  public:
-  /// Reads headers only. An empty auxPath means the colour's file. `auxiliaryInputs` are those of the model, "albedo" or
-  /// "normal"; with none the auxiliary file is not looked at. Throws Error if the layers are not found or the sizes are
-  /// no whole multiple of each other.
+  /// Reads headers only. An empty auxPath means the colour's file. `auxiliaryInputs` are those of the model, "albedo"
+  /// or "normal"; with none the auxiliary file is not looked at. Throws Error if the layers are not found or the sizes
+  /// are no whole multiple of each other.
   Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
         const std::vector<std::string>& auxiliaryInputs);
 

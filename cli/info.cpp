@@ -21,13 +21,15 @@ struct Size {
 Size parseSize(const std::string& text) {
   Size size;
   char rest = 0;
-  if (std::sscanf(text.c_str(), "%5ux%5u%c", &size.width, &size.height, &rest) != 2 || size.width == 0 || size.height == 0)
+  if (std::sscanf(text.c_str(), "%5ux%5u%c", &size.width, &size.height, &rest) != 2 || size.width == 0 ||
+      size.height == 0)
     throw Failure{ExitCode::usage, "--size takes WIDTHxHEIGHT of the output, such as 1920x1080, found '" + text + "'."};
   return size;
 }
 
 void printMetadata(const Model& model) {
-  for (const auto& [key, value] : model.metadata()) std::printf("%-26s %s\n", printable(key).c_str(), printable(value).c_str());
+  for (const auto& [key, value] : model.metadata())
+    std::printf("%-26s %s\n", printable(key).c_str(), printable(value).c_str());
   std::printf("%-26s %s\n", "hash", model.hash().c_str());
 }
 
@@ -76,12 +78,15 @@ void run(const InfoOptions& options) {
 
 void addInfo(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App* verb = app.add_subcommand("info", "Show what a model is and what it costs; without MODEL, list the shipped ones");
+  CLI::App* verb =
+      app.add_subcommand("info", "Show what a model is and what it costs; without MODEL, list the shipped ones");
   verb->add_option("MODEL", options->model, "A shipped model's name or a .safetensors file");
   verb->add_option("--size", options->size, "Size of the output in pixels (default 1024x1024)")->type_name("WxH");
-  verb->footer("Planned peak is the arena that a run allocates; the largest live set is the least that any plan needs;\n"
-               "without aliasing is the sum of all tensors. MB are 10^6 bytes. MACs are multiplications of linear maps\n"
-               "and convolutions, the token pairs of attention come on top.\n\nExamples:\n  xrds info\n  xrds info xrds-x4-compact --size 1920x1080");
+  verb->footer(
+      "Planned peak is the arena that a run allocates; the largest live set is the least that any plan needs;\n"
+      "without aliasing is the sum of all tensors. MB are 10^6 bytes. MACs are multiplications of linear maps\n"
+      "and convolutions, the token pairs of attention come on top.\n\nExamples:\n  xrds info\n  xrds info "
+      "xrds-x4-compact --size 1920x1080");
   verb->callback([options] { run(*options); });
 }
 

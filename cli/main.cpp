@@ -8,7 +8,8 @@
 namespace {
 
 constexpr const char* kFooter =
-    "Exit codes: 0 done; 1 a bug of xrds; 2 wrong option; 3 an image cannot be read or does not fit; 4 the model cannot\n"
+    "Exit codes: 0 done; 1 a bug of xrds; 2 wrong option; 3 an image cannot be read or does not fit; 4 the model "
+    "cannot\n"
     "be read or does not fit; 5 no Vulkan device, it failed or lacks memory; 6 a result cannot be written; 7 a check\n"
     "found a difference; 130 interrupted. Only finished files are ever written.\n\n"
     "Examples:\n"
@@ -26,9 +27,10 @@ int fail(xrds::ExitCode code, const std::string& message) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"
-               "full-resolution picture out, on any Vulkan device.",
-               "xrds");
+  CLI::App app(
+      "Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"
+      "full-resolution picture out, on any Vulkan device.",
+      "xrds");
   app.set_version_flag("--version", "xrds " XRDS_VERSION);
   app.require_subcommand(1);
   app.footer(kFooter);

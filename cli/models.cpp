@@ -62,8 +62,9 @@ fs::path resolveModel(const std::string& nameOrFile) {
 fs::path defaultModel(int scale) {
   const fs::path file = shippedFile("xrds-x" + std::to_string(scale) + "-compact");
   if (file.empty())
-    throw Error("The auxiliary images have " + (scale == 1 ? "the" : std::to_string(scale) + " times the") + " colour's size and no model of this scale is shipped, only " +
-                listed(shippedModels()) + ": render at another size or name a model with --model.");
+    throw Error("The auxiliary images have " + (scale == 1 ? "the" : std::to_string(scale) + " times the") +
+                " colour's size and no model of this scale is shipped, only " + listed(shippedModels()) +
+                ": render at another size or name a model with --model.");
   return file;
 }
 

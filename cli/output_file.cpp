@@ -13,14 +13,16 @@ void requireExtension(const std::string& path, const std::string& extension, con
   std::string found = std::filesystem::path(path).extension().string();
   std::transform(found.begin(), found.end(), found.begin(), [](unsigned char c) { return std::tolower(c); });
   if (found != extension)
-    throw Failure{ExitCode::usage, std::string(option) + " takes a name that ends in " + extension + ", found '" + path + "'."};
+    throw Failure{ExitCode::usage,
+                  std::string(option) + " takes a name that ends in " + extension + ", found '" + path + "'."};
 }
 
 void requireWritable(const std::string& path) {
   stage(ExitCode::output, [&] {
     const PendingFile probe(path);
     if (!std::ofstream(probe.temporaryPath()))
-      throw Error("Cannot write '" + path + "': its folder takes no new files; check the permissions or choose another place.");
+      throw Error("Cannot write '" + path +
+                  "': its folder takes no new files; check the permissions or choose another place.");
   });
 }
 

@@ -21,21 +21,24 @@ struct OperatorSum {
 };
 
 void printRow(const char* name, const OperatorSum& sum, double total) {
-  std::printf("%-34s %5d %10.2f %6.1f %% %9.1f %9.1f %10.1f\n", name, sum.dispatches, sum.microseconds / 1e3,
-              100 * sum.microseconds / total, 2e-3 * static_cast<double>(sum.multiplyAdds) / std::max(1e-9, sum.microseconds),
-              1e-3 * static_cast<double>(sum.bytes) / std::max(1e-9, sum.microseconds), static_cast<double>(sum.bytes) / 1e6);
+  std::printf(
+      "%-34s %5d %10.2f %6.1f %% %9.1f %9.1f %10.1f\n", name, sum.dispatches, sum.microseconds / 1e3,
+      100 * sum.microseconds / total, 2e-3 * static_cast<double>(sum.multiplyAdds) / std::max(1e-9, sum.microseconds),
+      1e-3 * static_cast<double>(sum.bytes) / std::max(1e-9, sum.microseconds), static_cast<double>(sum.bytes) / 1e6);
 }
 
 Image crop(const Image& image, int x, int y, int width, int height) {
   Image part(width, height, image.channels);
   for (int row = 0; row < height; ++row)
-    std::copy_n(&image.pixels[image.index(x, y + row)], size_t(width) * image.channels, &part.pixels[part.index(0, row)]);
+    std::copy_n(&image.pixels[image.index(x, y + row)], size_t(width) * image.channels,
+                &part.pixels[part.index(0, row)]);
   return part;
 }
 
 void printMetricsRow(const char* name, const Image& image, const Image& reference) {
   const Metrics metrics = measure(image, reference);
-  std::printf("%-22s %9.3f %10.5f %14.5f %8.4f\n", name, metrics.psnr, metrics.relMse, metrics.relMseTrimmed, metrics.flip);
+  std::printf("%-22s %9.3f %10.5f %14.5f %8.4f\n", name, metrics.psnr, metrics.relMse, metrics.relMseTrimmed,
+              metrics.flip);
 }
 
 }  // namespace
@@ -56,14 +59,17 @@ void printProfile(const std::vector<Upscaler::ProfileRow>& rows) {
     total += row.microseconds;
   }
   std::vector<std::pair<std::string, OperatorSum>> sorted(sums.begin(), sums.end());
-  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second.microseconds > b.second.microseconds; });
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& a, const auto& b) { return a.second.microseconds > b.second.microseconds; });
   std::printf("%-34s %5s %10s %8s %9s %9s %10s\n", "operator", "runs", "ms", "share", "GFLOP/s", "GB/s", "MB bound");
   for (const auto& [name, sum] : sorted) printRow(name.c_str(), sum, total);
   std::vector<Upscaler::ProfileRow> slowest = rows;
-  std::sort(slowest.begin(), slowest.end(), [](const auto& a, const auto& b) { return a.microseconds > b.microseconds; });
+  std::sort(slowest.begin(), slowest.end(),
+            [](const auto& a, const auto& b) { return a.microseconds > b.microseconds; });
   slowest.resize(std::min<size_t>(10, slowest.size()));
   std::printf("\nslowest dispatches\n");
-  for (const auto& row : slowest) printRow(row.label.c_str(), {row.microseconds, row.multiplyAdds, row.bytes, 1}, total);
+  for (const auto& row : slowest)
+    printRow(row.label.c_str(), {row.microseconds, row.multiplyAdds, row.bytes, 1}, total);
   std::printf("%-34s %5zu %10.2f\n\n", "all", rows.size(), total / 1e3);
 }
 
@@ -88,9 +94,12 @@ int printCheck(const std::vector<Upscaler::CheckRow>& rows) {
     worst = std::max(worst, rows[i].relativeRms);
     if (rows[i].withinBound) continue;
     if (first < 0) first = static_cast<int>(i);
-    std::printf("%s: relative RMS error %.3g%s\n", rows[i].label.c_str(), rows[i].relativeRms, rows[i].finite ? "" : ", not finite");
+    std::printf("%s: relative RMS error %.3g%s\n", rows[i].label.c_str(), rows[i].relativeRms,
+                rows[i].finite ? "" : ", not finite");
   }
-  if (first < 0) std::printf("check: all %zu operators agree with the reference, largest relative RMS error %.3g\n", rows.size(), worst);
+  if (first < 0)
+    std::printf("check: all %zu operators agree with the reference, largest relative RMS error %.3g\n", rows.size(),
+                worst);
   return first;
 }
 
@@ -109,8 +118,9 @@ Image readReference(const std::string& path, int width, int height) {
   const ExrFile file = readExrHeader(path);
   Image reference = readLayer(file, findAov(file, AovRole::kColor));
   if (reference.width != width || reference.height != height)
-    throw Error("The reference '" + path + "' is " + std::to_string(reference.width) + " x " + std::to_string(reference.height) +
-                " pixels, expected the result's " + std::to_string(width) + " x " + std::to_string(height) + ".");
+    throw Error("The reference '" + path + "' is " + std::to_string(reference.width) + " x " +
+                std::to_string(reference.height) + " pixels, expected the result's " + std::to_string(width) + " x " +
+                std::to_string(height) + ".");
   const auto finite = [](float value) { return std::isfinite(value); };
   if (!std::all_of(reference.pixels.begin(), reference.pixels.end(), finite))
     throw Error("The reference '" + path + "' has pixels that are not finite: repair it first.");
@@ -120,8 +130,9 @@ Image readReference(const std::string& path, int width, int height) {
 void writeSideBySide(Device& device, const Frame& frame, const Image& result, const std::optional<Image>& reference,
                      const std::string& pngPath) {
   const int scale = result.width / frame.colour().width;
-  std::vector<Image> images{enlargeNearest(frame.colour(), scale),
-                            stage(ExitCode::device, [&] { return runBaseline(device, {"bicubic"}, frame.colour(), {}, scale); }), result};
+  std::vector<Image> images{
+      enlargeNearest(frame.colour(), scale),
+      stage(ExitCode::device, [&] { return runBaseline(device, {"bicubic"}, frame.colour(), {}, scale); }), result};
   if (reference) images.push_back(*reference);
   stage(ExitCode::output, [&] { writePng(pngPath, sideBySide(images, 4)); });
 }

@@ -73,7 +73,8 @@ void checkOutputs(const UpscaleOptions& options) {
 
 fs::path modelFile(const UpscaleOptions& options) {
   if (!options.model.empty()) return stage(ExitCode::model, [&] { return resolveModel(options.model); });
-  const int scale = stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {"albedo"}).scale(); });
+  const int scale =
+      stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {"albedo"}).scale(); });
   return stage(ExitCode::model, [&] { return defaultModel(scale); });
 }
 
@@ -93,8 +94,9 @@ Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
   });
   const int scale = static_cast<int>(opened.model.scale());
   if (frame.scale() != 0 && frame.scale() != scale)
-    throw Failure{ExitCode::model, "The auxiliary images have " + std::to_string(frame.scale()) + " times the colour's size, but model '" +
-                                       opened.name() + "' upscales by " + std::to_string(scale) + ": choose another with --model."};
+    throw Failure{ExitCode::model, "The auxiliary images have " + std::to_string(frame.scale()) +
+                                       " times the colour's size, but model '" + opened.name() + "' upscales by " +
+                                       std::to_string(scale) + ": choose another with --model."};
   stage(ExitCode::input, [&] {
     (void)frame.output(scale);  // throws if the windows do not fit
     frame.load();
@@ -110,7 +112,8 @@ void runCheck(Device& device, const Model& model, const Frame& frame, const Upsc
   const auto rows = stage(ExitCode::device, [&] { return checkOnCrop(device, model, frame, options.upscaler()); });
   const int divergent = printCheck(rows);
   if (divergent >= 0)
-    throw Failure{ExitCode::differs, "The device diverges from the reference, first at operator '" + rows[divergent].label + "'."};
+    throw Failure{ExitCode::differs,
+                  "The device diverges from the reference, first at operator '" + rows[divergent].label + "'."};
 }
 
 Upscaled compute(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
@@ -122,7 +125,8 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
   {
     ProgressBar bar(options.quiet);
     const auto auxiliary = viewsOf(frame.auxiliary());
-    upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, [&](double share) { return bar.update(share); });
+    upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels,
+                 [&](double share) { return bar.update(share); });
   }
   stopIfInterrupted();
   result.seconds = timer.seconds();
@@ -130,7 +134,8 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
   result.exposure = upscaler.exposure();
   if (options.profile) printProfile(upscaler.profile());
   if (const size_t count = repairNonFinite(result.colour).nonFinitePixels; count > 0)
-    printWarnings({std::to_string(count) + " pixels of the result were not finite and were filled from their neighbours" +
+    printWarnings({std::to_string(count) +
+                   " pixels of the result were not finite and were filled from their neighbours" +
                    (options.precision == "fp16" ? "; --precision fp32 has a larger range." : ".")});
   return result;
 }
@@ -143,7 +148,8 @@ void writeResult(const UpscaleOptions& options, const Frame& frame, const Opened
     ExrOutput output = frame.output(static_cast<int>(opened.model.scale()));
     output.texts["xrds:version"] = XRDS_VERSION;
     output.texts["xrds:model"] = opened.name() + " " + opened.model.hash();
-    output.texts["xrds:options"] = "precision=" + options.precision + " exposure=" + exposure + (options.exposure == "auto" ? " (auto)" : "");
+    output.texts["xrds:options"] =
+        "precision=" + options.precision + " exposure=" + exposure + (options.exposure == "auto" ? " (auto)" : "");
     output.pixelType = options.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
     writeExr(options.output, alpha ? withAlpha(result.colour, *alpha) : result.colour, output);
     if (!options.preview.empty()) writePng(options.preview, result.colour);
@@ -171,10 +177,12 @@ void run(const UpscaleOptions& options) {
   if (frame.alpha()) alpha = stage(ExitCode::device, [&] { return upscaleAlpha(device, *frame.alpha(), scale); });
   writeResult(options, frame, opened, result, alpha);
   if (!options.quiet)
-    std::printf("%s: %d x %d, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in all\n",
-                options.output.c_str(), result.colour.width, result.colour.height, opened.name().c_str(), options.precision.c_str(),
-                result.exposure, device.description().name.c_str(), result.seconds, static_cast<double>(result.deviceBytes) / 1e6,
-                whole.seconds());
+    std::printf(
+        "%s: %d x %d, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in "
+        "all\n",
+        options.output.c_str(), result.colour.width, result.colour.height, opened.name().c_str(),
+        options.precision.c_str(), result.exposure, device.description().name.c_str(), result.seconds,
+        static_cast<double>(result.deviceBytes) / 1e6, whole.seconds());
   if (!options.sideBySide.empty()) writeSideBySide(device, frame, result.colour, reference, options.sideBySide);
   if (reference) stage(ExitCode::device, [&] { printAgainstReference(device, frame, result.colour, *reference); });
 }
@@ -184,30 +192,45 @@ void run(const UpscaleOptions& options) {
 void addUpscale(CLI::App& app) {
   const auto options = std::make_shared<UpscaleOptions>();
   CLI::App* verb = app.add_subcommand("upscale", "Upscale one frame");
-  verb->add_option("COLOR", options->color, "EXR file with the low-resolution colour, many samples a pixel")->required();
+  verb->add_option("COLOR", options->color, "EXR file with the low-resolution colour, many samples a pixel")
+      ->required();
   verb->add_option("AUX", options->aux, "EXR file with full-resolution albedo and normal (default: they are in COLOR)");
-  verb->add_option("-o,--output", options->output, "EXR file to write: R, G, B (and A), 32-bit float, ZIP")->required()->type_name("EXR");
-  verb->add_option("--model", options->model, "A shipped model's name or a .safetensors file (default: the compact one of the scale)")->type_name("MODEL");
-  verb->add_option("--precision", options->precision, "Storage of activations and weights")->check(CLI::IsMember({"fp32", "fp16"}))->capture_default_str();
-  verb->add_option("--exposure", options->exposure, "Factor that brings the colour to a mean log luminance of 0.18")->check(CLI::Validator(validExposure, "auto|E"))->capture_default_str();
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")->type_name("DEVICE");
+  verb->add_option("-o,--output", options->output, "EXR file to write: R, G, B (and A), 32-bit float, ZIP")
+      ->required()
+      ->type_name("EXR");
+  verb->add_option("--model", options->model,
+                   "A shipped model's name or a .safetensors file (default: the compact one of the scale)")
+      ->type_name("MODEL");
+  verb->add_option("--precision", options->precision, "Storage of activations and weights")
+      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->capture_default_str();
+  verb->add_option("--exposure", options->exposure, "Factor that brings the colour to a mean log luminance of 0.18")
+      ->check(CLI::Validator(validExposure, "auto|E"))
+      ->capture_default_str();
+  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
+      ->type_name("DEVICE");
   verb->add_option("--color", options->layers.color, "Layer to take as colour")->type_name("LAYER");
   verb->add_option("--albedo", options->layers.albedo, "Layer to take as albedo")->type_name("LAYER");
   verb->add_option("--normal", options->layers.normal, "Layer to take as normal")->type_name("LAYER");
-  verb->add_option("--reference", options->reference, "EXR file to compare with: prints metrics beside the baselines")->type_name("EXR");
+  verb->add_option("--reference", options->reference, "EXR file to compare with: prints metrics beside the baselines")
+      ->type_name("EXR");
   verb->add_option("--preview", options->preview, "PNG file to write as well, with the sRGB curve")->type_name("PNG");
-  verb->add_option("--side-by-side", options->sideBySide, "PNG file with input, bicubic, result and reference side by side")->type_name("PNG");
+  verb->add_option("--side-by-side", options->sideBySide,
+                   "PNG file with input, bicubic, result and reference side by side")
+      ->type_name("PNG");
   verb->add_flag("--half", options->half, "Write 16-bit half floats");
   verb->add_flag("--profile", options->profile, "Print the device time of every operator");
-  verb->add_flag("--check", options->check, "First compare each operator with its double-precision reference, on a crop");
+  verb->add_flag("--check", options->check,
+                 "First compare each operator with its double-precision reference, on a crop");
   verb->add_flag("--quiet", options->quiet, "Print nothing but warnings and what was asked for");
-  verb->footer("The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
-               "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
-               "RenderMan, LuxCore and plain names; --color, --albedo and --normal choose others. The scale follows from\n"
-               "the two sizes.\n\nExamples:\n"
-               "  xrds upscale color.exr aux.exr -o out.exr\n"
-               "  xrds upscale color.exr aux.exr -o out.exr --model my.safetensors --precision fp16 --preview out.png\n"
-               "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'");
+  verb->footer(
+      "The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
+      "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
+      "RenderMan, LuxCore and plain names; --color, --albedo and --normal choose others. The scale follows from\n"
+      "the two sizes.\n\nExamples:\n"
+      "  xrds upscale color.exr aux.exr -o out.exr\n"
+      "  xrds upscale color.exr aux.exr -o out.exr --model my.safetensors --precision fp16 --preview out.png\n"
+      "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'");
   verb->callback([options] { run(*options); });
 }
 

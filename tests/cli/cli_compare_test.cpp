@@ -12,29 +12,39 @@ TEST(CliCompare, PrintsEveryMetricAndJudges) {
   const SmallFrame frame;
   const Ended same = runXrds({"compare", frame.color, frame.color, "--min-psnr", "40"});
   EXPECT_EQ(same.exitCode, 0) << same.error;
-  for (const char* name : {"PSNR", "RelMSE", "RelMSE trimmed", "RelMSE median", "FLIP"}) EXPECT_TRUE(contains(same.output, name)) << name;
+  for (const char* name : {"PSNR", "RelMSE", "RelMSE trimmed", "RelMSE median", "FLIP"})
+    EXPECT_TRUE(contains(same.output, name)) << name;
   const std::string other = (frame.folder / "other.exr").string(), map = (frame.folder / "map.png").string();
   const Layer colour = colourLayer("", 10);
-  writeParts(other, {{windowOf(10, 8), windowOf(10, 8), {{"beauty", "RGB", [&](int x, int y, int c) { return 0.8F * colour.pixels(x, y, c); }}}}});
-  EXPECT_EQ(runXrds({"compare", other, frame.color, "--heat-map", map, "--layer", "beauty", "--reference-layer", "RGB"}).exitCode, 0);
+  writeParts(other, {{windowOf(10, 8), windowOf(10, 8), {{"beauty", "RGB", [&](int x, int y, int c) {
+                                                            return 0.8F * colour.pixels(x, y, c);
+                                                          }}}}});
+  EXPECT_EQ(runXrds({"compare", other, frame.color, "--heat-map", map, "--layer", "beauty", "--reference-layer", "RGB"})
+                .exitCode,
+            0);
   EXPECT_TRUE(readBytes(map).starts_with("\x89PNG"));
   expectFailure(runXrds({"compare", other, frame.color, "--min-psnr", "60"}), 7, "below 60", frame.folder, 4);
 }
 
 TEST(CliCompare, RefusesWhatCannotBeCompared) {
   const SmallFrame frame;
-  expectFailure(runXrds({"compare", frame.color, frame.aux, "--reference-layer", "albedo"}), 3, "different sizes", frame.folder, 2);
-  expectFailure(runXrds({"compare", frame.color, (frame.folder / "none.exr").string()}), 3, "no such file", frame.folder, 2);
-  expectFailure(runXrds({"compare", frame.color, frame.color, "--heat-map", "/proc/map.png"}), 6, "takes no new files", frame.folder, 2);
+  expectFailure(runXrds({"compare", frame.color, frame.aux, "--reference-layer", "albedo"}), 3, "different sizes",
+                frame.folder, 2);
+  expectFailure(runXrds({"compare", frame.color, (frame.folder / "none.exr").string()}), 3, "no such file",
+                frame.folder, 2);
+  expectFailure(runXrds({"compare", frame.color, frame.color, "--heat-map", "/proc/map.png"}), 6, "takes no new files",
+                frame.folder, 2);
   expectFailure(runXrds({"compare", frame.color, frame.color, "--heat-max", "-1"}), 2, "--heat-max", frame.folder, 2);
-  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [](int, int, int) { return std::nanf(""); }}}}});
+  writeParts(frame.color,
+             {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [](int, int, int) { return std::nanf(""); }}}}});
   expectFailure(runXrds({"compare", frame.color, frame.color}), 3, "finite", frame.folder, 2);
 }
 
 TEST(CliInfo, DescribesAModelAndListsTheShippedOnes) {
   const Ended ended = runXrds({"info", goldenModel("s4_guided"), "--size", "64x32"});
   EXPECT_EQ(ended.exitCode, 0) << ended.error;
-  for (const char* word : {"albedo,normal", "hash", "MACs", "planned peak", "64 x 32"}) EXPECT_TRUE(contains(ended.output, word)) << word;
+  for (const char* word : {"albedo,normal", "hash", "MACs", "planned peak", "64 x 32"})
+    EXPECT_TRUE(contains(ended.output, word)) << word;
   EXPECT_TRUE(contains(runXrds({"info"}).output, "xrds-x4-compact"));
 }
 
@@ -55,7 +65,8 @@ TEST(CliDevices, ListsWhatTheOptionTakes) {
 TEST(CliHelp, NamesVerbsAndExitCodes) {
   const Ended ended = runXrds({"--help"});
   EXPECT_EQ(ended.exitCode, 0);
-  for (const char* word : {"upscale", "compare", "info", "devices", "Exit codes", "130"}) EXPECT_TRUE(contains(ended.output, word)) << word;
+  for (const char* word : {"upscale", "compare", "info", "devices", "Exit codes", "130"})
+    EXPECT_TRUE(contains(ended.output, word)) << word;
   EXPECT_TRUE(contains(runXrds({"--version"}).output, "xrds 0."));
 }
 

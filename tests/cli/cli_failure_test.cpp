@@ -7,12 +7,15 @@
 namespace xrds::test {
 namespace {
 
-Ended upscale(const SmallFrame& frame, const std::vector<std::string>& more = {}) { return runXrds(frame.arguments(more)); }
+Ended upscale(const SmallFrame& frame, const std::vector<std::string>& more = {}) {
+  return runXrds(frame.arguments(more));
+}
 Ended upscaleWith(const SmallFrame& frame, const std::string& model) { return runXrds(frame.arguments({}, model)); }
 
 TEST(CliFailure, InputThatIsMissingEmptyTruncatedOrGarbage) {
   const SmallFrame frame;
-  expectFailure(runXrds({"upscale", (frame.folder / "none.exr").string(), frame.aux, "-o", frame.out}), 3, "no such file", frame.folder, 2);
+  expectFailure(runXrds({"upscale", (frame.folder / "none.exr").string(), frame.aux, "-o", frame.out}), 3,
+                "no such file", frame.folder, 2);
   const std::string good = readBytes(frame.color);
   writeBytes(frame.color, "");
   expectFailure(upscale(frame), 3, "empty file", frame.folder, 2);
@@ -27,14 +30,17 @@ TEST(CliFailure, InputThatIsMissingEmptyTruncatedOrGarbage) {
 TEST(CliFailure, SizesThatDoNotFit) {
   const SmallFrame frame;
   const auto setAux = [&](int width, int height) {
-    writeParts(frame.aux, {{windowOf(width, height), windowOf(width, height), {albedoLayer("albedo", width), normalLayer("normal", width)}}});
+    writeParts(frame.aux, {{windowOf(width, height),
+                            windowOf(width, height),
+                            {albedoLayer("albedo", width), normalLayer("normal", width)}}});
   };
   setAux(41, 32);
   expectFailure(upscale(frame), 3, "no whole multiple", frame.folder, 2);
   setAux(20, 16);
   expectFailure(upscale(frame), 4, "upscales by 4", frame.folder, 2);
   setAux(30, 24);
-  expectFailure(runXrds({"upscale", frame.color, frame.aux, "-o", frame.out}), 4, "no model of this scale", frame.folder, 2);
+  expectFailure(runXrds({"upscale", frame.color, frame.aux, "-o", frame.out}), 4, "no model of this scale",
+                frame.folder, 2);
   setAux(40, 32);
   expectFailure(upscale(frame, {"--reference", frame.color}), 3, "expected the result's 40 x 32", frame.folder, 2);
 }
@@ -43,7 +49,9 @@ TEST(CliFailure, LayersThatAreUnknownAmbiguousOrAbsent) {
   const SmallFrame frame;
   expectFailure(upscale(frame, {"--albedo", "bogus"}), 3, "a layer 'bogus'", frame.folder, 2);
   expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "no albedo", frame.folder, 2);
-  writeParts(frame.aux, {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("a.albedo", 40), albedoLayer("b.albedo", 40), normalLayer("normal", 40)}}});
+  writeParts(frame.aux, {{windowOf(40, 32),
+                          windowOf(40, 32),
+                          {albedoLayer("a.albedo", 40), albedoLayer("b.albedo", 40), normalLayer("normal", 40)}}});
   expectFailure(upscale(frame), 3, "ambiguous", frame.folder, 2);
   EXPECT_EQ(upscale(frame, {"--albedo", "b.albedo"}).exitCode, 0);
 }
@@ -56,7 +64,8 @@ TEST(CliFailure, OutputsThatCannotBeWritten) {
   expectFailure(to((frame.folder / "none/out.exr").string()), 6, "existing folder", frame.folder, 2);
   expectFailure(to("/proc/out.exr"), 6, "takes no new files", frame.folder, 2);  // not even for the superuser
   expectFailure(to((frame.folder / "out.png").string()), 2, "ends in .exr", frame.folder, 2);
-  expectFailure(upscale(frame, {"--preview", (frame.folder / "none/p.png").string()}), 6, "existing folder", frame.folder, 2);
+  expectFailure(upscale(frame, {"--preview", (frame.folder / "none/p.png").string()}), 6, "existing folder",
+                frame.folder, 2);
   expectFailure(upscale(frame, {"--preview", (frame.folder / "p.jpg").string()}), 2, "ends in .png", frame.folder, 2);
   const std::string png = (frame.folder / "p.png").string();
   expectFailure(upscale(frame, {"--preview", png, "--side-by-side", png}), 2, "same file", frame.folder, 2);
@@ -93,19 +102,28 @@ TEST(CliFailure, ModelsThatAreDamagedOrForeign) {
   expectFailure(with(good.substr(0, 5)), 4, "truncated", frame.folder, 3);
   expectFailure(with(std::string(8, '\xff') + good.substr(8)), 4, "truncated", frame.folder, 3);
   expectFailure(with(good.substr(0, 8) + std::string(good.size() - 8, '[')), 4, "header", frame.folder, 3);
-  const auto changed = [&](const std::function<void(TensorFile&)>& change) { return upscaleWith(frame, changedModel(frame, change)); };
+  const auto changed = [&](const std::function<void(TensorFile&)>& change) {
+    return upscaleWith(frame, changedModel(frame, change));
+  };
   expectFailure(changed([](TensorFile& f) { f.metadata["block"] = "swin"; }), 4, "'swin' blocks", frame.folder, 3);
   expectFailure(changed([](TensorFile& f) { f.metadata["format"] = "other"; }), 4, "another format", frame.folder, 3);
-  expectFailure(changed([](TensorFile& f) { f.metadata["channels"] = "99999999999"; }), 4, "expected a number", frame.folder, 3);
-  expectFailure(changed([](TensorFile& f) { f.tensors.erase(f.tensors.begin()); }), 4, "misses the tensor", frame.folder, 3);
-  expectFailure(changed([](TensorFile& f) { f.tensors.begin()->second.values[0] = NAN; }), 4, "not finite", frame.folder, 3);
+  expectFailure(changed([](TensorFile& f) { f.metadata["channels"] = "99999999999"; }), 4, "expected a number",
+                frame.folder, 3);
+  expectFailure(changed([](TensorFile& f) { f.tensors.erase(f.tensors.begin()); }), 4, "misses the tensor",
+                frame.folder, 3);
+  expectFailure(changed([](TensorFile& f) { f.tensors.begin()->second.values[0] = NAN; }), 4, "not finite",
+                frame.folder, 3);
   expectFailure(upscaleWith(frame, goldenModel("s4_guided_extra_aux")), 4, "auxiliary image 'extra'", frame.folder, 3);
 }
 
 TEST(CliFailure, WrongOptions) {
   const SmallFrame frame;
-  for (const auto& wrong : std::vector<std::vector<std::string>>{
-           {"--precision", "fp8"}, {"--exposure", "0"}, {"--exposure", "nan"}, {"--exposure", "1e-42"}, {"--exposure", ""}, {"--bogus"}})
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{"--precision", "fp8"},
+                                                                 {"--exposure", "0"},
+                                                                 {"--exposure", "nan"},
+                                                                 {"--exposure", "1e-42"},
+                                                                 {"--exposure", ""},
+                                                                 {"--bogus"}})
     expectFailure(upscale(frame, wrong), 2, "see --help", frame.folder, 2);
   expectFailure(runXrds({}), 2, "subcommand", frame.folder, 2);
   expectFailure(runXrds({"upscale", frame.color}), 2, "--output", frame.folder, 2);
@@ -118,7 +136,8 @@ TEST(CliFailure, NoDevice) {
   const SmallFrame frame;
   expectFailure(upscale(frame, {"--device", "bogus"}), 5, "bogus", frame.folder, 2);
   const std::string none = (frame.folder / "none.json").string();
-  const StartOptions options{.environment = {{"VK_ICD_FILENAMES", none}, {"VK_DRIVER_FILES", none}, {"VK_LOADER_DEBUG", "none"}}};
+  const StartOptions options{
+      .environment = {{"VK_ICD_FILENAMES", none}, {"VK_DRIVER_FILES", none}, {"VK_LOADER_DEBUG", "none"}}};
   expectFailure(runXrds(frame.arguments(), options), 5, "Vulkan", frame.folder, 2);
   expectFailure(runXrds({"devices"}, options), 5, "Vulkan", frame.folder, 2);
 }

@@ -64,8 +64,9 @@ TEST(CliFrame, AnAuxiliaryCropIsPlacedAndReported) {
 TEST(CliFrame, FindsAllLayersInOneFileOfSeveralParts) {
   const SmallFrame frame;
   const std::string all = (frame.folder / "all.exr").string();
-  writeParts(all, {{windowOf(10, 8), windowOf(40, 32), {colourLayer("", 10)}, "beauty"},
-                   {windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}, "features"}});
+  writeParts(
+      all, {{windowOf(10, 8), windowOf(40, 32), {colourLayer("", 10)}, "beauty"},
+            {windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}, "features"}});
   const Ended ended = runXrds({"upscale", all, "-o", frame.out, "--model", goldenModel("s4_guided")});
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(40, 32));
@@ -77,7 +78,9 @@ TEST(CliFrame, FindsAllLayersInOneFileOfSeveralParts) {
 TEST(CliFrame, OneLayerFileOfScaleOne) {
   const SmallFrame frame;
   const std::string all = (frame.folder / "all.exr").string();
-  writeParts(all, {{windowOf(10, 8), windowOf(10, 8), {colourLayer("", 10), albedoLayer("albedo", 10), normalLayer("normal", 10)}}});
+  writeParts(all, {{windowOf(10, 8),
+                    windowOf(10, 8),
+                    {colourLayer("", 10), albedoLayer("albedo", 10), normalLayer("normal", 10)}}});
   const Ended ended = runXrds({"upscale", all, "-o", frame.out, "--model", goldenModel("s1_guided")});
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(10, 8));
@@ -90,7 +93,8 @@ TEST(CliFrame, OutputMayReplaceAnInput) {
   for (const std::string& target : {frame.color, frame.aux}) {
     const SmallFrame again;
     const std::string replaced = target == frame.color ? again.color : again.aux;
-    const Ended ended = runXrds({"upscale", again.color, again.aux, "-o", replaced, "--model", goldenModel("s4_guided")});
+    const Ended ended =
+        runXrds({"upscale", again.color, again.aux, "-o", replaced, "--model", goldenModel("s4_guided")});
     ASSERT_EQ(ended.exitCode, 0) << ended.error;
     EXPECT_EQ(readColour(replaced).pixels, expected.pixels);
     EXPECT_EQ(again.folder.fileCount(), 2u);
@@ -100,7 +104,9 @@ TEST(CliFrame, OutputMayReplaceAnInput) {
 TEST(CliFrame, UpscalesAlphaAndKeepsOpaqueOpaque) {
   const SmallFrame frame;
   const Layer colour = colourLayer("", 10);
-  const Layer withAlpha{"", "RGBA", [&](int x, int y, int c) { return c < 3 ? colour.pixels(x, y, c) : x < 5 ? 1.F : 0.F; }};
+  const Layer withAlpha{"", "RGBA", [&](int x, int y, int c) {
+                          return c < 3 ? colour.pixels(x, y, c) : x < 5 ? 1.F : 0.F;
+                        }};
   writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {withAlpha}}});
   ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);
   const ExrFile file = readExrHeader(frame.out);
@@ -115,11 +121,18 @@ TEST(CliFrame, RepairsCountsAndReportsWhatIsNotFinite) {
   const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
   const Layer good = colourLayer("", 10), normal = normalLayer("normal", 40);
   writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [&](int x, int y, int c) {
-    return x == 3 && y < 2 ? nan : x == 7 && y == 4 ? inf : x == 8 && y == 6 ? -1.F : good.pixels(x, y, c);
-  }}}}});
-  writeParts(frame.aux, {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", [&](int x, int y, int c) {
-    return x == 9 && y == 9 ? nan : normal.pixels(x, y, c);
-  }}}}});
+                                                                  return x == 3 && y < 2    ? nan
+                                                                         : x == 7 && y == 4 ? inf
+                                                                         : x == 8 && y == 6 ? -1.F
+                                                                                            : good.pixels(x, y, c);
+                                                                }}}}});
+  writeParts(
+      frame.aux,
+      {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", [&](int x, int y, int c) {
+                                                                           return x == 9 && y == 9
+                                                                                      ? nan
+                                                                                      : normal.pixels(x, y, c);
+                                                                         }}}}});
   const Ended ended = runXrds(frame.arguments());
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_TRUE(contains(ended.error, "3 pixels of layer '(unnamed)' not finite")) << ended.error;
@@ -147,10 +160,12 @@ TEST(CliFrame, AModelWithoutAuxiliaryImagesNeedsNone) {
 TEST(CliFrame, ChecksProfilesAndShowsTheBaselines) {
   const SmallFrame frame;
   writeParts(frame.folder / "ref.exr", {{windowOf(40, 32), windowOf(40, 32), {colourLayer("", 40)}}});
-  const Ended ended = runXrds(frame.arguments({"--check", "--profile", "--reference", (frame.folder / "ref.exr").string(),
-                                               "--side-by-side", (frame.folder / "s.png").string()}));
+  const Ended ended =
+      runXrds(frame.arguments({"--check", "--profile", "--reference", (frame.folder / "ref.exr").string(),
+                               "--side-by-side", (frame.folder / "s.png").string()}));
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
-  for (const char* expected : {"operators agree with the reference", "slowest dispatches", "\nbicubic ", "\ndemodulated bicubic ", "\nguided ", "\nxrds "})
+  for (const char* expected : {"operators agree with the reference", "slowest dispatches", "\nbicubic ",
+                               "\ndemodulated bicubic ", "\nguided ", "\nxrds "})
     EXPECT_TRUE(contains(ended.output, expected)) << expected << " in " << ended.output;
   EXPECT_EQ(frame.folder.fileCount(), 5u);
 }

@@ -10,7 +10,8 @@ namespace {
 double differenceOf(const Image& found, const std::vector<float>& expected, float exposure) {
   double difference = 0, power = 0;
   for (size_t i = 0; i < expected.size(); ++i) {
-    const double x = std::log1p(std::max(0.F, found.pixels[i] * exposure)), y = std::log1p(std::max(0.F, expected[i] * exposure));
+    const double x = std::log1p(std::max(0.F, found.pixels[i] * exposure)),
+                 y = std::log1p(std::max(0.F, expected[i] * exposure));
     difference += (x - y) * (x - y);
     power += y * y;
   }
@@ -27,7 +28,8 @@ TEST_P(CliGolden, MatchesPyTorch) {
     const int height = static_cast<int>(image.shape[0]), width = static_cast<int>(image.shape[1]);
     return Part{windowOf(width, height), windowOf(width, height), {layerOf(name, image.values, width)}};
   };
-  const std::string colour = (folder / "colour.exr").string(), aux = (folder / "aux.exr").string(), out = (folder / "out.exr").string();
+  const std::string colour = (folder / "colour.exr").string(), aux = (folder / "aux.exr").string(),
+                    out = (folder / "out.exr").string();
   writeParts(colour, {layer("colour", "")});
   std::vector<std::string> arguments{"upscale", colour};
   if (golden.tensors.contains("albedo")) {
@@ -38,11 +40,15 @@ TEST_P(CliGolden, MatchesPyTorch) {
   }
   for (const auto& [precision, tolerance] : {std::pair{"fp32", 1e-4}, std::pair{"fp16", 5e-3}}) {
     std::vector<std::string> all = arguments;
-    for (const std::string& word : {std::string("-o"), out, std::string("--model"), goldenModel(GetParam()), std::string("--precision"), std::string(precision)})
+    for (const std::string& word : {std::string("-o"), out, std::string("--model"), goldenModel(GetParam()),
+                                    std::string("--precision"), std::string(precision)})
       all.push_back(word);
     const Ended ended = runXrds(all);
     ASSERT_EQ(ended.exitCode, 0) << ended.error;
-    EXPECT_LT(differenceOf(readColour(out), golden.tensors.at("output").values, golden.tensors.at("exposure").values[0]), tolerance) << precision;
+    EXPECT_LT(
+        differenceOf(readColour(out), golden.tensors.at("output").values, golden.tensors.at("exposure").values[0]),
+        tolerance)
+        << precision;
   }
 }
 

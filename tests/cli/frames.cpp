@@ -26,7 +26,8 @@ Imf::Header headerFor(const Part& part) {
   header.insert("renderer", Imf::StringAttribute("made up"));
   header.insert("cameraZoom", Imf::FloatAttribute(1.5F));
   for (const Layer& layer : part.layers)
-    for (size_t c = 0; c < layer.channels.size(); ++c) header.channels().insert(channelName(layer, c), Imf::Channel(Imf::FLOAT));
+    for (size_t c = 0; c < layer.channels.size(); ++c)
+      header.channels().insert(channelName(layer, c), Imf::Channel(Imf::FLOAT));
   return header;
 }
 
@@ -39,7 +40,8 @@ void writePart(Imf::MultiPartOutputFile& file, int number, const Part& part) {
       std::vector<float>& plane = planes.emplace_back();
       for (int y = 0; y < w.height(); ++y)
         for (int x = 0; x < w.width(); ++x) plane.push_back(layer.pixels(x, y, static_cast<int>(c)));
-      buffer.insert(channelName(layer, c), Imf::Slice::Make(Imf::FLOAT, plane.data(), Imath::V2i(w.minX, w.minY), w.width(), w.height()));
+      buffer.insert(channelName(layer, c),
+                    Imf::Slice::Make(Imf::FLOAT, plane.data(), Imath::V2i(w.minX, w.minY), w.width(), w.height()));
     }
   Imf::OutputPart output(file, number);
   output.setFrameBuffer(buffer);
@@ -77,7 +79,8 @@ Layer normalLayer(const std::string& name, int width) {
 }
 
 Layer layerOf(const std::string& name, const std::vector<float>& values, int width) {
-  return {name, "RGB", [&values, width](int x, int y, int c) { return values[3 * (static_cast<size_t>(y) * width + x) + c]; }};
+  return {name, "RGB",
+          [&values, width](int x, int y, int c) { return values[3 * (static_cast<size_t>(y) * width + x) + c]; }};
 }
 
 SmallFrame::SmallFrame() {
@@ -86,7 +89,8 @@ SmallFrame::SmallFrame() {
 }
 
 std::vector<std::string> SmallFrame::arguments(const std::vector<std::string>& more, const std::string& model) const {
-  std::vector<std::string> all{"upscale", color, aux, "-o", out, "--model", model.empty() ? goldenModel("s4_guided") : model};
+  std::vector<std::string> all{
+      "upscale", color, aux, "-o", out, "--model", model.empty() ? goldenModel("s4_guided") : model};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -100,7 +104,8 @@ Image readColour(const std::string& path) {
   return readLayer(file, findAov(file, AovRole::kColor));
 }
 
-void expectFailure(const Ended& ended, int exitCode, const std::string& words, const TemporaryFolder& folder, size_t fileCount) {
+void expectFailure(const Ended& ended, int exitCode, const std::string& words, const TemporaryFolder& folder,
+                   size_t fileCount) {
   EXPECT_EQ(ended.exitCode, exitCode) << ended.error;
   EXPECT_TRUE(ended.error.starts_with("xrds: ")) << ended.error;
   EXPECT_NE(ended.error.find(words), std::string::npos) << ended.error;

@@ -46,7 +46,8 @@ Layer layerOf(const std::string& name, const std::vector<float>& values, int wid
 /// A folder with colour.exr (10 x 8) and aux.exr (four times that), the frame of most tests.
 struct SmallFrame {
   TemporaryFolder folder;
-  std::string color = (folder / "colour.exr").string(), aux = (folder / "aux.exr").string(), out = (folder / "out.exr").string();
+  std::string color = (folder / "colour.exr").string(), aux = (folder / "aux.exr").string(),
+              out = (folder / "out.exr").string();
   SmallFrame();
   /// The arguments of a run, with a small model of scale 4 unless another one is given, and some more.
   std::vector<std::string> arguments(const std::vector<std::string>& more = {}, const std::string& model = "") const;
@@ -57,6 +58,7 @@ ExrPart headerOf(const std::string& path);
 Image readColour(const std::string& path);
 
 /// Expects an exit code, one sentence with `words` on stderr, and `fileCount` files in the folder: nothing left behind.
-void expectFailure(const Ended& ended, int exitCode, const std::string& words, const TemporaryFolder& folder, size_t fileCount);
+void expectFailure(const Ended& ended, int exitCode, const std::string& words, const TemporaryFolder& folder,
+                   size_t fileCount);
 
 }  // namespace xrds::test

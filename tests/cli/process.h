@@ -15,8 +15,8 @@ struct Ended {
 
 struct StartOptions {
   std::map<std::string, std::string> environment{};
-  std::filesystem::path folder{};   // to start in; empty: here
-  long largestFileBytes = -1;       // writing more fails, as on a full disk; -1: no limit
+  std::filesystem::path folder{};  // to start in; empty: here
+  long largestFileBytes = -1;      // writing more fails, as on a full disk; -1: no limit
 };
 
 /// Starts the built xrds and waits for its end.
