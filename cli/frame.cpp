@@ -98,6 +98,7 @@ PixelView viewOf(const Image& image) {
 
 std::vector<PixelView> viewsOf(const std::vector<Image>& images) {
   std::vector<PixelView> views;
+  views.reserve(images.size());
   for (const Image& image : images) views.push_back(viewOf(image));
   return views;
 }

@@ -26,6 +26,7 @@ int fail(xrds::ExitCode code, const std::string& message) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): only the handlers could throw, when building a message fails
 int main(int argc, char** argv) {
   CLI::App app(
       "Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"

@@ -25,7 +25,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 fs::path shippedFile(const std::string& name) {
   for (const fs::path& folder : modelFolders())
-    if (const fs::path file = folder / (name + kSuffix); fs::exists(file)) return file;
+    if (fs::path file = folder / (name + kSuffix); fs::exists(file)) return file;
   return {};
 }
 
@@ -53,14 +53,14 @@ std::vector<std::string> shippedModels() {
 
 fs::path resolveModel(const std::string& nameOrFile) {
   if (nameOrFile.ends_with(kSuffix) || nameOrFile.find('/') != std::string::npos) return nameOrFile;
-  if (const fs::path file = shippedFile(nameOrFile); !file.empty()) return file;
+  if (fs::path file = shippedFile(nameOrFile); !file.empty()) return file;
   if (fs::is_regular_file(nameOrFile)) return nameOrFile;
   throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
               listed(shippedModels()) + ".");
 }
 
 fs::path defaultModel(int scale) {
-  const fs::path file = shippedFile("xrds-x" + std::to_string(scale) + "-compact");
+  fs::path file = shippedFile("xrds-x" + std::to_string(scale) + "-compact");
   if (file.empty())
     throw Error("The auxiliary images have " + (scale == 1 ? "the" : std::to_string(scale) + " times the") +
                 " colour's size and no model of this scale is shipped, only " + listed(shippedModels()) +

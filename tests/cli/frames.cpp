@@ -52,6 +52,7 @@ void writePart(Imf::MultiPartOutputFile& file, int number, const Part& part) {
 
 void writeParts(const std::filesystem::path& path, const std::vector<Part>& parts) {
   std::vector<Imf::Header> headers;
+  headers.reserve(parts.size());
   for (const Part& part : parts) headers.push_back(headerFor(part));
   Imf::MultiPartOutputFile file(path.string().c_str(), headers.data(), static_cast<int>(headers.size()));
   for (size_t i = 0; i < parts.size(); ++i) writePart(file, static_cast<int>(i), parts[i]);
