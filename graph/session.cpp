@@ -12,11 +12,11 @@ namespace {
 uint64_t alignUp(uint64_t size) { return (size + kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment; }
 
 std::vector<std::byte> encode(std::span<const float> values, DataType type) {
-  std::vector<std::byte> bytes(values.size() * byteSize(type));
   if (type == DataType::f32) {
-    std::memcpy(bytes.data(), values.data(), bytes.size());
-    return bytes;
+    const auto bytes = std::as_bytes(values);
+    return {bytes.begin(), bytes.end()};
   }
+  std::vector<std::byte> bytes(values.size() * byteSize(type));
   for (size_t i = 0; i < values.size(); ++i) {
     const uint16_t half = toHalf(values[i]);
     std::memcpy(bytes.data() + 2 * i, &half, 2);

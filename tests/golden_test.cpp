@@ -118,6 +118,14 @@ TEST(GoldenReference, CheckNamesTheFirstDivergentOperator) {
   const CheckResult good = checkAgainstReference(test::gpu(), golden.model, golden.frame, golden.input, {});
   EXPECT_EQ(good.firstDivergent, -1);
   EXPECT_GT(good.nodes.size(), 40u);
+
+  std::vector<float> colour(golden.input.colour.begin(), golden.input.colour.end());
+  colour[4] = INFINITY;  // the exposure leaves it out, the encoding hands it on
+  FrameInput broken = golden.input;
+  broken.colour = colour;
+  const CheckResult bad = checkAgainstReference(test::gpu(), golden.model, golden.frame, broken, {});
+  ASSERT_GE(bad.firstDivergent, 0);
+  EXPECT_EQ(bad.nodes[static_cast<size_t>(bad.firstDivergent)].node, "encode_radiance");
 }
 
 }  // namespace
