@@ -11,12 +11,17 @@ import torch.nn as nn
 import torch.nn.functional as F
 
 
+ALBEDO_CENTRE = 5.0     # first logit of the pixel itself in the albedo's kernel: nearly no filter
+
+
 @dataclasses.dataclass(frozen=True)
 class NetworkConfig:
     """Every size and option of a model; the fields are the metadata keys of the model file.
 
     Symbols of the paper: scale s, channels C, aux_channels Ca, groups N, blocks B, window w, head_channels d.
-    `kernels` = 5 adds 25 kernel logits to the 3 output channels; `aux_skip` = 1 feeds H_N to the output convolution.
+    `kernels` = 5 adds 25 kernel logits to the 3 output channels; `aux_skip` = 1 feeds H_N to the output convolution;
+    `albedo_kernels` = 3 or 5 adds that many squared logits, which filter the albedo that the result is multiplied with.
+    `cross` = "concat" puts a 1x1 convolution of [f, e] in the place of the cross module XM.
     """
     scale: int = 4
     channels: int = 64
@@ -31,6 +36,8 @@ class NetworkConfig:
     block: str = "rdst"
     kernels: int = 0
     aux_skip: int = 0
+    albedo_kernels: int = 0
+    cross: str = "attention"
 
     def __post_init__(self):
         def require(condition, message):
@@ -39,12 +46,15 @@ class NetworkConfig:
         require(self.scale in (1, 2, 4, 8, 16), f"scale must be 1, 2, 4, 8 or 16, found {self.scale}")
         require(self.channels % self.head_channels == 0,
                 f"channels {self.channels} must be a multiple of head_channels {self.head_channels}")
-        require(self.block == "rdst", f"block must be rdst, found {self.block!r}")
+        require(self.block in BLOCKS, f"block must be one of {', '.join(BLOCKS)}, found {self.block!r}")
+        require(self.cross in ("attention", "concat"), f"cross must be attention or concat, found {self.cross!r}")
         require(self.transfer in ("none", "log1p"), f"transfer must be none or log1p, found {self.transfer!r}")
         require(self.base in ("none", "bicubic", "demodulated", "guided"), f"unknown base {self.base!r}")
         require(self.base in ("none", "bicubic") or "albedo" in self.aux_inputs, f"base {self.base} needs albedo")
         require(self.kernels in (0, 5), f"kernels must be 0 or 5, found {self.kernels}")
         require(self.kernels == 0 or self.base == "guided", "learned kernels need base=guided")
+        require(self.albedo_kernels in (0, 3, 5), f"albedo_kernels must be 0, 3 or 5, found {self.albedo_kernels}")
+        require(self.albedo_kernels == 0 or self.base in ("demodulated", "guided"), "albedo_kernels needs a base that demodulates")
         require(self.aux_skip in (0, 1), f"aux_skip must be 0 or 1, found {self.aux_skip}")
         require(self.aux_skip == 0 or self.aux_inputs, "aux_skip needs auxiliary inputs")
 
@@ -60,8 +70,8 @@ class NetworkConfig:
 
     @property
     def output_width(self):
-        """Channels of the raw output: the residual, then the kernel logits."""
-        return 3 + self.kernels ** 2
+        """Channels of the raw output: the residual, the kernel logits, the logits of the albedo's kernels."""
+        return 3 + self.kernels ** 2 + self.albedo_kernels ** 2
 
 
 def conv3x3(inputs, outputs):
@@ -199,6 +209,38 @@ def to_image(x):
     return x.permute(0, 3, 1, 2)
 
 
+class ConvBlock(nn.Module):
+    """RDB (residual dense network, Zhang et al. 2018): y_k = relu(conv3x3([x, y_1 .. y_{k-1}])), k = 1..3; conv1x1 of all, plus x."""
+
+    def __init__(self, config, block):
+        super().__init__()
+        c = config.channels
+        self.grow = nn.ModuleList(conv3x3((k + 1) * c, c) for k in range(3))
+        self.fuse = nn.Conv2d(4 * c, c, 1)
+
+    def forward(self, x):
+        t = x
+        for grow in self.grow:
+            t = torch.cat([t, F.relu(grow(t))], 1)
+        return self.fuse(t) + x
+
+
+class SwinBlock(nn.Module):
+    """RSTB (SwinIR, Liang et al. 2021) of three Swin layers of width C, and a residual 3x3 convolution."""
+
+    def __init__(self, config, block):
+        super().__init__()
+        c = config.channels
+        self.layers = nn.ModuleList(SwinLayer(c, config, shifted=(3 * block + k) % 2 == 1) for k in range(3))
+        self.conv = conv3x3(c, c)
+
+    def forward(self, x):
+        t = to_tokens(x)
+        for layer in self.layers:
+            t = layer(t)
+        return self.conv(to_image(t)) + x
+
+
 class DenseBlock(nn.Module):
     """RDST: three Swin layers over a growing concatenation, fused by 1x1 convolutions, and a residual 3x3 convolution."""
 
@@ -217,8 +259,11 @@ class DenseBlock(nn.Module):
         return self.conv(y) + x
 
 
+BLOCKS = {"rdst": DenseBlock, "rstb": SwinBlock, "rdb": ConvBlock}
+
+
 class Group(nn.Module):
-    """XDG: cross module, B dense blocks, a residual convolution."""
+    """XDG: cross module, B blocks, a residual convolution."""
 
     def __init__(self, config):
         super().__init__()
@@ -226,16 +271,26 @@ class Group(nn.Module):
         self.lr_conv = conv3x3(c, c)
         if config.aux_inputs:
             self.aux_conv = conv3x3(c, c)
-        self.xm = CrossModule(config)
-        self.blocks = nn.ModuleList(DenseBlock(config, b) for b in range(config.blocks))
+        if config.cross == "attention":
+            self.xm = CrossModule(config)
+        elif config.aux_inputs:
+            self.concat = nn.Conv2d(2 * c, c, 1)
+        self.cross = config.cross
+        self.blocks = nn.ModuleList(BLOCKS[config.block](config, b) for b in range(config.blocks))
         self.conv = conv3x3(c, c)
 
     def forward(self, f, d):
-        e = None if d is None else to_tokens(self.aux_conv(d))
-        x = g = to_image(self.xm(to_tokens(self.lr_conv(f)), e))
+        e = None if d is None else self.aux_conv(d)
+        x = g = self.joined(self.lr_conv(f), e)
         for block in self.blocks:
             g = block(g)
         return self.conv(g) + x
+
+    def joined(self, f, e):
+        """X [b, C, h, v]: what colour and auxiliary features make together."""
+        if self.cross == "attention":
+            return to_image(self.xm(to_tokens(f), None if e is None else to_tokens(e)))
+        return f if e is None else self.concat(torch.cat([f, e], 1))
 
 
 class AuxBlock(nn.Module):
@@ -318,6 +373,8 @@ def initialise(network, generator):
     with torch.no_grad():
         network.out.weight.zero_()
         network.out.bias.zero_()
+        if network.config.albedo_kernels:
+            network.out.bias[-(network.config.albedo_kernels ** 2 + 1) // 2] = ALBEDO_CENTRE
 
 
 def multiply_accumulates(config, height, width):

@@ -67,11 +67,15 @@ def network_colour(exposed, albedo, config):
     return transform(exposed, config.transfer)
 
 
-def neighbours(x):
-    """[b, c, h, w] -> [b, c, 25, h, w]: the 5 x 5 values around each pixel, row-major over (dy, dx), clamped at the border."""
-    b, c, h, w = x.shape
-    padded = F.pad(x, (2, 2, 2, 2), mode="replicate")
-    return torch.stack([padded[:, :, dy:dy + h, dx:dx + w] for dy in range(5) for dx in range(5)], 2)
+def neighbours(x, side=5):
+    """[b, c, h, w] -> [b, c, side^2, h, w]: the values around each pixel, row-major over (dy, dx), clamped at the border."""
+    return inner_neighbours(F.pad(x, (side // 2,) * 4, mode="replicate"), side)
+
+
+def inner_neighbours(bordered, side=5):
+    """The same of an image that has its border of side // 2 pixels already."""
+    h, w = (extent - side + 1 for extent in bordered.shape[-2:])
+    return torch.stack([bordered[:, :, dy:dy + h, dx:dx + w] for dy in range(side) for dx in range(side)], 2)
 
 
 def guided_log_weights(albedo, normal, scale):
@@ -122,6 +126,18 @@ def base_image(x, aux, config, logits=None):
     return kernel_average(neighbours(x), log_weights, config.scale)
 
 
+def split_output(raw, config):
+    """Raw output [b, 3 + k^2 + m^2, H, W] -> (residual [b, 3, H, W], kernel logits or None, logits of the albedo's kernels or None)."""
+    residual, logits, albedo_logits = raw.split((3, config.kernels ** 2, config.albedo_kernels ** 2), 1)
+    return residual, logits if config.kernels else None, albedo_logits if config.albedo_kernels else None
+
+
+def filtered_albedo(albedo_neighbours, logits):
+    """Mean of the pixels around each, weighted by the softmax of the learned logits: [b, 3, m^2, H, W], [b, m^2, H, W] -> [b, 3, H, W]."""
+    weights = torch.softmax(logits.clamp(-LOGIT_MAX, LOGIT_MAX), 1)
+    return torch.einsum("bjyx,bcjyx->bcyx", weights, albedo_neighbours)
+
+
 def to_radiance(transformed, albedo, exposure, config):
     """Inverse of the pipeline: clamp when there is a base, T^-1, times albedo for the bases that demodulate, over exposure."""
     if config.base != "none":
@@ -156,8 +172,10 @@ def upscale(network, colour, aux=None, exposure=None):
     x = network_colour(colour * exposure, albedo, config)
     height, width = (side * config.scale for side in x.shape[-2:])
     raw = network(*pad_inputs(x, network_aux(aux, config), config))[:, :, :height, :width]
-    transformed, logits = raw[:, :3], raw[:, 3:] if config.kernels else None
+    transformed, logits, albedo_logits = split_output(raw, config)
     base = base_image(x, aux, config, logits)
     if base is not None:
         transformed = base + transformed
+    if albedo_logits is not None:
+        albedo = filtered_albedo(neighbours(albedo, config.albedo_kernels), albedo_logits)
     return to_radiance(transformed, albedo, exposure, config), raw, exposure

@@ -76,7 +76,7 @@ def render(ask, seed, scene):
         total += storage.write(ask.out, seed, storage.low_kind(scale, samples), storage.colour(low))
     for samples in storage.AUX:
         aux = passes.render(scene, full, full, samples, 7 * seed + 1000 + samples)
-        total += storage.write(ask.out, seed, f"aux{samples}", storage.auxiliaries(aux))
+        total += storage.write(ask.out, seed, f"aux{samples}", storage.noisy(aux))
     reference = passes.render(scene, full, full, storage.REFERENCE, 7 * seed + 2000, threshold=0.015)
     return total + storage.write(ask.out, seed, "gt", storage.reference(reference))
 

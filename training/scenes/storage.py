@@ -4,7 +4,7 @@ import os
 import exr
 import passes
 
-LOW = ((4, 16), (4, 64), (2, 16), (8, 64))  # scale, samples
+LOW = ((4, 16), (4, 64), (2, 4), (2, 16), (8, 64), (8, 256))  # scale, samples
 AUX = (1, 4, 16)
 REFERENCE = 256
 
@@ -32,6 +32,11 @@ def auxiliaries(image, albedo_bits=5, normal_step=1 / 64):
     kept = {name: exr.rounded(image[name], albedo_bits) for name in passes.ALBEDO}
     kept.update((name, exr.on_grid(image[name], normal_step)) for name in passes.NORMAL)
     return kept
+
+
+def noisy(image):
+    """A full-resolution render of few samples: its colour, albedo and normal."""
+    return {**passes.colour(image, 8), **auxiliaries(image)}
 
 
 def reference(image):
