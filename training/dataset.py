@@ -1,122 +1,167 @@
-"""Scenes in memory and random crops of them, with what does not depend on the parameters computed once.
-
-A scene folder holds sNNNN_gt.exr, sNNNN_auxK.exr and sNNNN_lrK.exr as training/README.md describes.
-"""
+"""Scenes in memory and random crops of them."""
 import pathlib
-import re
 
 import torch
 
-import images
 import metrics
 import pipeline
+import shards
 
-COLOUR_SPP = (64, 16)
-AUX_TARGET_SPP = (16, 4, None)      # None: converged
+BORDER = 2      # low-resolution pixels around a crop, for the 5 x 5 kernels
 
-
-def scenes_of(folder):
-    """Sorted scene names in a folder of EXR files."""
-    return sorted(path.name[:-len("_gt.exr")] for path in pathlib.Path(folder).glob("*_gt.exr"))
-
-
-def finite(image):
-    """Negative and non-finite radiance becomes 0."""
-    return torch.nan_to_num(image, 0, 0, 0).clamp(min=0)
+# How often a sample count of the auxiliary images is drawn (0: converged), and of the colour by scale. Counts that a scene
+# lacks are imitated by scaling the noise of one that it has.
+AUX_SHARES = {16: 0.5, 8: 0.05, 4: 0.15, 2: 0.05, 1: 0.15, 0: 0.1}
+COLOUR_SHARES = {1: {4: 1, 16: 1, 1: 1}, 2: {16: 0.8, 4: 0.2}, 4: {64: 0.75, 16: 0.25}, 8: {64: 0.6, 256: 0.4}}
 
 
-def sparsest_aux(folder, scene):
-    """(samples per pixel K, path) of the scene's auxiliary render."""
-    found = [(int(re.search(r"_aux(\d+)\.exr$", str(path)).group(1)), path)
-             for path in pathlib.Path(folder).glob(f"{scene}_aux*.exr")]
-    return max(found)
+class Scene:
+    """One scene at one scale, half precision: colours {spp: [3, h, w]}, aux {spp, 0 converged: [A, H, W]}, target [3, H, W];
+    exposure {spp: number}; base_error: mean square sRGB error of the untrained base."""
+
+    def __init__(self, decoded, config, device):
+        scale = config.scale
+        self.colours = {spp: image.to(device) for (s, spp), image in decoded["colour"].items() if s == scale}
+        if scale == 8 and not self.colours:     # four pixels of scale 4 are one of scale 8, but for the pixel filter
+            self.colours = {4 * spp: pipeline.box_mean(image[None].float(), 2)[0].half().to(device)
+                            for (s, spp), image in decoded["colour"].items() if s == 4}
+        self.target = decoded["target"].to(device)
+        self.aux = {spp: own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
+        self.exposure = {spp: pipeline.auto_exposure(image.float()) for spp, image in self.colours.items()}
+        if self.colours:
+            most = max(self.colours)
+            aux = None if self.aux[0] is None else self.noisy_aux(16)[None].float()
+            base = pipeline.baseline(self.colours[most].float()[None], aux, config, self.exposure[most])[0]
+            self.base_error = (metrics.srgb(base) - metrics.srgb(self.target.float())).square().mean().item()
+
+    def noisy_aux(self, spp):
+        """[A, H, W] at `spp` samples (0: converged): the render of the nearest count, its noise scaled by sqrt(have / spp)."""
+        if spp == 0 or spp in self.aux:
+            return self.aux[spp]
+        fewer = [have for have in self.aux if 0 < have < spp]
+        have = max(fewer) if fewer else min(have for have in self.aux if have)
+        return torch.lerp(self.aux[0].float(), self.aux[have].float(), min(2.0, (have / spp) ** 0.5)).half()
+
+
+def own_aux(image, config):
+    """The auxiliary inputs of a model out of albedo and normal [6, H, W], the albedo clamped."""
+    parts = [image[:3].clamp(0, pipeline.ALBEDO_MAX) if kind == "albedo" else image[3:] for kind in config.aux_inputs]
+    return torch.cat(parts) if parts else image[:0]
 
 
 class Scenes:
-    """All scenes of a folder as half-precision tensors.
+    """The scenes of shard folders that have colour of the model's scale; refresh() adds those of new shards."""
 
-    colour [S, spp, 3, h, w], target [S, 3, H, W], aux [S, variants, 6, H, W], log_weights [S, variants, 25, H, W] of the
-    guided base, base_error [S] the mean squared sRGB error of that base.
-    """
+    def __init__(self, folders, config, device="cpu", limit=None):
+        self.folders, self.config, self.device, self.limit = [pathlib.Path(folder) for folder in folders], config, device, limit
+        self.scenes, self.read = [], set()
+        self.refresh()
 
-    def __init__(self, folder, config):
-        self.scale = config.scale
-        names = scenes_of(folder)
-        rows = [self.read(pathlib.Path(folder), name, config) for name in names]
-        self.colour, self.target, self.aux, self.log_weights, self.exposure, self.base_error = (
-            torch.stack(column) for column in zip(*rows))
-
-    def read(self, folder, name, config):
-        target, albedo, normal = images.read_exr(folder / f"{name}_gt.exr", "colour", "albedo", "normal")
-        colour = [finite(images.read_exr(folder / f"{name}_lr{spp}.exr", "colour")) for spp in COLOUR_SPP]
-        spp, path = sparsest_aux(folder, name)
-        converged = torch.cat([albedo, normal])
-        noisy = torch.cat(images.read_exr(path, "albedo", "normal"))
-        variants = []
-        for wanted in AUX_TARGET_SPP:
-            # The noise of K samples scaled by sqrt(K / wanted) has the variance of `wanted` samples.
-            keep = 0.0 if wanted is None else min(1.0, (spp / wanted) ** 0.5)
-            variants.append(torch.lerp(converged, noisy, keep))
-        aux = pipeline.network_aux(torch.stack(variants), config)
-        log_weights = torch.cat([pipeline.guided_log_weights(a[None, :3], a[None, 3:], self.scale) for a in aux])
-        exposure = torch.tensor([pipeline.auto_exposure(c) for c in colour])
-        base = pipeline.baseline(colour[0][None], aux[:1], config)[0]
-        base_error = (metrics.srgb(base) - metrics.srgb(target)).square().mean()
-        return (torch.stack(colour).half().clamp(max=6e4), finite(target).half().clamp(max=6e4), aux.half(), log_weights.half(),
-                exposure, base_error)
+    def refresh(self):
+        for path in sorted(path for folder in self.folders for path in folder.glob("*.npz")):
+            if path not in self.read:
+                self.read.add(path)
+                for _, decoded in shards.read_shard(path):
+                    scene = Scene(decoded, self.config, self.device)
+                    if scene.colours and (self.limit is None or len(self.scenes) < self.limit):
+                        self.scenes.append(scene)
 
     def __len__(self):
-        return len(self.target)
+        return len(self.scenes)
 
 
-def flip_axis(crop, axis):
+def cut(image, y, x, size, border, scale):
+    """[c, h * scale, w * scale] -> size + 2 border low-resolution pixels from (y - border, x - border); outside of the image its
+    outermost low-resolution pixels are repeated."""
+    height, width = image.shape[-2] // scale, image.shape[-1] // scale
+    top, left, bottom, right = y - border, x - border, y + size + border, x + size + border
+    if top >= 0 and left >= 0 and bottom <= height and right <= width:
+        return image[:, top * scale:bottom * scale, left * scale:right * scale]
+    inside = torch.arange(scale, device=image.device)
+    def places(first, end, count):
+        pixels = torch.arange(first, end, device=image.device).clamp(0, count - 1)
+        return (pixels[:, None] * scale + inside).flatten()
+    return image[:, places(top, bottom, height)][:, :, places(left, right, width)]
+
+
+def mirror(crop, axis, normal):
     """Mirrors a crop (axis 1: upside down, 2: left to right); the normal's component along it changes sign."""
-    flipped = {key: value.flip(axis + 1 if key == "log_weights" else axis) if value.ndim >= 3 else value
-               for key, value in crop.items()}
-    flipped["log_weights"] = flipped["log_weights"].flip(axis - 1)
-    flipped["aux"] = flipped["aux"].clone()
-    flipped["aux"][4 if axis == 1 else 3].neg_()
-    return flipped
+    crop = {key: value.flip(axis) for key, value in crop.items()}
+    if normal is not None:
+        crop["aux"][normal + (1 if axis == 1 else 0)].neg_()
+    return crop
+
+
+def transpose(crop, normal):
+    """Mirrors a crop on its main diagonal: rows run down, the normal's y points up."""
+    crop = {key: value.transpose(1, 2).clone() for key, value in crop.items()}
+    if normal is not None:
+        crop["aux"][normal:normal + 2] = -crop["aux"][normal:normal + 2].flip(0)
+    return crop
+
+
+def random_rotation(generator):
+    """A rotation matrix [3, 3], uniform."""
+    q, r = torch.linalg.qr(torch.randn(3, 3, generator=generator))
+    q = q * r.diagonal().sign()
+    return q * q.det()
 
 
 class Crops:
-    """Endless random crops. One crop has `size` x `size` low-resolution pixels and a border of 2 for the kernels."""
+    """Endless random crops of `size` x `size` low-resolution pixels."""
 
-    def __init__(self, scenes, size, seed):
-        self.scenes, self.size = scenes, size
+    def __init__(self, scenes, size, seed, colour_shares=None, aux_shares=None):
+        self.scenes, self.size, self.config = scenes, size, scenes.config
+        self.colour_shares = colour_shares or COLOUR_SHARES[self.config.scale]
+        self.aux_shares = aux_shares or AUX_SHARES
         self.random = torch.Generator().manual_seed(seed)
 
     def number(self):
         return torch.rand((), generator=self.random).item()
 
+    def pick(self, count):
+        return min(int(self.number() * count), count - 1)
+
+    def drawn(self, shares):
+        """A key, as often as its share."""
+        keys, values = list(shares), torch.tensor(list(shares.values()), dtype=torch.float)
+        return keys[torch.multinomial(values, 1, generator=self.random).item()]
+
     def one(self):
-        scenes, size, scale = self.scenes, self.size, self.scenes.scale
-        pick = lambda count: min(int(self.number() * count), count - 1)
-        s = pick(len(scenes))
-        colour_variant = 0 if self.number() < 0.8 else 1
-        aux_variant = 0 if (chance := self.number()) < 0.7 else 1 if chance < 0.85 else 2
-        colour, aux = scenes.colour[s, colour_variant].float(), scenes.aux[s, aux_variant]
-        h, w = colour.shape[-2:]
-        y, x = pick(h - size + 1), pick(w - size + 1)
-        high = lambda image: image[..., y * scale:(y + size) * scale, x * scale:(x + size) * scale].float()
-        bordered = torch.nn.functional.pad(colour[None], (2, 2, 2, 2), mode="replicate")[0]
-        albedo = torch.nn.functional.pad(pipeline.box_mean(aux[None, :3].float(), scale), (2, 2, 2, 2), mode="replicate")[0]
-        low = lambda image: image[:, y:y + size + 4, x:x + size + 4]
-        weights = high(scenes.log_weights[s, aux_variant]).view(5, 5, size * scale, size * scale)
-        crop = {"colour": low(bordered), "albedo_mean": low(albedo), "aux": high(aux), "target": high(scenes.target[s]),
-                "log_weights": weights}
+        scene, size, scale = self.scenes.scenes[self.pick(len(self.scenes))], self.size, self.config.scale
+        shares = {spp: share for spp, share in self.colour_shares.items() if spp in scene.colours}
+        spp = self.drawn(shares) if shares else max(scene.colours)
+        colour = scene.colours[spp]
+        y, x = (self.pick(extent - size + 1) for extent in colour.shape[-2:])
+        crop = {"colour": cut(colour, y, x, size, BORDER, 1), "target": cut(scene.target, y, x, size, 0, scale)}
+        if self.config.aux_inputs:
+            crop["aux"] = cut(scene.noisy_aux(self.drawn(self.aux_shares)), y, x, size, BORDER, scale)
+        crop = self.varied({key: image.float() for key, image in crop.items()})
+        crop["exposure"] = torch.tensor(scene.exposure[spp] * 2 ** (self.number() - 0.5), device=colour.device)
+        crop["base_error"] = torch.tensor(scene.base_error, device=colour.device)
+        return crop
+
+    def varied(self, crop):
+        """Mirrored, turned, its colours exchanged, the light tinted, and in a quarter the normals in other axes than the camera's."""
+        inputs = self.config.aux_inputs
+        first = {kind: 3 * k for k, kind in enumerate(inputs)}
         for axis in (1, 2):
-            crop = flip_axis(crop, axis) if self.number() < 0.5 else crop
-        order = torch.randperm(3, generator=self.random)
-        for key in ("colour", "albedo_mean", "target"):
-            crop[key] = crop[key][order]
-        crop["aux"] = torch.cat([crop["aux"][:3][order], crop["aux"][3:]])
-        crop["log_weights"] = crop["log_weights"].reshape(25, size * scale, size * scale)
-        crop["exposure"] = scenes.exposure[s, colour_variant] * 2 ** (self.number() - 0.5)
-        crop["base_error"] = scenes.base_error[s]
+            crop = mirror(crop, axis, first.get("normal")) if self.number() < 0.5 else crop
+        crop = transpose(crop, first.get("normal")) if self.number() < 0.5 else crop
+        order = torch.randperm(3, generator=self.random).to(crop["colour"].device)
+        tint = torch.exp(0.15 * torch.randn(3, 1, 1, generator=self.random)).to(crop["colour"])
+        for key in ("colour", "target"):
+            crop[key] = crop[key][order] * tint
+        if "albedo" in first:
+            at = slice(first["albedo"], first["albedo"] + 3)
+            crop["aux"][at] = crop["aux"][at][order]
+        if "normal" in first and self.number() < 0.25:
+            at = slice(first["normal"], first["normal"] + 3)
+            turn = random_rotation(self.random).to(crop["aux"])
+            crop["aux"][at] = torch.einsum("ij,jyx->iyx", turn, crop["aux"][at])
         return crop
 
     def batch(self, count):
-        """{name: tensor [count, ...]}; colour and albedo_mean have the border."""
+        """{colour [n, 3, h + 4, w + 4], aux [n, A, s(h + 4), s(w + 4)] or absent, target [n, 3, sh, sw], exposure [n], base_error [n]}"""
         crops = [self.one() for _ in range(count)]
         return {key: torch.stack([crop[key] for crop in crops]) for key in crops[0]}

@@ -21,10 +21,10 @@ from network import NetworkConfig
 def cases_of(folder, scale, spp, aux_spp):
     """Yields (name, colour [3, h, w], aux [6, H, W], reference [3, H, W]) for the scenes that have the files.
 
-    aux_spp: samples per pixel of the auxiliary render, 0 for the converged one.
+    aux_spp: samples per pixel of the auxiliary render, 0 for the converged one. Colour of scale 1 is that of the auxiliary render.
     """
     folder = pathlib.Path(folder)
-    prefix = "lr" if scale == 4 else f"x{scale}lr"
+    prefix = {1: "aux", 4: "lr"}.get(scale, f"x{scale}lr")
     for reference in sorted(folder.glob("*_gt.exr")):
         name = reference.name[:-len("_gt.exr")]
         colour = folder / f"{name}_{prefix}{spp}.exr"

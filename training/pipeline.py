@@ -78,36 +78,48 @@ def inner_neighbours(bordered, side=5):
     return torch.stack([bordered[:, :, dy:dy + h, dx:dx + w] for dy in range(side) for dx in range(side)], 2)
 
 
+def to_grid(x, scale):
+    """[b, c, s*h, s*w] -> [b, h, w, s, s, c]: the high-resolution pixels of each low-resolution one."""
+    b, c, height, width = x.shape
+    return x.view(b, c, height // scale, scale, width // scale, scale).permute(0, 2, 4, 3, 5, 1).contiguous()
+
+
+def from_grid(x):
+    """Inverse of to_grid."""
+    b, h, w, scale, _, c = x.shape
+    return x.permute(0, 5, 1, 3, 2, 4).reshape(b, c, h * scale, w * scale)
+
+
 def guided_log_weights(albedo, normal, scale):
-    """[b, 25, H, W] logarithms of the joint bilateral weights; albedo, normal: [b, 3, H, W], normal may be None.
+    """[b, h, w, s, s, 25] logarithms of the joint bilateral weights; albedo, normal: [b, 3, s*h, s*w], normal may be None.
 
-    The spatial term uses the neighbour's true position; values outside of the image are those of its border.
-    round(q) is the low-resolution pixel that holds p, since q lies within half a pixel of it.
+    Values outside of the image are those of its border. round(q) is the low-resolution pixel that holds p, since q lies
+    within half a pixel of it.
     """
-    b, _, height, width = albedo.shape
-    h, w = height // scale, width // scale
-
-    def distances(image, sigma):
-        guide = neighbours(box_mean(image, scale))
-        pixels = image.view(b, 3, 1, h, scale, w, scale)
-        square = (pixels - guide.view(b, 3, 25, h, 1, w, 1)).square().sum(1)
-        return square / (-2 * sigma ** 2)
-
-    similarity = distances(albedo, SIGMA_ALBEDO)
-    if normal is not None:
-        similarity = similarity + distances(normal, SIGMA_NORMAL)
-    offset = (torch.arange(scale, dtype=albedo.dtype, device=albedo.device) + 0.5) / scale - 0.5
-    d = torch.arange(-2, 3, dtype=albedo.dtype, device=albedo.device)
-    axis = (offset[None, :] - d[:, None]).square() / (-2 * SIGMA_SPACE ** 2)
-    space = (axis[:, None, :, None] + axis[None, :, None, :]).view(1, 25, 1, scale, 1, scale)
-    return (space + torch.log(similarity.exp() + 1e-6)).reshape(b, 25, height, width)
+    guides = torch.cat([albedo / SIGMA_ALBEDO] + ([] if normal is None else [normal / SIGMA_NORMAL]), 1)
+    return bilateral_log_weights(guides, neighbours(box_mean(guides, scale)), scale)
 
 
-def kernel_average(x_neighbours, log_weights, scale):
-    """Weighted mean of the 5 x 5 neighbours: [b, c, 25, h, w] and [b, 25, s*h, s*w] -> [b, c, s*h, s*w]."""
-    b, c, _, h, w = x_neighbours.shape
-    weights = torch.softmax(log_weights, 1).view(b, 25, h, scale, w, scale)
-    return torch.einsum("bjyuxv,bcjyx->bcyuxv", weights, x_neighbours).reshape(b, c, h * scale, w * scale)
+def bilateral_log_weights(guides, mean_neighbours, scale):
+    """The same from guides [b, c, s*h, s*w] in units of their sigma and the neighbours of their box means [b, c, 25, h, w].
+
+    The spatial term uses the neighbour's true position.
+    """
+    pixels, means = to_grid(guides, scale), mean_neighbours.permute(0, 3, 4, 1, 2).contiguous()[:, :, :, None, None]
+    square = sum((pixels[..., k, None] - means[..., k, :]).square() for k in range(guides.shape[1]))
+    offset = (torch.arange(scale, dtype=guides.dtype, device=guides.device) + 0.5) / scale - 0.5
+    d = torch.arange(-2, 3, dtype=guides.dtype, device=guides.device)
+    axis = (offset[:, None] - d).square() / (-2 * SIGMA_SPACE ** 2)                 # [s, 5]
+    space = axis[:, None, :, None] + axis[None, :, None, :]                         # [s, s, 5, 5]
+    return torch.log(torch.exp(-0.5 * square) + 1e-6) + space.reshape(scale, scale, 25)
+
+
+def kernel_average(x_neighbours, log_weights):
+    """Weighted mean of the 5 x 5 neighbours: [b, c, 25, h, w] and [b, h, w, s, s, 25] -> [b, c, s*h, s*w]."""
+    b, h, w, scale, _, _ = log_weights.shape
+    weights = torch.softmax(log_weights, -1).view(b * h * w, scale * scale, 25)
+    values = x_neighbours.permute(0, 3, 4, 2, 1).reshape(b * h * w, 25, -1)
+    return from_grid(torch.bmm(weights, values).view(b, h, w, scale, scale, -1))
 
 
 def base_image(x, aux, config, logits=None):
@@ -121,9 +133,12 @@ def base_image(x, aux, config, logits=None):
         first = 3 * config.aux_inputs.index("normal")
         normal = aux[:, first:first + 3]
     log_weights = guided_log_weights(clamped_albedo(aux, config), normal, config.scale)
-    if logits is not None:
-        log_weights = log_weights + logits.clamp(-LOGIT_MAX, LOGIT_MAX)
-    return kernel_average(neighbours(x), log_weights, config.scale)
+    return kernel_average(neighbours(x), with_learned(log_weights, logits))
+
+
+def with_learned(log_weights, logits):
+    """Adds the clamped learned logits [b, 25, s*h, s*w], if any, to [b, h, w, s, s, 25]."""
+    return log_weights if logits is None else log_weights + to_grid(logits, log_weights.shape[3]).clamp(-LOGIT_MAX, LOGIT_MAX)
 
 
 def split_output(raw, config):
@@ -134,8 +149,8 @@ def split_output(raw, config):
 
 def filtered_albedo(albedo_neighbours, logits):
     """Mean of the pixels around each, weighted by the softmax of the learned logits: [b, 3, m^2, H, W], [b, m^2, H, W] -> [b, 3, H, W]."""
-    weights = torch.softmax(logits.clamp(-LOGIT_MAX, LOGIT_MAX), 1)
-    return torch.einsum("bjyx,bcjyx->bcyx", weights, albedo_neighbours)
+    weights = logits.clamp(-LOGIT_MAX, LOGIT_MAX).exp().contiguous()
+    return (weights[:, None] * albedo_neighbours).sum(2) / weights.sum(1, keepdim=True)
 
 
 def to_radiance(transformed, albedo, exposure, config):

@@ -1,54 +1,140 @@
-"""Crops and flips keep colour, weights, normals and target consistent."""
+"""Crops, mirrors and turns keep colour, auxiliary images and target consistent; shards give back what was put in."""
+import numpy as np
+import pytest
 import torch
 
 import dataset
+import images
 import pipeline
+import shards
+import train
+from network import Network, NetworkConfig, initialise
+
+SMALL = NetworkConfig(channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1, window=4, kernels=5, aux_skip=1, albedo_kernels=3)
 
 
 class FakeScenes:
     """One scene of random images in the layout of dataset.Scenes."""
-    scale = 4
 
-    def __init__(self, side=12):
+    def __init__(self, config=SMALL, side=12):
         torch.manual_seed(5)
-        self.colour = torch.rand(1, 2, 3, side, side)
-        albedo, normal = torch.rand(1, 3, 3, 4 * side, 4 * side), torch.rand(1, 3, 3, 4 * side, 4 * side) - 0.5
-        self.aux = torch.cat([albedo, normal], 2)
-        self.log_weights = pipeline.guided_log_weights(albedo[0], normal[0], 4)[None]
-        self.target = torch.rand(1, 3, 4 * side, 4 * side)
-        self.exposure, self.base_error = torch.ones(1, 2), torch.ones(1)
+        self.config = config
+        high = config.scale * side
+        decoded = {"colour": {(config.scale, 64): torch.rand(3, side, side).half()}, "target": torch.rand(3, high, high).half(),
+                   "aux": {spp: torch.cat([torch.rand(3, high, high), torch.rand(3, high, high) - 0.5]).half() for spp in (0, 16)}}
+        self.scenes = [dataset.Scene(decoded, config, "cpu")]
 
     def __len__(self):
         return 1
 
 
-def test_weights_of_a_crop_belong_to_its_images():
-    crops = dataset.Crops(FakeScenes(), 8, seed=2)
-    for _ in range(12):         # every combination of flips occurs
-        crop = crops.one()
-        whole = pipeline.guided_log_weights(crop["aux"][None, :3], crop["aux"][None, 3:], 4)[0]
-        inner = slice(8, 24)    # two low-resolution pixels from the border: no neighbour outside of the crop
-        assert torch.allclose(whole[:, inner, inner], crop["log_weights"][:, inner, inner], atol=1e-4)
-        means = pipeline.box_mean(crop["aux"][None, :3], 4)[0]
-        assert torch.allclose(means, crop["albedo_mean"][:, 2:-2, 2:-2], atol=1e-6)
+def test_cut_repeats_whole_low_resolution_pixels_outside():
+    image = torch.arange(4 * 8 * 8).view(4, 8, 8)
+    crop = dataset.cut(image, 0, 1, 2, 1, 2)                # two of the four rows of 2 x 2 blocks, a border of one block
+    assert torch.equal(crop[:, :2], image[:, 0:2])          # above the image: its first row of blocks again
+    assert torch.equal(crop[:, 2:], image[:, 0:6])
+    assert torch.equal(dataset.cut(image, 1, 1, 2, 1, 2), image[:, 0:8, 0:8])
 
 
-def test_flips_mirror_every_image_and_turn_the_normal():
-    crop = {"colour": torch.rand(3, 12, 12), "albedo_mean": torch.rand(3, 12, 12), "aux": torch.rand(6, 32, 32),
-            "target": torch.rand(3, 32, 32), "log_weights": torch.rand(5, 5, 32, 32)}
-    upside_down, mirrored = dataset.flip_axis(crop, 1), dataset.flip_axis(crop, 2)
+@pytest.mark.parametrize("place", [(0, 0), (2, 2), (4, 4)])
+def test_forward_of_a_crop_is_the_pipeline(place):
+    scenes, size = FakeScenes(), 8
+    scene = scenes.scenes[0]
+    network = Network(SMALL)
+    initialise(network, torch.Generator().manual_seed(1))
+    torch.nn.init.normal_(network.out.bias, std=0.5)        # kernels and residual of the bias alone: no receptive field
+    y, x = place
+    batch = {"colour": dataset.cut(scene.colours[64], y, x, size, 2, 1).float()[None],
+             "aux": dataset.cut(scene.aux[16], y, x, size, 2, 4).float()[None],
+             "target": dataset.cut(scene.target, y, x, size, 0, 4).float()[None], "exposure": torch.ones(1)}
+    result, target = train.forward(network, batch, "cpu")
+    with torch.no_grad():
+        whole, _, _ = pipeline.upscale(network, scene.colours[64].float()[None], scene.aux[16].float()[None], 1.0)
+    here = (..., slice(4 * y, 4 * (y + size)), slice(4 * x, 4 * (x + size)))
+    inside = (..., slice(1, -1), slice(1, -1))
+    assert torch.allclose(result[inside], whole[here][inside], rtol=0.02, atol=0.01)    # the network's part is bfloat16
+    assert torch.equal(target, scene.target.float()[None][here])
+
+
+def test_mirrors_turn_the_normal_along():
+    crop = {"colour": torch.rand(3, 12, 12), "aux": torch.rand(6, 48, 48), "target": torch.rand(3, 32, 32)}
+    copies = [{key: value.clone() for key, value in crop.items()} for _ in range(3)]
+    upside_down, mirrored = dataset.mirror(copies[0], 1, 3), dataset.mirror(copies[1], 2, 3)
+    turned = dataset.transpose(copies[2], 3)
     assert torch.equal(mirrored["target"][:, :, 0], crop["target"][:, :, -1])
     assert torch.equal(upside_down["colour"][:, 0], crop["colour"][:, -1])
     assert torch.equal(mirrored["aux"][3, :, 0], -crop["aux"][3, :, -1])
     assert torch.equal(mirrored["aux"][4, :, 0], crop["aux"][4, :, -1])
     assert torch.equal(upside_down["aux"][4, 0], -crop["aux"][4, -1])
-    assert torch.equal(upside_down["log_weights"][0, :, 0], crop["log_weights"][4, :, -1])
-    assert torch.equal(mirrored["log_weights"][:, 0, :, 0], crop["log_weights"][:, 4, :, -1])
+    assert torch.equal(turned["aux"][3, 2, 5], -crop["aux"][4, 5, 2])       # what pointed up points left
+    assert torch.equal(turned["aux"][0, 2, 5], crop["aux"][0, 5, 2])
 
 
-def test_flipping_twice_changes_nothing():
-    crop = dataset.Crops(FakeScenes(), 8, seed=3).one()
-    crop["log_weights"] = crop["log_weights"].view(5, 5, 32, 32)
-    for axis in (1, 2):
-        twice = dataset.flip_axis(dataset.flip_axis(crop, axis), axis)
-        assert all(torch.equal(twice[key], crop[key]) for key in crop)
+def test_rotations_are_rotations():
+    generator = torch.Generator().manual_seed(3)
+    for _ in range(5):
+        turn = dataset.random_rotation(generator)
+        assert torch.allclose(turn @ turn.T, torch.eye(3), atol=1e-5)
+        assert torch.linalg.det(turn) == pytest.approx(1, abs=1e-5)
+
+
+def test_noise_of_other_counts_is_scaled():
+    scene = FakeScenes().scenes[0]
+    noise = scene.aux[16].float() - scene.aux[0].float()
+    assert torch.allclose(scene.noisy_aux(64).float() - scene.aux[0].float(), noise / 2, atol=2e-3)
+    assert torch.allclose(scene.noisy_aux(4).float() - scene.aux[0].float(), 2 * noise, atol=4e-3)
+    assert scene.noisy_aux(16) is scene.aux[16]
+
+
+def write_scene(folder, name, side=16):
+    """A scene of plain R, G, B colour and albedo and normal, as render.py names the files."""
+    import OpenEXR
+    random = np.random.default_rng(7)
+    def write(kind, **planes):
+        channels = {f"{layer}.{c}": plane[..., k].copy() for layer, plane in planes.items() for k, c in enumerate("XYZ" if "Normal" in layer else "RGB")}
+        OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, channels).write(str(folder / f"{name}_{kind}.exr"))
+    def image(*shape):
+        return random.random((*shape, 3), np.float32)
+    layers = lambda: {"ViewLayer.Combined": 40 * image(side, side) ** 4, "ViewLayer.Denoising Albedo": image(side, side),
+                      "ViewLayer.Denoising Normal": 2 * image(side, side) - 1}
+    for kind in ("gt", "aux1", "aux16"):
+        write(kind, **layers())
+    write("lr64", **{"ViewLayer.Combined": image(side // 4, side // 4)})
+
+
+def test_shards_give_back_scenes(tmp_path):
+    source, output = tmp_path / "scenes", tmp_path / "shards"
+    source.mkdir()
+    output.mkdir()
+    for name in ("s0000", "s0001"):
+        write_scene(source, name)
+    left = shards.write_shard(output / "scenes-000.npz", [(source, "s0000"), (source, "s0001")], 1)
+    assert [name for _, name in left] == ["s0001"]                  # full after the first
+    assert not list(output.glob("*.part"))
+    assert shards.scenes_in(output / "scenes-000.npz") == {"s0000"}
+    ((name, scene),) = shards.read_shard(output / "scenes-000.npz")
+    target = images.read_exr(source / "s0000_gt.exr", "colour")
+    assert torch.allclose(scene["target"].float(), target, rtol=2.0 ** -7, atol=1e-6)
+    for spp, step in ((0, shards.CONVERGED_STEP), (16, shards.noisy_step(16)), (1, shards.noisy_step(1))):
+        true = torch.cat(images.read_exr(source / f"s0000_{f'aux{spp}' if spp else 'gt'}.exr", "albedo", "normal"))
+        assert ((scene["aux"][spp].float() - true).abs() <= 0.51 * step + 1e-3).all()
+    assert set(scene["colour"]) == {(4, 64), (1, 1)}                # turn 0 of 3 keeps a noisy colour
+    scenes = dataset.Scenes([output], SMALL)
+    shards.write_shard(output / "scenes-001.npz", left, 1e6)
+    scenes.refresh()
+    assert len(scenes) == 2
+
+
+def test_weights_start_from_another_scale():
+    source, target = Network(SMALL), Network(NetworkConfig(**{**SMALL.__dict__, "scale": 8, "albedo_kernels": 0}))
+    import tempfile, pathlib, weights
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "model.safetensors"
+        weights.save_model(path, source)
+        taken = train.start_from(target, path)
+    same = lambda a, b: torch.allclose(a, b, rtol=1e-3, atol=1e-4)
+    assert same(target.deshuffle[1][2].weight, source.deshuffle[1][1].weight)       # the last step from the last
+    assert same(target.deshuffle[1][0].weight, source.deshuffle[1][0].weight)
+    assert same(target.up[2].weight, source.up[1].weight)
+    assert same(target.out.weight[:28], source.out.weight[:28])                     # residual and kernel logits
+    assert taken > 60

@@ -1,9 +1,9 @@
-"""Trains a model with a guided base and learned kernels.
+"""Trains a model.
 
-    python training/train.py TRAIN_FOLDER --validation VAL_FOLDER --output RUN_FOLDER --minutes 75
+    python training/train.py SHARD_FOLDER... --validation VAL_FOLDER --output RUN_FOLDER --minutes 75
 
-RUN_FOLDER receives checkpoint.pt (resumed from when it exists) and log.txt. The step count follows from --minutes: the
-learning rate is a cosine over the time budget. export.py turns the checkpoint into a model file.
+RUN_FOLDER receives checkpoint.pt (resumed from when it exists) and log.txt; export.py turns the checkpoint into a model
+file. The learning rate is a cosine over --minutes, or over --steps. Shards that appear while it runs are used too.
 """
 import argparse
 import copy
@@ -18,28 +18,43 @@ import dataset
 import evaluate
 import metrics
 import pipeline
+import weights
 from network import Network, NetworkConfig, initialise
 
 ROBUST_BETA = 0.1
+VALIDATION_SPP = {1: (4, 4), 2: (16, 16), 4: (64, 16), 8: (64, 16)}     # scale: colour, auxiliary images
 
 
 def arguments_of_command_line():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("train", type=pathlib.Path)
-    parser.add_argument("--validation", type=pathlib.Path)
+    parser.add_argument("train", type=pathlib.Path, nargs="+", help="folders of shards (shards.py)")
+    parser.add_argument("--validation", type=pathlib.Path, help="folder of OpenEXR scenes")
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--minutes", type=float, default=75)
-    parser.add_argument("--channels", type=int, default=32)
-    parser.add_argument("--aux-channels", type=int, default=16)
-    parser.add_argument("--groups", type=int, default=3)
-    parser.add_argument("--blocks", type=int, default=1)
-    parser.add_argument("--scale", type=int, default=4)
+    parser.add_argument("--steps", type=int, help="end after so many steps, whatever the time")
+    model = parser.add_argument_group("model")
+    model.add_argument("--scale", type=int, default=4)
+    model.add_argument("--channels", type=int, default=32)
+    model.add_argument("--aux-channels", type=int, default=16)
+    model.add_argument("--head-channels", type=int, default=32)
+    model.add_argument("--groups", type=int, default=3)
+    model.add_argument("--blocks", type=int, default=1)
+    model.add_argument("--aux", default="albedo,normal", help="auxiliary inputs, empty for none")
+    model.add_argument("--base", default="guided")
+    model.add_argument("--block", default="rdst")
+    model.add_argument("--cross", default="attention")
+    model.add_argument("--kernels", type=int, default=5)
+    model.add_argument("--albedo-kernels", type=int, default=0)
+    model.add_argument("--aux-skip", type=int, default=1)
+    model.add_argument("--start", type=pathlib.Path, help="model file or checkpoint whose fitting weights to start from")
     parser.add_argument("--crop", type=int, default=32, help="low-resolution pixels a side, a multiple of the window")
     parser.add_argument("--batch", type=int, default=4)
     parser.add_argument("--rate", type=float, default=4e-4)
     parser.add_argument("--warm-up", type=int, default=200, help="steps")
-    parser.add_argument("--tone", type=float, default=0.1, help="weight of the tone-mapped square error beside the robust loss")
+    parser.add_argument("--tone", type=float, default=0.2, help="weight of the tone-mapped square error beside the robust loss")
     parser.add_argument("--smape", action="store_true", help="SMAPE instead of the robust loss")
+    parser.add_argument("--aux-spp", type=int, help="train on this count of the auxiliary images alone (0: converged)")
+    parser.add_argument("--colour-spp", type=int, help="train on this count of the colour alone")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--evaluate-every", type=float, default=3, help="minutes")
@@ -47,23 +62,55 @@ def arguments_of_command_line():
     return parser.parse_args()
 
 
+def config_of(options):
+    return NetworkConfig(scale=options.scale, channels=options.channels, aux_channels=options.aux_channels,
+                         aux_inputs=tuple(options.aux.split(",")) if options.aux else (), groups=options.groups, blocks=options.blocks,
+                         head_channels=options.head_channels, base=options.base, block=options.block, cross=options.cross,
+                         kernels=options.kernels, aux_skip=options.aux_skip, albedo_kernels=options.albedo_kernels)
+
+
 def forward(network, batch, device):
     """(result, target) of a batch: exposed linear radiance [b, 3, H, W]. The network runs in bfloat16, the rest in float32."""
     config = network.config
+    scale, inner = config.scale, slice(dataset.BORDER, -dataset.BORDER)
+    border = scale * dataset.BORDER
+    high = slice(border, -border)
     exposure = batch["exposure"].view(-1, 1, 1, 1)
-    bordered = pipeline.transform(exposure * batch["colour"] / (batch["albedo_mean"] + pipeline.EPSILON), config.transfer)
-    size = bordered.shape[-1] - 4
-    x = bordered[:, :, 2:-2, 2:-2].contiguous(memory_format=torch.channels_last)
-    aux = batch["aux"].contiguous(memory_format=torch.channels_last)
+    aux = batch.get("aux")
+    albedo = pipeline.clamped_albedo(aux, config) if config.aux_inputs else None
+    bordered = pipeline.network_colour(exposure * batch["colour"], albedo, config)
+    network_aux = None if aux is None else aux[:, :, high, high].contiguous(memory_format=torch.channels_last)
     with torch.autocast(device, torch.bfloat16):
-        raw = network(x, aux)
-    raw = raw.float()
-    around = torch.stack([bordered[:, :, dy:dy + size, dx:dx + size] for dy in range(5) for dx in range(5)], 2)
-    log_weights = batch["log_weights"]
-    if config.kernels:
-        log_weights = log_weights + raw[:, 3:].clamp(-pipeline.LOGIT_MAX, pipeline.LOGIT_MAX)
-    transformed = pipeline.kernel_average(around, log_weights, config.scale) + raw[:, :3]
-    return pipeline.to_radiance(transformed, batch["aux"][:, :3], 1.0, config), exposure * batch["target"]
+        raw = network(bordered[:, :, inner, inner].contiguous(memory_format=torch.channels_last), network_aux)
+    residual, logits, albedo_logits = pipeline.split_output(raw.float(), config)
+    base = crop_base(bordered, aux, logits, config)
+    if albedo is not None:
+        side = config.albedo_kernels // 2
+        around = slice(border - side, side - border)
+        albedo = albedo[:, :, around, around]
+        if albedo_logits is not None:
+            albedo = pipeline.filtered_albedo(pipeline.inner_neighbours(albedo, config.albedo_kernels), albedo_logits)
+    return pipeline.to_radiance(residual if base is None else base + residual, albedo, 1.0, config), exposure * batch["target"]
+
+
+def crop_base(bordered, aux, logits, config):
+    """The base image of crops [b, 3, sh, sw] whose colour and auxiliary images have a border."""
+    scale, border = config.scale, config.scale * dataset.BORDER
+    high = slice(border, -border)
+    if config.base == "none":
+        return None
+    if config.base != "guided":
+        return pipeline.bicubic(bordered, scale)[:, :, high, high]
+    with torch.no_grad():
+        sigma = torch.ones(config.aux_width, 1, 1, device=aux.device)
+        for kind, width in (("albedo", pipeline.SIGMA_ALBEDO), ("normal", pipeline.SIGMA_NORMAL)):
+            if kind in config.aux_inputs:
+                first = 3 * config.aux_inputs.index(kind)
+                sigma[first:first + 3] = width
+        guides = aux / sigma
+        means = pipeline.inner_neighbours(pipeline.box_mean(guides, scale))
+        log_weights = pipeline.bilateral_log_weights(guides[:, :, high, high].contiguous(), means, scale)
+    return pipeline.kernel_average(pipeline.inner_neighbours(bordered), pipeline.with_learned(log_weights, logits))
 
 
 def losses(result, target, batch, smape):
@@ -76,12 +123,42 @@ def losses(result, target, batch, smape):
     return robust, (square / (batch["base_error"] + 1e-4)).mean()
 
 
+def start_from(network, path):
+    """Takes over every weight of another model that fits by name and shape; returns how many tensors did.
+
+    A model of another scale lends the last step of its deshuffles to the last, and its last upscaling step to further ones.
+    """
+    if path.suffix == ".pt":
+        state = torch.load(path, map_location="cpu", weights_only=False)
+        source, other = state["average"], state["config"]
+    else:
+        loaded, _ = weights.load_model(path)
+        source, other = loaded.state_dict(), loaded.config
+    taken, own = 0, network.state_dict()
+    for name, tensor in own.items():
+        parts = name.split(".")
+        if parts[0] == "deshuffle" and int(parts[2]) == network.config.steps - 1:
+            parts[2] = str(other.steps - 1)
+        if parts[0] == "up" and int(parts[1]) >= other.steps:
+            parts[1] = str(other.steps - 1)
+        found = source.get(".".join(parts))
+        if found is not None and found.shape == tensor.shape:
+            tensor.copy_(found)
+            taken += 1
+        elif name.startswith("out.") and found is not None:     # residual first, then kernel logits: the common channels
+            common = min(len(found), len(tensor))
+            if found.shape[1:] == tensor.shape[1:]:
+                tensor[:common] = found[:common]
+    return taken
+
+
 class Training:
     """Network, its running average, optimizer and counters: everything that a checkpoint holds."""
 
     def __init__(self, config, options):
         self.network = Network(config)
         initialise(self.network, torch.Generator().manual_seed(options.seed))
+        self.taken = start_from(self.network, options.start) if options.start else 0
         self.network.to(options.device, memory_format=torch.channels_last)
         self.average = copy.deepcopy(self.network).requires_grad_(False)
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=options.rate, betas=(0.9, 0.99), fused=True)
@@ -106,19 +183,26 @@ class Training:
         with torch.no_grad():
             torch._foreach_lerp_(list(self.average.parameters()), list(self.network.parameters()), 1 - decay)
 
+    def progress(self, options):
+        """Share of the budget that is spent."""
+        return self.step / options.steps if options.steps else self.seconds / (60 * options.minutes)
+
+
+def only(spp):
+    return None if spp is None else {spp: 1}
+
 
 def train(training, scenes, options, report):
-    """Runs until the time budget is spent; evaluates and saves every few minutes."""
-    crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1))
-    budget, last = options.minutes * 60, time.monotonic()
-    next_report, next_checkpoint = time.monotonic() + 30, time.monotonic() + options.evaluate_every * 60
+    """Runs until the budget is spent; evaluates, saves and looks for new shards every few minutes."""
+    crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1), only(options.colour_spp), only(options.aux_spp))
+    last = time.monotonic()
+    next_report, next_checkpoint = last + 30, last + options.evaluate_every * 60
     sums, count = torch.zeros(2), 0
-    while training.seconds < budget:
-        progress = training.seconds / budget
+    while (progress := training.progress(options)) < 1:
         rate = options.rate * min(1, (training.step + 1) / options.warm_up) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
         for group in training.optimizer.param_groups:
             group["lr"] = rate
-        batch = {key: value.to(options.device, non_blocking=True) for key, value in crops.batch(options.batch).items()}
+        batch = crops.batch(options.batch)
         robust, tone = losses(*forward(training.network, batch, options.device), batch, options.smape)
         training.optimizer.zero_grad(set_to_none=True)
         (robust + options.tone * tone).backward()
@@ -134,44 +218,58 @@ def train(training, scenes, options, report):
             report(f"{training.seconds / 60:6.2f} min  step {training.step:6d}  rate {rate:.2e}  robust {sums[0] / count:.5f}  "
                    f"tone {sums[1] / count:.4f}  gradient {norm:.3f}")
             sums, count, next_report = torch.zeros(2), 0, now + 30
-        if now > next_checkpoint or training.seconds >= budget:
+        ended = training.progress(options) >= 1
+        if now > next_checkpoint or ended:
             training.save(options.output / "checkpoint.pt", options)
             if options.validation:
                 report(validation_line(training.average, options))
-            last = time.monotonic() if options.device == "cpu" else last
-            next_checkpoint = time.monotonic() + options.evaluate_every * 60
+            if not ended and (before := len(scenes)) != (scenes.refresh() or len(scenes)):
+                report(f"  {len(scenes) - before} new scenes, {len(scenes)} in all")
+            last = time.monotonic()
+            next_checkpoint = last + options.evaluate_every * 60
 
 
 def validation_line(network, options):
-    """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene."""
-    config, rows = network.config, []
+    """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene; then PSNR with aux of 1 spp."""
+    config = network.config
+    colour_spp, aux_spp = VALIDATION_SPP[config.scale]
+
+    def rows_of(aux_spp, colour_spp):
+        rows = []
+        for _, colour, aux, target in evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp):
+            aux = dataset.own_aux(aux, config)[None].to(options.device) if config.aux_inputs else None
+            result, _, _ = pipeline.upscale(network, colour[None].to(options.device), aux)
+            rows.append(metrics.all_metrics(result[0].cpu(), target))
+        return rows
+
+    mean = lambda rows, key: sum(row[key] for row in rows) / len(rows)
     with torch.no_grad():
-        for case in evaluate.cases_of(options.validation, config.scale, 64, 16):
-            colour, aux, target = (image.to(options.device) for image in case[1:])
-            result, _, _ = pipeline.upscale(network, colour[None], aux[None])
-            rows.append(metrics.all_metrics(result[0].cpu(), target.cpu()))
-    mean = lambda key: sum(row[key] for row in rows) / len(rows)
-    return (f"  validation  PSNR {mean('psnr'):.3f}  RelMSE {mean('relmse'):.4f}  "
-            + " ".join(f"{row['psnr']:.2f}" for row in rows))
+        rows = rows_of(aux_spp, colour_spp)
+        line = (f"  validation  PSNR {mean(rows, 'psnr'):.3f}  RelMSE {mean(rows, 'relmse'):.4f}  "
+                + " ".join(f"{row['psnr']:.2f}" for row in rows))
+        if config.scale > 1 and config.aux_inputs:
+            line += f"  aux 1 spp {mean(rows_of(1, colour_spp), 'psnr'):.3f}"
+    return line
 
 
 def main():
     options = arguments_of_command_line()
     options.output.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(options.threads)
-    config = NetworkConfig(scale=options.scale, channels=options.channels, aux_channels=options.aux_channels, groups=options.groups,
-                           blocks=options.blocks, kernels=5, aux_skip=1)
+    config = config_of(options)
     training = Training(config, options)
     checkpoint = options.output / "checkpoint.pt"
     with open(options.output / "log.txt", "a") as log:
         def report(line):
             print(line, flush=True)
             print(line, file=log, flush=True)
-        report(" ".join(f"{key}={value}" for key, value in vars(options).items() if key not in ("train", "validation", "output")))
+        report(" ".join(f"{key}={value}" for key, value in vars(options).items() if key not in ("train", "validation", "output", "start")))
         if checkpoint.exists():
             training.load(checkpoint, options)
             report(f"resumed at step {training.step}")
-        scenes = dataset.Scenes(options.train, config)
+        elif options.start:
+            report(f"{training.taken} tensors of {options.start.stem}")
+        scenes = dataset.Scenes(options.train, config, options.device)
         report(f"{len(scenes)} scenes, {sum(p.numel() for p in training.network.parameters())} parameters")
         if options.validation:
             report(validation_line(training.average, options))

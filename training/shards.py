@@ -1,0 +1,147 @@
+"""Scenes in few compact files: a shard is a zip of LZMA arrays that numpy opens without unpacking it.
+
+    python training/shards.py SCENE_FOLDER... --output SHARD_FOLDER [--megabytes 56]
+
+Packs the scenes of folders of OpenEXR files (layout in README.md) that no shard of SHARD_FOLDER holds yet into
+scenes-NNN.npz. A 256 x 256 scene with everything takes about half a megabyte:
+colour as half floats with fewer bits, converged albedo and normal on a fine grid, noisy ones as their difference from
+those on a coarser grid. Every array is stored as the differences along its rows, low bytes before high bytes.
+"""
+import argparse
+import pathlib
+import re
+import zipfile
+
+import numpy as np
+import torch
+
+import images
+
+REFERENCE_BITS, LOW_BITS, NOISY_BITS = 6, 5, 3      # kept of half's ten
+CONVERGED_STEP = torch.tensor([1 / 128] * 3 + [1 / 64] * 3).view(6, 1, 1)      # albedo, normal
+NOISY_STEP = {1: 1 / 16, 4: 1 / 24}                 # others: 1 / 40
+RADIANCE_MAX = 6e4
+NOISY_COLOUR_SPP = (4, 1, 16)       # full-resolution noisy colour: one count for every third scene, in turn
+
+
+def kinds_of(folder, scene):
+    """{kind: path} of a scene's files, such as "gt", "aux16", "lr64", "x2lr16"."""
+    return {path.stem[len(scene) + 1:]: path for path in sorted(pathlib.Path(folder).glob(f"{scene}_*.exr"))}
+
+
+def half_codes(image, bits):
+    """Radiance [c, h, w] -> the bit patterns of half floats rounded to `bits` bits behind the leading one, int16."""
+    finite = torch.nan_to_num(image, 0, RADIANCE_MAX, 0).clamp(0, RADIANCE_MAX)
+    codes = finite.half().view(torch.int16).int()
+    step = 1 << (10 - bits)
+    return ((codes + step // 2) // step * step).short().numpy()
+
+
+def noisy_step(spp):
+    return NOISY_STEP.get(spp, 1 / 40)
+
+
+def grid_codes(image, step):
+    return (torch.nan_to_num(image, 0, 0, 0) / step).round().clamp(-32768, 32767).short().numpy()
+
+
+def packed(codes):
+    """int16 [c, h, w] -> bytes [2, c, h, w] of the row-wise differences."""
+    difference = np.diff(codes.astype(np.int32), axis=-1, prepend=0).astype(np.int16)
+    difference = (difference << 1) ^ (difference >> 15)         # small magnitudes of either sign: small codes
+    return difference.view(np.uint8).reshape(*codes.shape, 2).transpose(3, 0, 1, 2)
+
+
+def unpacked(planes):
+    difference = np.ascontiguousarray(planes.transpose(1, 2, 3, 0)).view(np.uint16)[..., 0]
+    difference = (difference >> 1).astype(np.int16) ^ -(difference & 1).astype(np.int16)
+    return np.cumsum(difference, axis=-1, dtype=np.int16)
+
+
+def encode(folder, scene, turn):
+    """{array name: uint8 array} of one scene. turn: every third keeps the full-resolution noisy colour of one sample count,
+    the next the 4 spp colour of scale 2."""
+    kinds = kinds_of(folder, scene)
+    target, albedo, normal = images.read_exr(kinds["gt"], "colour", "albedo", "normal")
+    converged = grid_codes(torch.cat([albedo.clamp(0, 4), normal]), CONVERGED_STEP)
+    arrays = {"target": half_codes(target, REFERENCE_BITS), "aux": converged}
+    counts = [kind for kind in kinds if re.fullmatch(r"aux\d+", kind)]
+    for kind in counts:
+        albedo, normal = images.read_exr(kinds[kind], "albedo", "normal")
+        difference = torch.cat([albedo.clamp(0, 4), normal]) - torch.from_numpy(converged).float() * CONVERGED_STEP
+        arrays[kind] = grid_codes(difference, noisy_step(int(kind[3:])))
+    if turn % 3 == 0:
+        chosen = f"aux{NOISY_COLOUR_SPP[turn // 3 % 3]}"
+        chosen = chosen if chosen in counts else counts[0]
+        arrays[f"x1lr{chosen[3:]}"] = half_codes(images.read_exr(kinds[chosen], "colour"), NOISY_BITS)
+    if turn % 3 != 1:
+        kinds.pop("x2lr4", None)
+    for kind, path in kinds.items():
+        if "lr" in kind:
+            arrays[kind] = half_codes(images.read_exr(path, "colour"), LOW_BITS if kind.startswith("x2") else REFERENCE_BITS)
+    return {name: packed(codes) for name, codes in arrays.items()}
+
+
+def decode(arrays):
+    """What encode made -> {"target", "colour": {(scale, spp): [3, h, w]}, "aux": {spp, 0 converged: [6, H, W]}}, float16."""
+    scene = {"colour": {}, "aux": {}}
+    half = lambda name: torch.from_numpy(unpacked(arrays[name])).view(torch.float16)
+    grid = lambda name, step: torch.from_numpy(unpacked(arrays[name])).float() * step
+    converged = grid("aux", CONVERGED_STEP)
+    for name in arrays:
+        if match := re.fullmatch(r"aux(\d+)", name):
+            scene["aux"][int(match[1])] = (converged + grid(name, noisy_step(int(match[1])))).half()
+        elif match := re.fullmatch(r"(?:x(\d+))?lr(\d+)", name):
+            scene["colour"][int(match[1] or 4), int(match[2])] = half(name)
+    scene["target"], scene["aux"][0] = half("target"), converged.half()
+    return scene
+
+
+def read_shard(path):
+    """Yields (scene name, decoded scene)."""
+    with np.load(path) as shard:
+        names = sorted({entry.split("/")[0] for entry in shard.files})
+        for name in names:
+            prefix = name + "/"
+            yield name, decode({entry[len(prefix):]: shard[entry] for entry in shard.files if entry.startswith(prefix)})
+
+
+def scenes_in(path):
+    with zipfile.ZipFile(path) as shard:
+        return {entry.split("/")[0] for entry in shard.namelist()}
+
+
+def write_shard(path, scenes, byte_limit):
+    """Writes (folder, scene name) pairs until the list ends or the shard is full, whole or not at all; returns what is left."""
+    part, scenes = path.with_suffix(".part"), list(scenes)
+    with zipfile.ZipFile(part, "w", zipfile.ZIP_LZMA) as shard:
+        while scenes and shard.start_dir < byte_limit:
+            folder, name = scenes.pop(0)
+            for kind, array in encode(folder, name, int(name[1:])).items():
+                with shard.open(f"{name}/{kind}.npy", "w") as entry:
+                    np.lib.format.write_array(entry, np.ascontiguousarray(array), allow_pickle=False)
+    part.rename(path)
+    return scenes
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folders", type=pathlib.Path, nargs="+")
+    parser.add_argument("--output", type=pathlib.Path, required=True)
+    parser.add_argument("--megabytes", type=float, default=56, help="size at which the next shard begins")
+    options = parser.parse_args()
+    options.output.mkdir(parents=True, exist_ok=True)
+    shards = sorted(options.output.glob("scenes-*.npz"))
+    present = set().union(*(scenes_in(path) for path in shards))
+    wanted = [(folder, path.name[:-len("_gt.exr")]) for folder in options.folders for path in sorted(folder.glob("*_gt.exr"))]
+    wanted = [scene for scene in wanted if scene[1] not in present]
+    while wanted:
+        path = options.output / f"scenes-{len(shards):03}.npz"
+        left = write_shard(path, wanted, options.megabytes * 1e6)
+        print(f"{path.name}: {len(wanted) - len(left)} scenes, {path.stat().st_size / 1e6:.1f} MB", flush=True)
+        shards.append(path)
+        wanted = left
+
+
+if __name__ == "__main__":
+    main()
