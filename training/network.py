@@ -11,7 +11,7 @@ import torch.nn as nn
 import torch.nn.functional as F
 
 
-ALBEDO_CENTRE = 5.0     # first logit of the pixel itself in the albedo's kernel: nearly no filter
+ALBEDO_CENTRE = 7.0     # first logit of the pixel itself in the albedo's kernel: nearly no filter
 
 
 @dataclasses.dataclass(frozen=True)

@@ -37,6 +37,11 @@ def half_codes(image, bits):
     return ((codes + step // 2) // step * step).short().numpy()
 
 
+def format_of_shards():
+    """What a shard must have been written with, for its codes to mean what they say: the archive's comment."""
+    return f"xrds scenes 1, steps {CONVERGED_STEP.flatten().tolist()} {sorted(NOISY_STEP.items())}".encode()
+
+
 def noisy_step(spp):
     return NOISY_STEP.get(spp, 1 / 40)
 
@@ -100,6 +105,8 @@ def decode(arrays):
 def read_shard(path):
     """Yields (scene name, decoded scene)."""
     with np.load(path) as shard:
+        if shard.zip.comment != format_of_shards():
+            raise ValueError(f"{path} was packed by another version of shards.py; pack its scenes again")
         names = sorted({entry.split("/")[0] for entry in shard.files})
         for name in names:
             prefix = name + "/"
@@ -115,6 +122,7 @@ def write_shard(path, scenes, byte_limit):
     """Writes (folder, scene name) pairs until the list ends or the shard is full, whole or not at all; returns what is left."""
     part, scenes = path.with_suffix(".part"), list(scenes)
     with zipfile.ZipFile(part, "w", zipfile.ZIP_LZMA) as shard:
+        shard.comment = format_of_shards()
         while scenes and shard.start_dir < byte_limit:
             folder, name = scenes.pop(0)
             for kind, array in encode(folder, name, int(name[1:])).items():

@@ -102,7 +102,7 @@ def write_scene(folder, name, side=16):
     write("lr64", **{"ViewLayer.Combined": image(side // 4, side // 4)})
 
 
-def test_shards_give_back_scenes(tmp_path):
+def test_shards_give_back_scenes(tmp_path, monkeypatch):
     source, output = tmp_path / "scenes", tmp_path / "shards"
     source.mkdir()
     output.mkdir()
@@ -119,6 +119,10 @@ def test_shards_give_back_scenes(tmp_path):
         true = torch.cat(images.read_exr(source / f"s0000_{f'aux{spp}' if spp else 'gt'}.exr", "albedo", "normal"))
         assert ((scene["aux"][spp].float() - true).abs() <= 0.51 * step + 1e-3).all()
     assert set(scene["colour"]) == {(4, 64), (1, 1)}                # turn 0 of 3 keeps a noisy colour
+    monkeypatch.setattr(shards, "NOISY_STEP", {1: 1 / 8})
+    with pytest.raises(ValueError, match="pack its scenes again"):
+        list(shards.read_shard(output / "scenes-000.npz"))
+    monkeypatch.undo()
     scenes = dataset.Scenes([output], SMALL)
     shards.write_shard(output / "scenes-001.npz", left, 1e6)
     scenes.refresh()

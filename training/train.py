@@ -49,7 +49,7 @@ def arguments_of_command_line():
     model.add_argument("--start", type=pathlib.Path, help="model file or checkpoint whose fitting weights to start from")
     parser.add_argument("--crop", type=int, default=32, help="low-resolution pixels a side, a multiple of the window")
     parser.add_argument("--batch", type=int, default=4)
-    parser.add_argument("--rate", type=float, default=4e-4)
+    parser.add_argument("--rate", type=float, default=5e-4)
     parser.add_argument("--warm-up", type=int, default=200, help="steps")
     parser.add_argument("--tone", type=float, default=0.2, help="weight of the tone-mapped square error beside the robust loss")
     parser.add_argument("--smape", action="store_true", help="SMAPE instead of the robust loss")
@@ -162,11 +162,11 @@ class Training:
         self.network.to(options.device, memory_format=torch.channels_last)
         self.average = copy.deepcopy(self.network).requires_grad_(False)
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=options.rate, betas=(0.9, 0.99), fused=True)
-        self.step, self.seconds = 0, 0.0
+        self.step, self.seconds, self.scenes = 0, 0.0, 0
 
     def save(self, path, options):
         state = {"config": self.network.config, "network": self.network.state_dict(), "average": self.average.state_dict(),
-                 "optimizer": self.optimizer.state_dict(), "step": self.step, "seconds": self.seconds,
+                 "optimizer": self.optimizer.state_dict(), "step": self.step, "seconds": self.seconds, "scenes": self.scenes,
                  "options": {key: str(value) for key, value in vars(options).items()}}
         torch.save(state, path.with_suffix(".part"))
         os.replace(path.with_suffix(".part"), path)
@@ -220,6 +220,7 @@ def train(training, scenes, options, report):
             sums, count, next_report = torch.zeros(2), 0, now + 30
         ended = training.progress(options) >= 1
         if now > next_checkpoint or ended:
+            training.scenes = len(scenes)
             training.save(options.output / "checkpoint.pt", options)
             if options.validation:
                 report(validation_line(training.average, options))
