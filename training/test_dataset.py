@@ -8,6 +8,7 @@ import images
 import pipeline
 import shards
 import train
+import weights
 from network import Network, NetworkConfig, initialise
 
 SMALL = NetworkConfig(channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1, window=4, kernels=5, aux_skip=1, albedo_kernels=3)
@@ -129,16 +130,17 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
     assert len(scenes) == 2
 
 
-def test_weights_start_from_another_scale():
+def test_weights_start_from_another_scale(tmp_path):
     source, target = Network(SMALL), Network(NetworkConfig(**{**SMALL.__dict__, "scale": 8, "albedo_kernels": 0}))
-    import tempfile, pathlib, weights
-    with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder) / "model.safetensors"
-        weights.save_model(path, source)
-        taken = train.start_from(target, path)
+    path = tmp_path / "model.safetensors"
+    weights.save_model(path, source)
+    taken = train.start_from(target, path)
     same = lambda a, b: torch.allclose(a, b, rtol=1e-3, atol=1e-4)
     assert same(target.deshuffle[1][2].weight, source.deshuffle[1][1].weight)       # the last step from the last
     assert same(target.deshuffle[1][0].weight, source.deshuffle[1][0].weight)
     assert same(target.up[2].weight, source.up[1].weight)
     assert same(target.out.weight[:28], source.out.weight[:28])                     # residual and kernel logits
     assert taken > 60
+    albedo_alone = Network(NetworkConfig(**{**SMALL.__dict__, "aux_inputs": ("albedo",)}))
+    train.start_from(albedo_alone, path)
+    assert same(albedo_alone.aux_conv.weight, source.aux_conv.weight[:, :3])

@@ -145,10 +145,9 @@ def start_from(network, path):
         if found is not None and found.shape == tensor.shape:
             tensor.copy_(found)
             taken += 1
-        elif name.startswith("out.") and found is not None:     # residual first, then kernel logits: the common channels
-            common = min(len(found), len(tensor))
-            if found.shape[1:] == tensor.shape[1:]:
-                tensor[:common] = found[:common]
+        elif found is not None and parts[0] in ("out", "fuse", "aux_conv"):     # fewer inputs or outputs: the leading ones are the same
+            common = tuple(slice(min(a, b)) for a, b in zip(found.shape, tensor.shape))
+            tensor[common] = found[common]
     return taken
 
 

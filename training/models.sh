@@ -1,0 +1,40 @@
+#!/bin/sh
+# Trains and exports every shipped model: x4 compact first, the others from its weights.
+# usage: models.sh SHARD_FOLDERS VAL_FOLDER RUN_FOLDER [MINUTES=80] [MODEL ...]
+# SHARD_FOLDERS in quotes, MINUTES those of x4 compact (the others take a share of them); MODEL: only these.
+# It may be stopped and started again: finished models are skipped, the others resumed. PYTHON chooses the interpreter.
+set -eu
+here=$(dirname "$0")
+shards=$1 validation=$2 runs=$3 minutes=${4:-80}
+shift 3
+[ $# -gt 0 ] && shift
+only=" $* "
+python=${PYTHON:-python3}
+export MALLOC_MMAP_MAX_=0 MALLOC_TRIM_THRESHOLD_=100000000000 OMP_WAIT_POLICY=PASSIVE
+
+# model NAME PERCENT_OF_MINUTES START FLAGS...: trains RUN_FOLDER/NAME, then writes models/NAME.safetensors and its card.
+model() {
+    name=$1 share=$2 start=$3
+    shift 3
+    case "$only" in "  " | *" $name "*) ;; *) return 0 ;; esac
+    run=$runs/$name
+    [ -e "$run/exported" ] && return 0
+    time=$(echo "$minutes * $share / 100" | bc -l)
+    [ -z "$start" ] || set -- --start "$runs/$start/checkpoint.pt" "$@"
+    # shellcheck disable=SC2086
+    "$python" "$here/train.py" $shards --validation "$validation" --output "$run" --minutes "$time" "$@"
+    "$python" "$here/export.py" "$run/checkpoint.pt" "$here/../models/$name.safetensors" --validation "$validation" ${start:+--start "$start"}
+    touch "$run/exported"
+}
+
+filter="--albedo-kernels 5"
+# shellcheck disable=SC2086
+{
+    model xrds-x4-compact 100 "" $filter
+    model xrds-x2-compact 15 xrds-x4-compact --scale 2 $filter
+    model xrds-x8-compact 15 xrds-x4-compact --scale 8 --crop 16 $filter
+    model xrds-x1-compact 15 xrds-x4-compact --scale 1 --crop 48 $filter
+    model xrds-x4-compact-albedo 10 xrds-x4-compact --aux albedo $filter
+    model xrds-x4-compact-plain 10 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
+    model xrds-x4-nano 15 "" --channels 16 --aux-channels 8 --head-channels 16 --groups 1 --kernels 0 --rate 1e-3
+}
