@@ -91,6 +91,13 @@ Image Frame::loadAuxiliary(const std::string& input) {
   return image;
 }
 
+void requireKnownInputs(const Model& model, const std::string& modelName) {
+  for (const std::string& input : model.auxiliaryInputs())
+    if (input != "albedo" && input != "normal")
+      throw Error("Model '" + modelName + "' needs the auxiliary image '" + printable(input) +
+                  "', which this program cannot find in an EXR file: use the library.");
+}
+
 PixelView viewOf(const Image& image) {
   return {image.pixels.data(), static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height),
           static_cast<uint32_t>(image.channels)};

@@ -56,6 +56,9 @@ class Frame {
   std::vector<std::string> warnings_;
 };
 
+/// Throws Error unless a Frame can find every auxiliary input of this model: albedo and normal.
+void requireKnownInputs(const Model& model, const std::string& modelName);
+
 /// The pixels as the library takes them.
 PixelView viewOf(const Image& image);
 std::vector<PixelView> viewsOf(const std::vector<Image>& images);

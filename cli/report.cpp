@@ -114,17 +114,21 @@ Image runBaseline(Device& device, const Baseline& baseline, const Image& colour,
   return result;
 }
 
-Image readReference(const std::string& path, int width, int height) {
+Image readFullSize(const std::string& path, const std::string& what, int width, int height) {
   const ExrFile file = readExrHeader(path);
-  Image reference = readLayer(file, findAov(file, AovRole::kColor));
-  if (reference.width != width || reference.height != height)
-    throw Error("The reference '" + path + "' is " + std::to_string(reference.width) + " x " +
-                std::to_string(reference.height) + " pixels, expected the result's " + std::to_string(width) + " x " +
+  Image image = readLayer(file, findAov(file, AovRole::kColor));
+  if (image.width != width || image.height != height)
+    throw Error("The " + what + " '" + path + "' is " + std::to_string(image.width) + " x " +
+                std::to_string(image.height) + " pixels, expected the result's " + std::to_string(width) + " x " +
                 std::to_string(height) + ".");
   const auto finite = [](float value) { return std::isfinite(value); };
-  if (!std::all_of(reference.pixels.begin(), reference.pixels.end(), finite))
-    throw Error("The reference '" + path + "' has pixels that are not finite: repair it first.");
-  return reference;
+  if (!std::all_of(image.pixels.begin(), image.pixels.end(), finite))
+    throw Error("The " + what + " '" + path + "' has pixels that are not finite: repair it first.");
+  return image;
+}
+
+Image readReference(const std::string& path, int width, int height) {
+  return readFullSize(path, "reference", width, height);
 }
 
 void writeSideBySide(Device& device, const Frame& frame, const Image& result, const std::optional<Image>& reference,

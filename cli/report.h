@@ -29,8 +29,9 @@ struct Baseline {
 Image runBaseline(Device& device, const Baseline& baseline, const Image& colour, const std::vector<Image>& auxiliary,
                   int scale);
 
-/// Reads the colour of a reference for a result of width x height pixels. Throws Error unless it has this size and
-/// finite values.
+/// Reads the colour of a file that must have width x height pixels; `what` it is, "reference", stands in messages.
+/// Throws Error unless it has this size and finite values.
+Image readFullSize(const std::string& path, const std::string& what, int width, int height);
 Image readReference(const std::string& path, int width, int height);
 
 /// Writes the input's pixels enlarged, its bicubic upscaling, the result and, if there is one, the reference side by

@@ -81,10 +81,7 @@ fs::path modelFile(const UpscaleOptions& options) {
 OpenedModel openModel(const UpscaleOptions& options) {
   const fs::path file = modelFile(options);
   OpenedModel opened{file, stage(ExitCode::model, [&] { return Model(file); })};
-  for (const std::string& input : opened.model.auxiliaryInputs())
-    if (input != "albedo" && input != "normal")
-      throw Failure{ExitCode::model, "Model '" + opened.name() + "' needs the auxiliary image '" + printable(input) +
-                                         "', which this program cannot find in an EXR file: use the library."};
+  stage(ExitCode::model, [&] { requireKnownInputs(opened.model, opened.name()); });
   return opened;
 }
 
