@@ -10,4 +10,8 @@ void addCompare(CLI::App& app);
 void addInfo(CLI::App& app);
 void addDevices(CLI::App& app);
 
+/// The group of the measuring verbs, and its members.
+void addBench(CLI::App& app);
+void addBenchQuality(CLI::App& group);
+
 }  // namespace xrds

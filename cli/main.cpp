@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   xrds::addCompare(app);
   xrds::addInfo(app);
   xrds::addDevices(app);
+  xrds::addBench(app);
   xrds::catchInterrupts();
   try {
     app.parse(argc, argv);

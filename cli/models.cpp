@@ -59,8 +59,10 @@ fs::path resolveModel(const std::string& nameOrFile) {
               listed(shippedModels()) + ".");
 }
 
+std::string defaultModelName(int scale) { return "xrds-x" + std::to_string(scale) + "-compact"; }
+
 fs::path defaultModel(int scale) {
-  fs::path file = shippedFile("xrds-x" + std::to_string(scale) + "-compact");
+  fs::path file = shippedFile(defaultModelName(scale));
   if (file.empty())
     throw Error("The auxiliary images have " + (scale == 1 ? "the" : std::to_string(scale) + " times the") +
                 " colour's size and no model of this scale is shipped, only " + listed(shippedModels()) +

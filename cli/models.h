@@ -15,7 +15,10 @@ std::vector<std::string> shippedModels();
 /// The file of a model given by name ("xrds-x4-compact") or by path. Throws Error that lists the models there are.
 std::filesystem::path resolveModel(const std::string& nameOrFile);
 
-/// The file of the default model of a scale, "xrds-x<scale>-compact". Throws Error as resolveModel does.
+/// "xrds-x<scale>-compact", whether it is shipped or not.
+std::string defaultModelName(int scale);
+
+/// The file of the default model of a scale. Throws Error as resolveModel does.
 std::filesystem::path defaultModel(int scale);
 
 }  // namespace xrds

@@ -26,4 +26,13 @@ void requireWritable(const std::string& path) {
   });
 }
 
+void writeText(const std::string& path, const std::string& text) {
+  PendingFile file(path);
+  std::ofstream stream(file.temporaryPath(), std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) throw Error("Cannot write '" + path + "': is the disk full?");
+  file.commit();
+}
+
 }  // namespace xrds

@@ -12,4 +12,7 @@ void requireExtension(const std::string& path, const std::string& extension, con
 /// not after it. Creates a temporary file in the folder and removes it.
 void requireWritable(const std::string& path);
 
+/// Writes a text file, whole or not at all. Throws Error if it cannot be written.
+void writeText(const std::string& path, const std::string& text);
+
 }  // namespace xrds

@@ -1,0 +1,11 @@
+#include "cli/commands.h"
+
+namespace xrds {
+
+void addBench(CLI::App& app) {
+  CLI::App* group = app.add_subcommand("bench", "Measure the engine and its models");
+  group->require_subcommand(1);
+  addBenchQuality(*group);
+}
+
+}  // namespace xrds

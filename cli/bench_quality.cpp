@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <memory>
+#include <set>
+
+#include "cli/commands.h"
+#include "cli/models.h"
+#include "cli/output_file.h"
+#include "cli/progress.h"
+#include "cli/quality_report.h"
+#include "cli/stage.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BenchQualityOptions {
+  std::string folder, aux = "16", precision = "fp32", device, json, markdown, write;
+  std::optional<int> colour;
+  int scale = 4;
+  std::vector<std::string> models, also;
+};
+
+/// All that takes part in a run.
+struct Contest {
+  QualitySetting setting;
+  std::vector<EngineMethod> engine;
+  std::vector<FinishedImages> finished;
+  SceneList list;
+};
+
+std::string validAux(const std::string& text) {
+  const bool number = !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == std::string::npos;
+  return text == "converged" || (number && std::stoi(text) > 0)
+             ? ""
+             : "expected a number of samples or converged, found '" + text + "'";
+}
+
+QualitySetting settingOf(const BenchQualityOptions& options) {
+  QualitySetting setting{.scale = options.scale};
+  if (options.aux != "converged") setting.auxSamples = std::stoi(options.aux);
+  if (options.colour) {
+    setting.colourSamples = *options.colour;
+  } else if (options.scale == 1) {
+    if (!setting.auxSamples)
+      throw Failure{ExitCode::usage,
+                    "At scale 1 with converged auxiliary images, --colour must say which render's "
+                    "colour is taken: that of the references is what is looked for."};
+    setting.colourSamples = *setting.auxSamples;
+  }
+  return setting;
+}
+
+std::vector<FinishedImages> finishedOf(const BenchQualityOptions& options) {
+  std::vector<FinishedImages> finished;
+  for (const std::string& text : options.also) {
+    const size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
+      throw Failure{ExitCode::usage, "--also takes NAME=FOLDER or NAME=PATTERN, found '" + text + "'."};
+    finished.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  return finished;
+}
+
+std::vector<EngineMethod> engineMethods(const BenchQualityOptions& options) {
+  std::vector<EngineMethod> methods = untrainedMethods(options.scale);
+  std::vector<std::string> models = options.models;
+  if (models.empty()) {
+    const std::string shipped = defaultModelName(options.scale);
+    if (const auto all = shippedModels(); std::find(all.begin(), all.end(), shipped) != all.end())
+      models = {shipped};
+    else
+      std::fprintf(stderr, "xrds: warning: There is no shipped model '%s'; only the untrained methods are measured.\n",
+                   shipped.c_str());
+  }
+  for (const std::string& model : models) methods.push_back(trainedMethod(model, options.scale));
+  return methods;
+}
+
+void requireDistinctNames(const Contest& contest) {
+  std::set<std::string> names{"input"};
+  const auto add = [&](const std::string& name) {
+    if (!names.insert(name).second)
+      throw Failure{ExitCode::usage, "Two methods have the name '" + name + "': rename one of them."};
+  };
+  for (const EngineMethod& method : contest.engine) add(method.name());
+  for (const FinishedImages& images : contest.finished) add(images.name);
+}
+
+Contest prepare(const BenchQualityOptions& options) {
+  Contest contest{settingOf(options), {}, finishedOf(options), {}};
+  contest.engine = stage(ExitCode::model, [&] { return engineMethods(options); });
+  requireDistinctNames(contest);
+  contest.list = stage(ExitCode::input, [&] { return findScenes(options.folder, contest.setting, contest.finished); });
+  return contest;
+}
+
+// A file name for a method's image of a scene.
+fs::path imageFile(const BenchQualityOptions& options, const std::string& scene, std::string method) {
+  for (char& c : method)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '.') c = '_';
+  return fs::path(options.write) / (scene + "_" + method + ".exr");
+}
+
+void writeImage(const BenchQualityOptions& options, const std::string& sceneName, const Frame& frame,
+                const EngineMethod& method, const Image& image) {
+  stage(ExitCode::output, [&] {
+    ExrOutput output = frame.output(options.scale);
+    output.texts["xrds:version"] = XRDS_VERSION;
+    output.texts["xrds:model"] = method.name() + " " + method.model().hash();
+    writeExr(imageFile(options, sceneName, method.name()), image, output);
+  });
+}
+
+// Adds one scene to every method of the report; their order is that of reportFor.
+void measureScene(const BenchQualityOptions& options, Contest& contest, const SceneFiles& files, Device& device,
+                  QualityReport& report) {
+  const Scene scene = stage(ExitCode::input, [&] { return loadScene(files, contest.setting); });
+  for (const std::string& warning : scene.frame.warnings())
+    std::fprintf(stderr, "xrds: warning: %s: %s\n", files.name.c_str(), warning.c_str());
+  auto row = report.methods.begin();
+  if (options.scale == 1) (row++)->scenes.push_back({measure(scene.frame.colour(), scene.reference)});
+  for (EngineMethod& method : contest.engine) {
+    FrameSeconds seconds;
+    const Image image =
+        stage(ExitCode::device, [&] { return method.run(device, scene.frame, options.precision == "fp16", seconds); });
+    (row++)->scenes.push_back({measure(image, scene.reference), seconds});
+    if (!options.write.empty()) writeImage(options, files.name, scene.frame, method, image);
+  }
+  for (const Image& image : scene.finished) (row++)->scenes.push_back({measure(image, scene.reference)});
+}
+
+QualityReport reportFor(const BenchQualityOptions& options, const Contest& contest, const Device& device) {
+  QualityReport report{
+      options.folder, options.precision, device.description().name, contest.setting, {}, contest.list.skipped, {}};
+  if (options.scale == 1) report.methods.push_back({"input"});
+  for (const EngineMethod& method : contest.engine)
+    report.methods.push_back({method.name(), method.trained() ? method.model().hash() : ""});
+  for (const FinishedImages& images : contest.finished) report.methods.push_back({images.name});
+  return report;
+}
+
+void checkOutputs(const BenchQualityOptions& options) {
+  if (!options.json.empty()) {
+    requireExtension(options.json, ".json", "--json");
+    requireWritable(options.json);
+  }
+  if (!options.markdown.empty()) {
+    requireExtension(options.markdown, ".md", "--markdown");
+    requireWritable(options.markdown);
+  }
+  if (options.write.empty()) return;
+  std::error_code error;
+  fs::create_directories(options.write, error);
+  if (error)
+    throw Failure{ExitCode::output, "Cannot make the folder '" + options.write + "': " + error.message() + "."};
+  requireWritable((fs::path(options.write) / "image.exr").string());
+}
+
+// The contest is taken by value: its upscalers must go before the device.
+QualityReport measureAll(const BenchQualityOptions& options, Contest contest, Device& device) {
+  QualityReport report = reportFor(options, contest, device);
+  ProgressBar bar(false);
+  for (const SceneFiles& files : contest.list.scenes) {
+    stopIfInterrupted();
+    stage(ExitCode::input, [&] { measureScene(options, contest, files, device, report); });
+    report.sceneNames.push_back(files.name);
+    bar.update(static_cast<double>(report.sceneNames.size()) / static_cast<double>(contest.list.scenes.size()));
+  }
+  return report;
+}
+
+void run(const BenchQualityOptions& options) {
+  Contest contest = prepare(options);
+  checkOutputs(options);
+  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
+  const QualityReport report = measureAll(options, std::move(contest), device);
+  std::fputs(plainText(report).c_str(), stdout);
+  stage(ExitCode::output, [&] {
+    if (!options.json.empty()) writeText(options.json, jsonText(report));
+    if (!options.markdown.empty()) writeText(options.markdown, markdownText(report));
+  });
+}
+
+void addFiles(CLI::App& verb, BenchQualityOptions& options) {
+  verb.add_option("FOLDER", options.folder, "Folder of scenes NAME_gt.exr, NAME_lrK.exr, NAME_auxK.exr")->required();
+  verb.add_option(
+          "--model", options.models,
+          "A shipped model's name or a .safetensors file; may be repeated (default: the compact one of the scale)")
+      ->allow_extra_args(false)
+      ->type_name("MODEL");
+  verb.add_option("--also", options.also,
+                  "Finished images of another program, FOLDER/NAME*.exr, as a method of this name; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("METHOD=FOLDER");
+  verb.add_option("--json", options.json, "File to write with every number and its definition")->type_name("JSON");
+  verb.add_option("--markdown", options.markdown, "File to write with the tables")->type_name("MD");
+  verb.add_option("--write", options.write, "Folder for the images, NAME_METHOD.exr")->type_name("FOLDER");
+}
+
+}  // namespace
+
+void addBenchQuality(CLI::App& group) {
+  const auto options = std::make_shared<BenchQualityOptions>();
+  CLI::App* verb = group.add_subcommand("quality", "Compare models with their rivals on a folder of scenes");
+  addFiles(*verb, *options);
+  verb->add_option("--scale", options->scale, "Of the colour's render")
+      ->check(CLI::IsMember({1, 2, 4, 8, 16}))
+      ->capture_default_str();
+  verb->add_option("--colour", options->colour,
+                   "Samples a pixel of the colour (default: 64; at scale 1 those of --aux)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("K");
+  verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal, or converged: those of the reference")
+      ->check(CLI::Validator(validAux, "K|converged"))
+      ->capture_default_str();
+  verb->add_option("--precision", options->precision, "Storage of activations and weights")
+      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->capture_default_str();
+  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
+      ->type_name("DEVICE");
+  verb->footer(
+      "Scene NAME is NAME_gt.exr (the reference, with converged albedo and normal), the colour of K samples in\n"
+      "NAME_lrK.exr (scale 4), NAME_x2lrK.exr or NAME_x8lrK.exr, and NAME_auxK.exr, the full-resolution render of K\n"
+      "samples with albedo and normal, whose colour is the input of scale 1. Scenes without all files are skipped. In\n"
+      "--also the place may be a pattern such as 'out/*_oidn4.exr', where * is the scene's name. Average samples are\n"
+      "those of the colour over the square of the scale, plus those of the auxiliary images; one render for both\n"
+      "counts once.\n\nExamples:\n"
+      "  xrds bench quality val\n"
+      "  xrds bench quality val --scale 2 --colour 16 --aux converged --markdown x2.md\n"
+      "  xrds bench quality val --model run/best.safetensors --also 'OIDN 4 spp=denoised' --json x4.json");
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace xrds

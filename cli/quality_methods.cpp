@@ -1,0 +1,77 @@
+#include "cli/quality_methods.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <numeric>
+
+#include "cli/models.h"
+#include "cli/progress.h"
+#include "image/repair.h"
+
+namespace xrds {
+namespace {
+
+// The model's inputs among the images of the frame, in the model's order.
+std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
+  std::vector<PixelView> views;
+  for (const std::string& input : model.auxiliaryInputs()) {
+    const auto& has = frame.inputs();
+    views.push_back(viewOf(frame.auxiliary().at(std::find(has.begin(), has.end(), input) - has.begin())));
+  }
+  return views;
+}
+
+double deviceSeconds(const Upscaler& upscaler) {
+  const auto rows = upscaler.profile();
+  return 1e-6 * std::accumulate(rows.begin(), rows.end(), 0.0,
+                                [](double sum, const auto& row) { return sum + row.microseconds; });
+}
+
+}  // namespace
+
+Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, FrameSeconds& seconds) {
+  const auto known = upscalers_.find({frame.width(), frame.height()});
+  const bool first = known == upscalers_.end();
+  Upscaler& upscaler = first ? upscalers_
+                                   .try_emplace({frame.width(), frame.height()}, device, model_, frame.width(),
+                                                frame.height(), Upscaler::Options{.fp16 = fp16, .profile = true})
+                                   .first->second
+                             : known->second;
+  const int scale = static_cast<int>(model_.scale());
+  Image result(frame.colour().width * scale, frame.colour().height * scale, 3);
+  const auto views = inputsOf(model_, frame);
+  for (int pass = first ? 0 : 1; pass < 2; ++pass) {
+    const auto start = std::chrono::steady_clock::now();
+    upscaler.run(viewOf(frame.colour()), views, result.pixels, [](double) { return !interrupted(); });
+    seconds.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stopIfInterrupted();
+  }
+  seconds.device = deviceSeconds(upscaler);
+  if (const size_t count = repairNonFinite(result).nonFinitePixels; count > 0)
+    std::fprintf(
+        stderr,
+        "xrds: warning: %zu pixels of the result of %s were not finite and were filled from their neighbours.\n", count,
+        name_.c_str());
+  return result;
+}
+
+std::vector<EngineMethod> untrainedMethods(int scale) {
+  std::vector<EngineMethod> methods;
+  for (const char* base : {"bicubic", "demodulated", "guided"})
+    if (scale > 1 || std::string(base) == "guided")
+      methods.emplace_back(base, Model::untrained(static_cast<uint32_t>(scale), base), false);
+  return methods;
+}
+
+EngineMethod trainedMethod(const std::string& nameOrFile, int scale) {
+  const std::filesystem::path file = resolveModel(nameOrFile);
+  EngineMethod method(file.stem().string(), Model(file), true);
+  if (method.model().scale() != static_cast<uint32_t>(scale))
+    throw Error("Model '" + method.name() + "' upscales by " + std::to_string(method.model().scale()) +
+                ", but --scale is " + std::to_string(scale) + ": measure it at its own scale.");
+  requireKnownInputs(method.model(), method.name());
+  return method;
+}
+
+}  // namespace xrds
