@@ -3,19 +3,28 @@ _xrds() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} verb=${COMP_WORDS[1]} program=${COMP_WORDS[0]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W "upscale compare info devices --help --version" -- "$current")
+    mapfile -t COMPREPLY < <(compgen -W "upscale compare info devices bench --help --version" -- "$current")
     return
+  fi
+  local verbs=("$verb")
+  if [ "$verb" = bench ]; then
+    if [ "$COMP_CWORD" -eq 2 ]; then
+      mapfile -t COMPREPLY < <(compgen -W "quality --help" -- "$current")
+      return
+    fi
+    verbs+=("${COMP_WORDS[2]}")
   fi
   # Options and models are read from the program itself, so that this list cannot go stale.
   case $previous in
     --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
+    --aux) mapfile -t COMPREPLY < <(compgen -W "converged" -- "$current"); return ;;
     --exposure) mapfile -t COMPREPLY < <(compgen -W "auto" -- "$current"); return ;;
     --model) mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current"); return ;;
-    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --heat-max | --min-psnr) return ;;
+    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --heat-max | --min-psnr | --scale | --colour) return ;;
   esac
   if [[ $current == -* ]]; then
     local options
-    options=$("$program" "$verb" --help 2>/dev/null | grep -oE -- '^ +(-[a-z],)?--[a-z-]+' | tr ',' '\n')
+    options=$("$program" "${verbs[@]}" --help 2>/dev/null | grep -oE -- '^ +(-[a-z],)?--[a-z-]+' | tr ',' '\n')
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
   elif [ "$verb" = info ]; then
     mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current")

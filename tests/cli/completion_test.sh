@@ -23,6 +23,11 @@ offers --output upscale --o
 offers --heat-map compare --he
 offers --reference-layer compare --r
 offers --size info --
+offers quality bench q
+offers --markdown bench quality val --m
+offers fp16 bench quality val --precision f
+offers converged bench quality val --aux c
+offers xrds-x4-compact bench quality val --model xrds
 offers xrds-x4-compact info xrds
 offers xrds-x4-compact upscale --model xrds
 complete -p xrds > /dev/null || failures=$((failures + 1))
