@@ -33,11 +33,11 @@ class NetworkBuilder {
   TensorView layerNorm(const std::string& name, TensorView x);
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted);
   TensorView selfAttention(const std::string& name, TensorView x, TensorView residual, bool shifted);
-  TensorView mlp(const std::string& name, TensorView x, uint32_t ratio, TensorView residual);
+  TensorView mlp(const std::string& name, TensorView x, uint32_t ratio, TensorView residual, TensorView into);
   TensorView copy(const std::string& name, TensorView x, TensorView into);
 
   TensorView deshuffle(uint32_t i, TensorView h, TensorView into);
-  TensorView crossModule(const std::string& name, TensorView f, TensorView e);
+  TensorView crossModule(const std::string& name, TensorView f, TensorView e, TensorView into);
   TensorView swinLayer(const std::string& name, TensorView t, bool shifted);
   TensorView denseBlock(const std::string& name, TensorView dense, uint32_t block, TensorView into);
   TensorView group(uint32_t g, TensorView f, TensorView d, TensorView into);
@@ -131,9 +131,10 @@ TensorView NetworkBuilder::selfAttention(const std::string& name, TensorView x, 
   return linear(name + ".proj", heads, c, {}, residual);
 }
 
-TensorView NetworkBuilder::mlp(const std::string& name, TensorView x, uint32_t ratio, TensorView residual) {
+TensorView NetworkBuilder::mlp(const std::string& name, TensorView x, uint32_t ratio, TensorView residual,
+                               TensorView into) {
   const TensorView hidden = linear(name + ".fc1", x, ratio * x.channels, {}, {}, Activation::gelu);
-  return linear(name + ".fc2", hidden, x.channels, {}, residual);
+  return linear(name + ".fc2", hidden, x.channels, into, residual);
 }
 
 TensorView NetworkBuilder::copy(const std::string& name, TensorView x, TensorView into) {
@@ -155,7 +156,7 @@ TensorView NetworkBuilder::deshuffle(uint32_t i, TensorView h, TensorView into) 
 }
 
 // XM: f1 = f + WMSA(LN(f)); f2 = f1 + WMCA(LN(f1), LN(e)); f2 + MLP_4(LN(f2)).
-TensorView NetworkBuilder::crossModule(const std::string& name, TensorView f, TensorView e) {
+TensorView NetworkBuilder::crossModule(const std::string& name, TensorView f, TensorView e, TensorView into) {
   const uint32_t c = config_.channels;
   f = selfAttention(name + "self_attn", layerNorm(name + "norm1", f), f, false);
   if (e.exists()) {
@@ -164,13 +165,13 @@ TensorView NetworkBuilder::crossModule(const std::string& name, TensorView f, Te
     const TensorView heads = attention(name + "cross_attn", q, slice(kv, 0, c), slice(kv, c, c), false);
     f = linear(name + "cross_attn.proj", heads, c, {}, f);
   }
-  return mlp(name + "mlp", layerNorm(name + "norm3", f), 4, f);
+  return mlp(name + "mlp", layerNorm(name + "norm3", f), 4, f, into);
 }
 
 // STL: u = t + WMSA(LN(t)); u + MLP_2(LN(u)).
 TensorView NetworkBuilder::swinLayer(const std::string& name, TensorView t, bool shifted) {
   const TensorView u = selfAttention(name + "attn", layerNorm(name + "norm1", t), t, shifted);
-  return mlp(name + "mlp", layerNorm(name + "norm2", u), 2, u);
+  return mlp(name + "mlp", layerNorm(name + "norm2", u), 2, u, {});
 }
 
 // RDST: three Swin layers over the growing concatenation `dense` = [x, y_1, y_2], of which x is there already.
@@ -190,15 +191,18 @@ TensorView NetworkBuilder::group(uint32_t g, TensorView f, TensorView d, TensorV
   const uint32_t c = config_.channels;
   const std::string name = "groups." + std::to_string(g) + ".";
   const TensorView e = d.exists() ? conv(name + "aux_conv", d, c) : TensorView{};
-  const TensorView x = crossModule(name + "xm.", conv(name + "lr_conv", f, c), e);
-  TensorView dense = create(name + "blocks.0.dense", x, 3 * c);
-  copy(name + "blocks.0.input", x, slice(dense, 0, c));
+  const auto blockName = [&](uint32_t b) { return name + "blocks." + std::to_string(b) + "."; };
+  TensorView dense = create(blockName(0) + "dense", f, 3 * c);
+  // X outlives the first of several blocks: holding that block's concatenation so long would cost more than a copy.
+  const bool copied = config_.blocks > 1;
+  const TensorView x =
+      crossModule(name + "xm.", conv(name + "lr_conv", f, c), e, copied ? TensorView{} : slice(dense, 0, c));
+  if (copied) copy(blockName(0) + "input", x, slice(dense, 0, c));
   TensorView y;
   for (uint32_t b = 0; b < config_.blocks; ++b) {
-    const TensorView next =
-        b + 1 < config_.blocks ? create(name + "blocks." + std::to_string(b + 1) + ".dense", x, 3 * c) : TensorView{};
-    y = denseBlock(name + "blocks." + std::to_string(b) + ".", dense, b,
-                   next.exists() ? slice(next, 0, c) : TensorView{});
+    const bool last = b + 1 == config_.blocks;
+    const TensorView next = last ? TensorView{} : create(blockName(b + 1) + "dense", f, 3 * c);
+    y = denseBlock(blockName(b), dense, b, last ? TensorView{} : slice(next, 0, c));
     dense = next;
   }
   return conv(name + "conv", y, c, c, {.into = into, .residual = x});
