@@ -16,6 +16,7 @@ struct TargetRows {
 
 const uint kImageGroupWidth = 32;
 const uint kImageGroupHeight = 8;
+const float kLogitMax = 8.0f;  // learned logits of kernels are clamped to +- this
 XRDS_SHARED_END
 
 #ifdef __cplusplus

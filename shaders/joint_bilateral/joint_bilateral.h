@@ -12,8 +12,7 @@ const float kSigmaSpace = 0.75f;  // in low-resolution pixels
 const float kSigmaNormal = 0.2f;
 const float kSigmaAlbedo = 0.5f;
 const float kBilateralFloor = 1e-6f;  // keeps the weights of pixels that resemble no neighbour
-const float kLogitMax = 8.0f;
-const int kFirstLogit = 3;  // channel of the network's output
+const int kFirstLogit = 3;            // channel of the network's output
 XRDS_SHARED_END
 
 #ifdef __cplusplus
