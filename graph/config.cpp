@@ -12,6 +12,7 @@ namespace {
 
 constexpr const char* kTransfers[] = {"none", "log1p"};
 constexpr const char* kBases[] = {"none", "bicubic", "demodulated", "guided"};
+constexpr const char* kBlocks[] = {"rdst", "rstb", "rdb"};
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw Error("The model file " + message + ".");
@@ -43,6 +44,12 @@ size_t choice(const Metadata& metadata, const char* key, const char* const (&nam
   const auto found = std::find(std::begin(names), std::end(names), text);
   require(found != std::end(names), "gives " + std::string(key) + " '" + text + "', which this version does not know");
   return static_cast<size_t>(found - std::begin(names));
+}
+
+// The first name is that of the paper, which a file need not state.
+template <size_t count>
+size_t choiceOrFirst(const Metadata& metadata, const char* key, const char* const (&names)[count]) {
+  return metadata.contains(key) ? choice(metadata, key, names) : 0;
 }
 
 std::vector<std::string> splitList(const std::string& text) {
@@ -84,8 +91,6 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   require(field(metadata, "format") == "xrds", "is of another format, expected 'xrds' in its metadata");
   require(field(metadata, "version") == "1",
           "has version '" + field(metadata, "version") + "', this program reads version 1");
-  const std::string block = metadata.contains("block") ? metadata.at("block") : "rdst";
-  require(block == "rdst", "is built from '" + block + "' blocks, this version knows rdst");
   NetworkConfig config;
   config.scale = number(metadata, "scale", 1, 16);
   config.channels = number(metadata, "channels", 4, 512);
@@ -97,6 +102,7 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   config.headChannels = number(metadata, "head_channels", 4, 512);
   config.transfer = static_cast<Transfer>(choice(metadata, "transfer", kTransfers));
   config.base = static_cast<BaseImage>(choice(metadata, "base", kBases));
+  config.block = static_cast<BlockKind>(choiceOrFirst(metadata, "block", kBlocks));
   config.kernels = numberOr(metadata, "kernels", 0, 5);
   config.auxSkip = numberOr(metadata, "aux_skip", 0, 1) == 1;
   checkCombination(config);
@@ -118,7 +124,7 @@ Metadata describe(const NetworkConfig& config) {
           {"head_channels", std::to_string(config.headChannels)},
           {"transfer", kTransfers[static_cast<size_t>(config.transfer)]},
           {"base", kBases[static_cast<size_t>(config.base)]},
-          {"block", "rdst"},
+          {"block", kBlocks[static_cast<size_t>(config.block)]},
           {"kernels", std::to_string(config.kernels)},
           {"aux_skip", config.auxSkip ? "1" : "0"}};
 }

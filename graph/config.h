@@ -12,6 +12,9 @@ namespace xrds {
 /// The image that the network's output is added to (none: the paper).
 enum class BaseImage : uint8_t { none, bicubic, demodulated, guided };
 
+/// What the B blocks of a group are: the paper's dense Swin blocks, plain Swin blocks, or dense convolutions.
+enum class BlockKind : uint8_t { rdst, rstb, rdb };
+
 using Metadata = std::map<std::string, std::string>;
 
 /// Every symbol of the network, as the metadata of a model file states it. The letters are the paper's.
@@ -26,6 +29,7 @@ struct NetworkConfig {
   uint32_t headChannels = 32;                              // d
   Transfer transfer = Transfer::log1p;
   BaseImage base = BaseImage::guided;
+  BlockKind block = BlockKind::rdst;
   uint32_t kernels = 0;  // side of the learned kernels, 0 or 5
   bool auxSkip = false;  // H_N is fed to the output convolution
 

@@ -28,7 +28,8 @@ class NetworkBuilder {
   }
   TensorView linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into = {},
                     TensorView residual = {}, Activation activation = Activation::none);
-  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into);
+  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                     TensorView residual = {});
   TensorView addLinear(const std::string& name, Linear op);
   TensorView layerNorm(const std::string& name, TensorView x);
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted);
@@ -40,6 +41,9 @@ class NetworkBuilder {
   TensorView crossModule(const std::string& name, TensorView f, TensorView e, TensorView into);
   TensorView swinLayer(const std::string& name, TensorView t, bool shifted);
   TensorView denseBlock(const std::string& name, TensorView dense, uint32_t block, TensorView into);
+  TensorView swinBlock(const std::string& name, TensorView x, uint32_t block, TensorView into);
+  TensorView convBlock(const std::string& name, TensorView dense, TensorView into);
+  TensorView block(const std::string& name, TensorView dense, uint32_t block, TensorView into);
   TensorView group(uint32_t g, TensorView f, TensorView d, TensorView into);
 
   std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
@@ -93,9 +97,11 @@ TensorView NetworkBuilder::linear(const std::string& name, TensorView x, uint32_
 }
 
 // In NHWC a 1x1 convolution is a linear map of each pixel; only the weight's shape in the file differs.
-TensorView NetworkBuilder::conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into) {
+TensorView NetworkBuilder::conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                                   TensorView residual) {
   return addLinear(name, {.input = x,
                           .output = into.exists() ? into : create(name, x, outputs),
+                          .residual = residual,
                           .weight = weight(name + ".weight", {outputs, x.channels, 1, 1})});
 }
 
@@ -186,23 +192,48 @@ TensorView NetworkBuilder::denseBlock(const std::string& name, TensorView dense,
   return conv(name + "conv", y, c, c, {.into = into, .residual = slice(dense, 0, c)});
 }
 
-// XDG: F_g = conv3x3(G_B) + X.
+// RSTB: three Swin layers and a convolution, plus x.
+TensorView NetworkBuilder::swinBlock(const std::string& name, TensorView x, uint32_t block, TensorView into) {
+  TensorView t = x;
+  for (uint32_t k = 0; k < 3; ++k)
+    t = swinLayer(name + "layers." + std::to_string(k) + ".", t, (3 * block + k) % 2 == 1);
+  return conv(name + "conv", t, x.channels, x.channels, {.into = into, .residual = x});
+}
+
+// RDB: three convolutions over the growing concatenation `dense` = [x, y_1, y_2, y_3], of which x is there already, and
+// a 1x1 convolution of all of it, plus x.
+TensorView NetworkBuilder::convBlock(const std::string& name, TensorView dense, TensorView into) {
+  const uint32_t c = config_.channels;
+  for (uint32_t k = 0; k < 3; ++k)
+    conv(name + "grow." + std::to_string(k), slice(dense, 0, (k + 1) * c), (k + 1) * c, c,
+         {.into = slice(dense, (k + 1) * c, c), .activation = Activation::relu});
+  return conv1x1(name + "fuse", dense, c, into, slice(dense, 0, c));
+}
+
+TensorView NetworkBuilder::block(const std::string& name, TensorView dense, uint32_t block, TensorView into) {
+  if (config_.block == BlockKind::rstb) return swinBlock(name, dense, block, into);
+  if (config_.block == BlockKind::rdb) return convBlock(name, dense, into);
+  return denseBlock(name, dense, block, into);
+}
+
+// XDG: F_g = conv3x3(G_B) + X. A block's input is the start of its concatenation `dense`, or all of it.
 TensorView NetworkBuilder::group(uint32_t g, TensorView f, TensorView d, TensorView into) {
   const uint32_t c = config_.channels;
+  const uint32_t parts = config_.block == BlockKind::rdst ? 3 : config_.block == BlockKind::rdb ? 4 : 1;
   const std::string name = "groups." + std::to_string(g) + ".";
   const TensorView e = d.exists() ? conv(name + "aux_conv", d, c) : TensorView{};
   const auto blockName = [&](uint32_t b) { return name + "blocks." + std::to_string(b) + "."; };
-  TensorView dense = create(blockName(0) + "dense", f, 3 * c);
+  TensorView dense = create(blockName(0) + "dense", f, parts * c);
   // X outlives the first of several blocks: holding that block's concatenation so long would cost more than a copy.
-  const bool copied = config_.blocks > 1;
+  const bool copied = parts > 1 && config_.blocks > 1;
   const TensorView x =
       crossModule(name + "xm.", conv(name + "lr_conv", f, c), e, copied ? TensorView{} : slice(dense, 0, c));
   if (copied) copy(blockName(0) + "input", x, slice(dense, 0, c));
   TensorView y;
   for (uint32_t b = 0; b < config_.blocks; ++b) {
     const bool last = b + 1 == config_.blocks;
-    const TensorView next = last ? TensorView{} : create(blockName(b + 1) + "dense", f, 3 * c);
-    y = denseBlock(blockName(b), dense, b, last ? TensorView{} : slice(next, 0, c));
+    const TensorView next = last ? TensorView{} : create(blockName(b + 1) + "dense", f, parts * c);
+    y = block(blockName(b), dense, b, last ? TensorView{} : slice(next, 0, c));
     dense = next;
   }
   return conv(name + "conv", y, c, c, {.into = into, .residual = x});

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "graph/model.h"
 #include "graph/session.h"
 #include "xrds/error.h"
@@ -32,6 +34,21 @@ TEST_P(PaperTable, CostsMatchToEveryPrintedDigit) {
 INSTANTIATE_TEST_SUITE_P(Network, PaperTable,
                          testing::Values(Row{3, 5, 723.68, 9.36}, Row{3, 3, 519.13, 6.21}, Row{3, 1, 314.59, 3.06},
                                          Row{2, 5, 507.86, 6.42}, Row{1, 5, 292.04, 3.49}));
+
+// Of the paper's size, against the PyTorch modules.
+TEST(Network, CostsOfTheOtherFormsMatchTraining) {
+  const auto expectCosts = [](NetworkConfig config, double gigaMultiplyAdds, double millionParameters) {
+    config.base = config.auxInputs.empty() ? BaseImage::bicubic : BaseImage::guided;
+    const ModelWeights model = ModelWeights::random(config, 1);
+    uint64_t multiplyAdds = 0;
+    for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {}).nodes)
+      multiplyAdds += cost(node).multiplyAdds;
+    EXPECT_NEAR(static_cast<double>(multiplyAdds) / 1e9, gigaMultiplyAdds, 1e-6);
+    EXPECT_NEAR(static_cast<double>(model.parameterCount()) / 1e6, millionParameters, 1e-6);
+  };
+  expectCosts({.block = BlockKind::rdb}, 445.850321, 5.049647);
+  expectCosts({.block = BlockKind::rstb}, 345.187025, 3.562697);
+}
 
 TEST(Network, PlanOfThePaperSizeIsTight) {
   const NetworkConfig config;
@@ -99,10 +116,21 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(refused("aux_inputs", "albedo,albedo"));
   EXPECT_TRUE(refused("kernels", "3"));
   for (const auto& [key, text] : good) {
-    if (key == "block" || key == "kernels" || key == "aux_skip") continue;
+    const std::set<std::string> optional{"block", "kernels", "aux_skip"};
     Metadata missing = good;
     missing.erase(key);
-    EXPECT_THROW(parseConfig(missing), Error) << key;
+    if (optional.contains(key))
+      EXPECT_EQ(describe(parseConfig(missing)), good) << key;
+    else
+      EXPECT_THROW(parseConfig(missing), Error) << key;
+  }
+}
+
+TEST(Config, KeepsWhatDiffersFromThePaper) {
+  for (const char* block : {"rdst", "rstb", "rdb"}) {
+    Metadata fields = describe({.kernels = 5, .auxSkip = true});
+    fields["block"] = block;
+    EXPECT_EQ(describe(parseConfig(fields)), fields);
   }
 }
 

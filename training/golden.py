@@ -4,7 +4,7 @@
 
 NAME.model.safetensors is a model file; NAME.io.safetensors holds float32 images, channels last:
 colour [h, w, 3] linear radiance, albedo, normal [H, W, 3] and aux [H, W, 3k] (further inputs) where the model has them,
-exposure [1], network [H, W, 3 (+ 25)] the raw cropped output, output [H, W, 3] linear radiance.
+exposure [1], network [H, W, 3 (+ logits)] the raw cropped output, output [H, W, 3] linear radiance.
 """
 import argparse
 import math
@@ -61,6 +61,10 @@ CASES = {
     "s4_compact_width": ((16, 24), dict(channels=32, aux_channels=16, head_channels=32, window=8)),
     "s4_compact": ((9, 12), dict(channels=32, aux_channels=16, head_channels=32, window=8, kernels=5, aux_skip=1)),
     "s2_paper_width": ((8, 16), dict(scale=2, channels=64, aux_channels=32, head_channels=32, window=8)),
+    "s2_rdb": ((9, 10), dict(scale=2, block="rdb")),
+    "s4_rdb_two_blocks": ((6, 7), dict(block="rdb", blocks=2, channels=16)),
+    "s2_rstb": ((7, 11), dict(scale=2, block="rstb")),
+    "s4_rstb_two_blocks": ((9, 6), dict(block="rstb", blocks=2, groups=2)),
 }
 
 

@@ -94,6 +94,21 @@ INSTANTIATE_TEST_SUITE_P(All, Conv3x3Cases,
                                           testing::Values(KernelFamily::plain, KernelFamily::lane),
                                           testing::Values(DataType::f32, DataType::f16)));
 
+// As a growing concatenation does: the output is a slice of the tensor that the input is a slice of.
+TEST(Conv3x3, WritesBesideWhatItReads) {
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane})
+    for (const DataType stored : {DataType::f32, DataType::f16}) {
+      const auto weight = halves(test::randomNumbers(8 * 16 * 9, 1)), bias = halves(test::randomNumbers(8, 2));
+      Conv3x3 op = operatorOf({9, 21, 16, 8, Layout::straight, Activation::relu}, stored, weight, bias);
+      op.input = view(0, stored, 9, 21, 16, 0, 32);
+      op.output = view(0, stored, 9, 21, 8, 16, 32);
+      op.weightType = stored;
+      DeviceTraits traits = test::gpu().traits();
+      traits.family = family;
+      test::expectMatchesReference(op, traits, test::toleranceOf(stored));
+    }
+}
+
 // A kernel whose only weight is at the tap: the output is the input moved by one pixel, zero moving in.
 TEST(Conv3x3, OfOneTapMovesTheImage) {
   std::vector<float> weight(4 * 4 * 9), bias(4);
