@@ -13,6 +13,7 @@ namespace {
 constexpr const char* kTransfers[] = {"none", "log1p"};
 constexpr const char* kBases[] = {"none", "bicubic", "demodulated", "guided"};
 constexpr const char* kBlocks[] = {"rdst", "rstb", "rdb"};
+constexpr const char* kCrosses[] = {"attention", "concat"};
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw Error("The model file " + message + ".");
@@ -103,6 +104,7 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   config.transfer = static_cast<Transfer>(choice(metadata, "transfer", kTransfers));
   config.base = static_cast<BaseImage>(choice(metadata, "base", kBases));
   config.block = static_cast<BlockKind>(choiceOrFirst(metadata, "block", kBlocks));
+  config.cross = static_cast<CrossKind>(choiceOrFirst(metadata, "cross", kCrosses));
   config.kernels = numberOr(metadata, "kernels", 0, 5);
   config.auxSkip = numberOr(metadata, "aux_skip", 0, 1) == 1;
   checkCombination(config);
@@ -125,6 +127,7 @@ Metadata describe(const NetworkConfig& config) {
           {"transfer", kTransfers[static_cast<size_t>(config.transfer)]},
           {"base", kBases[static_cast<size_t>(config.base)]},
           {"block", kBlocks[static_cast<size_t>(config.block)]},
+          {"cross", kCrosses[static_cast<size_t>(config.cross)]},
           {"kernels", std::to_string(config.kernels)},
           {"aux_skip", config.auxSkip ? "1" : "0"}};
 }

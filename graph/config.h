@@ -15,6 +15,9 @@ enum class BaseImage : uint8_t { none, bicubic, demodulated, guided };
 /// What the B blocks of a group are: the paper's dense Swin blocks, plain Swin blocks, or dense convolutions.
 enum class BlockKind : uint8_t { rdst, rstb, rdb };
 
+/// How a group joins colour and auxiliary features: by the cross module XM, or by a 1x1 convolution of both.
+enum class CrossKind : uint8_t { attention, concat };
+
 using Metadata = std::map<std::string, std::string>;
 
 /// Every symbol of the network, as the metadata of a model file states it. The letters are the paper's.
@@ -30,6 +33,7 @@ struct NetworkConfig {
   Transfer transfer = Transfer::log1p;
   BaseImage base = BaseImage::guided;
   BlockKind block = BlockKind::rdst;
+  CrossKind cross = CrossKind::attention;
   uint32_t kernels = 0;  // side of the learned kernels, 0 or 5
   bool auxSkip = false;  // H_N is fed to the output convolution
 

@@ -40,6 +40,7 @@ class NetworkBuilder {
   TensorView deshuffle(uint32_t i, TensorView h, TensorView into);
   TensorView crossModule(const std::string& name, TensorView f, TensorView e, TensorView into);
   TensorView swinLayer(const std::string& name, TensorView t, bool shifted);
+  TensorView joined(const std::string& name, TensorView f, TensorView d, TensorView into);
   TensorView denseBlock(const std::string& name, TensorView dense, uint32_t block, TensorView into);
   TensorView swinBlock(const std::string& name, TensorView x, uint32_t block, TensorView into);
   TensorView convBlock(const std::string& name, TensorView dense, TensorView into);
@@ -174,6 +175,20 @@ TensorView NetworkBuilder::crossModule(const std::string& name, TensorView f, Te
   return mlp(name + "mlp", layerNorm(name + "norm3", f), 4, f, into);
 }
 
+// X: what the features of the colour and the auxiliary images make together, by XM or by a 1x1 convolution of [f, e].
+TensorView NetworkBuilder::joined(const std::string& name, TensorView f, TensorView d, TensorView into) {
+  const uint32_t c = config_.channels;
+  if (config_.cross == CrossKind::attention) {
+    const TensorView e = d.exists() ? conv(name + "aux_conv", d, c) : TensorView{};
+    return crossModule(name + "xm.", conv(name + "lr_conv", f, c), e, into);
+  }
+  if (!d.exists()) return conv(name + "lr_conv", f, c, c, {.into = into});
+  const TensorView both = create(name + "both", f, 2 * c);
+  conv(name + "lr_conv", f, c, c, {.into = slice(both, 0, c)});
+  conv(name + "aux_conv", d, c, c, {.into = slice(both, c, c)});
+  return conv1x1(name + "concat", both, c, into);
+}
+
 // STL: u = t + WMSA(LN(t)); u + MLP_2(LN(u)).
 TensorView NetworkBuilder::swinLayer(const std::string& name, TensorView t, bool shifted) {
   const TensorView u = selfAttention(name + "attn", layerNorm(name + "norm1", t), t, shifted);
@@ -221,13 +236,11 @@ TensorView NetworkBuilder::group(uint32_t g, TensorView f, TensorView d, TensorV
   const uint32_t c = config_.channels;
   const uint32_t parts = config_.block == BlockKind::rdst ? 3 : config_.block == BlockKind::rdb ? 4 : 1;
   const std::string name = "groups." + std::to_string(g) + ".";
-  const TensorView e = d.exists() ? conv(name + "aux_conv", d, c) : TensorView{};
   const auto blockName = [&](uint32_t b) { return name + "blocks." + std::to_string(b) + "."; };
   TensorView dense = create(blockName(0) + "dense", f, parts * c);
   // X outlives the first of several blocks: holding that block's concatenation so long would cost more than a copy.
   const bool copied = parts > 1 && config_.blocks > 1;
-  const TensorView x =
-      crossModule(name + "xm.", conv(name + "lr_conv", f, c), e, copied ? TensorView{} : slice(dense, 0, c));
+  const TensorView x = joined(name, f, d, copied ? TensorView{} : slice(dense, 0, c));
   if (copied) copy(blockName(0) + "input", x, slice(dense, 0, c));
   TensorView y;
   for (uint32_t b = 0; b < config_.blocks; ++b) {

@@ -48,6 +48,8 @@ TEST(Network, CostsOfTheOtherFormsMatchTraining) {
   };
   expectCosts({.block = BlockKind::rdb}, 445.850321, 5.049647);
   expectCosts({.block = BlockKind::rstb}, 345.187025, 3.562697);
+  expectCosts({.cross = CrossKind::concat}, 712.406729, 9.214295);
+  expectCosts({.auxInputs = {}, .cross = CrossKind::concat}, 583.356383, 8.541879);
 }
 
 TEST(Network, PlanOfThePaperSizeIsTight) {
@@ -115,8 +117,9 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(refused("aux_inputs", "normal"));
   EXPECT_TRUE(refused("aux_inputs", "albedo,albedo"));
   EXPECT_TRUE(refused("kernels", "3"));
+  EXPECT_TRUE(refused("cross", "add"));
   for (const auto& [key, text] : good) {
-    const std::set<std::string> optional{"block", "kernels", "aux_skip"};
+    const std::set<std::string> optional{"block", "cross", "kernels", "aux_skip"};
     Metadata missing = good;
     missing.erase(key);
     if (optional.contains(key))
@@ -127,11 +130,13 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(Config, KeepsWhatDiffersFromThePaper) {
-  for (const char* block : {"rdst", "rstb", "rdb"}) {
-    Metadata fields = describe({.kernels = 5, .auxSkip = true});
-    fields["block"] = block;
-    EXPECT_EQ(describe(parseConfig(fields)), fields);
-  }
+  for (const char* block : {"rdst", "rstb", "rdb"})
+    for (const char* cross : {"attention", "concat"}) {
+      Metadata fields = describe({.kernels = 5, .auxSkip = true});
+      fields["block"] = block;
+      fields["cross"] = cross;
+      EXPECT_EQ(describe(parseConfig(fields)), fields);
+    }
 }
 
 TEST(Model, NamesWhatIsWrongWithItsTensors) {

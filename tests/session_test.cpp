@@ -43,10 +43,11 @@ const NetworkConfig kSmall{.scale = 2,
                            .kernels = 5,
                            .auxSkip = true};
 
-// kSmall with each kind of block.
+// kSmall with each kind of block; rdb joins by concatenation.
 NetworkConfig smallOf(BlockKind block) {
   NetworkConfig config = kSmall;
   config.block = block;
+  if (block == BlockKind::rdb) config.cross = CrossKind::concat;
   return config;
 }
 

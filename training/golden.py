@@ -65,6 +65,9 @@ CASES = {
     "s4_rdb_two_blocks": ((6, 7), dict(block="rdb", blocks=2, channels=16)),
     "s2_rstb": ((7, 11), dict(scale=2, block="rstb")),
     "s4_rstb_two_blocks": ((9, 6), dict(block="rstb", blocks=2, groups=2)),
+    "s2_concat": ((9, 7), dict(scale=2, cross="concat", groups=2)),
+    "s4_concat_noaux": ((7, 6), dict(cross="concat", base="bicubic", aux_inputs=NONE)),
+    "s2_rdb_concat_noaux": ((6, 9), dict(scale=2, block="rdb", cross="concat", base="none", aux_inputs=NONE)),
 }
 
 
