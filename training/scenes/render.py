@@ -24,7 +24,7 @@ def arguments():
     parser = argparse.ArgumentParser(prog="render.py", description=__doc__)
     parser.add_argument("--seeds", required=True, metavar="FIRST:END", help="half-open range")
     parser.add_argument("--stride", type=int, default=1, help="take every n-th seed, for parallel processes")
-    parser.add_argument("--out", required=True)
+    parser.add_argument("--out", default=".")
     parser.add_argument("--hdri", default="", help="folder of .exr and .hdr surroundings")
     parser.add_argument("--models", default="", help="folder of .glb models")
     parser.add_argument("--family", choices=families.NAMES, help="only this one")
@@ -77,7 +77,7 @@ def render(ask, seed, scene):
     for samples in storage.AUX:
         aux = passes.render(scene, full, full, samples, 7 * seed + 1000 + samples)
         total += storage.write(ask.out, seed, f"aux{samples}", storage.noisy(aux))
-    reference = passes.render(scene, full, full, storage.REFERENCE, 7 * seed + 2000, threshold=0.015)
+    reference = passes.render(scene, full, full, storage.REFERENCE, 7 * seed + 2000, threshold=0.03)
     return total + storage.write(ask.out, seed, "gt", storage.reference(reference))
 
 
@@ -104,4 +104,5 @@ def main():
               f"{byte_size / 1024:.0f} KiB", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()
