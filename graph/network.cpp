@@ -376,6 +376,8 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
   if (config.demodulates()) {
     decode.aux = prepared.aux;
     decode.albedoOffset = config.auxOffset("albedo");
+    decode.albedoKernels = config.albedoKernels;
+    decode.firstAlbedoLogit = config.firstAlbedoLogit();
   }
   graph.nodes.push_back({"decode_radiance", decode});
   return graph;

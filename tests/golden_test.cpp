@@ -102,18 +102,35 @@ TEST_P(GoldenNetwork, Fp16OfTheDevicesFamily) { expectMatch(test::gpu().traits()
 INSTANTIATE_TEST_SUITE_P(All, GoldenNetwork, testing::ValuesIn(goldenNames()),
                          [](const auto& info) { return info.param; });
 
-TEST(GoldenReference, HostReplayMatchesToo) {
-  const Golden golden("s2_guided");
+class GoldenReference : public testing::TestWithParam<std::string> {};
+
+TEST_P(GoldenReference, HostReplayMatchesToo) {
+  const Golden golden(GetParam());
   const Graph graph = buildGraph(golden.model.config(), golden.frame, golden.model.lookup(), {});
   HostMemory memory;
   setInputs(graph, golden.input, memory);
   runReference(graph, memory);
   const auto& stored = memory.storage(graph.network);
-  const auto raw = cropped({stored.begin(), stored.end()}, graph.network, graph, 3);
+  const uint32_t channels = golden.model.config().outputWidth();
+  const auto raw = cropped({stored.begin(), stored.end()}, graph.network, graph, channels);
   EXPECT_LT(relativeRms(raw, golden.network()), 1e-6);
+  const auto& pixels = memory.storage(graph.output);
+  const auto output = cropped({pixels.begin(), pixels.end()}, graph.output, graph, 3);
+  EXPECT_LT(relativeRms(output, golden.output()), 1e-6);
 }
 
-TEST(GoldenReference, CheckNamesTheFirstDivergentOperator) {
+INSTANTIATE_TEST_SUITE_P(Some, GoldenReference,
+                         testing::Values("s2_guided", "s2_rdb_concat_albedo_kernels", "s4_rstb_concat_albedo_kernels"),
+                         [](const auto& info) { return info.param; });
+
+TEST(GoldenCheck, AcceptsKernelsOfTheAlbedo) {
+  const Golden golden("s2_rdb_concat_albedo_kernels");
+  const CheckResult good = checkAgainstReference(test::gpu(), golden.model, golden.frame, golden.input, {});
+  EXPECT_EQ(good.firstDivergent, -1);
+  EXPECT_EQ(good.nodes.back().node, "decode_radiance");
+}
+
+TEST(GoldenCheck, NamesTheFirstDivergentOperator) {
   const Golden golden("s2_guided");
   const CheckResult good = checkAgainstReference(test::gpu(), golden.model, golden.frame, golden.input, {});
   EXPECT_EQ(good.firstDivergent, -1);

@@ -43,11 +43,12 @@ const NetworkConfig kSmall{.scale = 2,
                            .kernels = 5,
                            .auxSkip = true};
 
-// kSmall with each kind of block; rdb joins by concatenation.
+// kSmall with each kind of block; those that are not the paper's filter the albedo too, rdb joins by concatenation.
 NetworkConfig smallOf(BlockKind block) {
   NetworkConfig config = kSmall;
   config.block = block;
-  if (block == BlockKind::rdb) config.cross = CrossKind::concat;
+  if (block == BlockKind::rdb) config.cross = CrossKind::concat, config.albedoKernels = 5;
+  if (block == BlockKind::rstb) config.albedoKernels = 3;
   return config;
 }
 

@@ -68,6 +68,20 @@ CASES = {
     "s2_concat": ((9, 7), dict(scale=2, cross="concat", groups=2)),
     "s4_concat_noaux": ((7, 6), dict(cross="concat", base="bicubic", aux_inputs=NONE)),
     "s2_rdb_concat_noaux": ((6, 9), dict(scale=2, block="rdb", cross="concat", base="none", aux_inputs=NONE)),
+    "s4_albedo_kernels3": ((7, 9), dict(albedo_kernels=3)),
+    "s4_albedo_kernels5": ((5, 6), dict(kernels=5, aux_skip=1, albedo_kernels=5)),
+    "s2_albedo_kernels5": ((9, 7), dict(scale=2, kernels=5, aux_skip=1, albedo_kernels=5)),
+    "s1_albedo_kernels5": ((11, 9), dict(scale=1, kernels=5, aux_skip=1, albedo_kernels=5)),
+    "s1_albedo_kernels5_unpadded": ((8, 12), dict(scale=1, albedo_kernels=5, base="demodulated", aux_inputs=ALBEDO)),
+    "s4_one_pixel_albedo_kernels": ((1, 1), dict(kernels=5, aux_skip=1, albedo_kernels=3)),
+    "s2_albedo_kernels_normal_first": ((5, 7), dict(scale=2, albedo_kernels=3, base="demodulated",
+                                                    aux_inputs=("normal", "albedo"), transfer="none")),
+    "s4_compact_albedo_kernels": ((9, 12), dict(channels=32, aux_channels=16, head_channels=32, window=8, kernels=5,
+                                                aux_skip=1, albedo_kernels=5)),
+    "s2_rdb_concat_albedo_kernels": ((9, 11), dict(scale=2, block="rdb", cross="concat", blocks=2, groups=2, kernels=5,
+                                                   aux_skip=1, albedo_kernels=3)),
+    "s4_rstb_concat_albedo_kernels": ((6, 5), dict(block="rstb", cross="concat", blocks=2, kernels=5, aux_skip=1,
+                                                   albedo_kernels=5)),
 }
 
 
