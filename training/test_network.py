@@ -32,6 +32,35 @@ def test_weight_names():
     assert not any(name.endswith("index") for name in names)
 
 
+@pytest.mark.parametrize("block, shapes", [
+    ("rdb", {"grow.0.weight": (8, 8, 3, 3), "grow.2.weight": (8, 24, 3, 3), "grow.2.bias": (8,),
+             "fuse.weight": (8, 32, 1, 1)}),
+    ("rstb", {"layers.0.attn.qkv.weight": (24, 8), "layers.2.attn.qkv.weight": (24, 8),
+              "layers.2.mlp.fc1.weight": (16, 8), "conv.weight": (8, 8, 3, 3)})])
+def test_blocks_of_the_ablations(block, shapes):
+    network = Network(NetworkConfig(block=block, **{**SMALL, "blocks": 2}))
+    parameters = network.state_dict()
+    for name, shape in shapes.items():
+        assert parameters["groups.0.blocks.1." + name].shape == shape
+    assert len([name for name in parameters if name.startswith("groups.0.blocks.1.")]) == {"rdb": 8, "rstb": 41}[block]
+    x = torch.rand(1, 8, 8, 12)
+    assert network.groups[0].blocks[1](x).shape == x.shape
+
+
+def test_swin_blocks_shift_every_other_layer_of_a_group():
+    blocks = Network(NetworkConfig(block="rstb", **{**SMALL, "blocks": 2})).groups[0].blocks
+    assert [layer.shifted for block in blocks for layer in block.layers] == [False, True] * 3
+
+
+def test_concat_in_place_of_the_cross_module():
+    names = set(Network(NetworkConfig(cross="concat", **SMALL)).state_dict())
+    assert "groups.0.concat.weight" in names and not any(".xm." in name for name in names)
+    without = Network(NetworkConfig(cross="concat", base="bicubic", aux_inputs=(), **SMALL))
+    assert not any("concat" in name or ".xm." in name for name in without.state_dict())
+    f = torch.rand(1, 8, 4, 4)
+    assert torch.equal(without.groups[0].joined(f, None), f)
+
+
 def test_relative_position_index():
     index = relative_position_index(4)
     assert index[0, 0] == 3 * 7 + 3          # the token itself: the table's centre
@@ -72,7 +101,33 @@ def test_guided_weights_against_the_formula():
         a = ((albedo[0, :, py, px] - b[:, cy, cx]) ** 2).sum() / (2 * 0.5 ** 2)
         space = ((qy - iy) ** 2 + (qx - ix) ** 2) / (2 * 0.75 ** 2)
         expected = torch.exp(torch.tensor(-space)) * (torch.exp(-n) * torch.exp(-a) + 1e-6)
-        assert log_weights[0, j, py, px].exp() == pytest.approx(expected.item(), rel=1e-6)
+        assert log_weights[0, py // scale, px // scale, py % scale, px % scale, j].exp() == pytest.approx(expected.item(), rel=1e-6)
+
+
+@pytest.mark.parametrize("side", [3, 5])
+def test_filtered_albedo(side):
+    torch.manual_seed(side)
+    equal = torch.full((1, 3, 4, 6), 0.3)
+    logits = torch.randn(1, side ** 2, 4, 6) * 10
+    assert torch.allclose(pipeline.filtered_albedo(pipeline.neighbours(equal, side), logits), equal)
+    albedo = torch.rand(1, 3, 4, 6)
+    for j in range(side ** 2):
+        one_hot = torch.full((1, side ** 2, 4, 6), -100.0)
+        one_hot[:, j] = 100.0
+        found = pipeline.filtered_albedo(pipeline.neighbours(albedo, side), one_hot)
+        y = (torch.arange(4) + j // side - side // 2).clamp(0, 3)
+        x = (torch.arange(6) + j % side - side // 2).clamp(0, 5)
+        assert torch.allclose(found, albedo[:, :, y][:, :, :, x], atol=1e-5)
+
+
+def test_albedo_kernels_are_the_last_channels_and_start_at_the_pixel():
+    config = NetworkConfig(kernels=5, albedo_kernels=3, **SMALL)
+    network = Network(config)
+    initialise(network, torch.Generator().manual_seed(1))
+    raw = network.out.bias.view(1, -1, 1, 1)
+    residual, logits, albedo_logits = pipeline.split_output(raw, config)
+    assert (residual.shape[1], logits.shape[1], albedo_logits.shape[1]) == (3, 25, 9)
+    assert albedo_logits.argmax() == 4 and not residual.any() and not logits.any()
 
 
 def test_exposure_ignores_black_and_non_finite_pixels():
@@ -97,12 +152,15 @@ def test_model_file_round_trip(tmp_path):
 
 def test_model_without_kernel_fields_is_the_plain_form():
     metadata = weights.metadata_of(NetworkConfig(**SMALL))
-    del metadata["kernels"], metadata["aux_skip"], metadata["block"]
+    for name in ("kernels", "aux_skip", "block", "albedo_kernels", "cross"):
+        del metadata[name]
     assert weights.config_of(metadata) == NetworkConfig(**SMALL)
 
 
 @pytest.mark.parametrize("wrong", [dict(base="guided", aux_inputs=("normal",)), dict(kernels=5, base="bicubic"),
-                                   dict(scale=3), dict(aux_skip=1, aux_inputs=(), base="none"), dict(head_channels=3)])
+                                   dict(scale=3), dict(aux_skip=1, aux_inputs=(), base="none"), dict(head_channels=3),
+                                   dict(block="rrdb"), dict(cross="add"), dict(albedo_kernels=4),
+                                   dict(albedo_kernels=3, base="bicubic")])
 def test_misuse_is_refused(wrong):
     with pytest.raises(ValueError):
         NetworkConfig(**{**SMALL, **wrong})
