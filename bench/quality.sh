@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# Measures every shipped model on a folder of validation scenes, beside its rivals, and writes Markdown and JSON:
+#
+#     bench/quality.sh VAL_FOLDER OUT_FOLDER
+#
+# A table a setting (x4_64_aux16.md: scale 4, colour at 64 spp, albedo and normal at 16), and two that gather the means:
+# auxiliary.md (scale 4 with albedo and normal of growing quality) and equal.md (equal average samples, Open Image
+# Denoise included). XRDS is the program (default build/release/cli/xrds). PEERS is a Python with
+# bench/oidn-requirements.txt (default python3); without it OIDN is left out. A model that is not there, a setting
+# without renders and OIDN, if it cannot run, are named and left out.
+set -euo pipefail
+[ $# -eq 2 ] || { sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+val=$1 out=$2
+here=$(cd "$(dirname "$0")" && pwd)
+xrds=${XRDS:-$here/../build/release/cli/xrds}
+peers=${PEERS:-python3}
+mkdir -p "$out"
+rm -f "$out"/{auxiliary,equal}.md
+shipped=" $("$xrds" info | tr '\n' ' ') "
+
+# The --model options of the shipped models of a scale.
+model_options() {
+  local name names
+  case $1 in
+    4) names="xrds-x4-compact xrds-x4-nano xrds-x4-compact-albedo xrds-x4-compact-plain" ;;
+    *) names="xrds-x$1-compact" ;;
+  esac
+  for name in $names; do
+    case $shipped in
+      *" $name "*) echo "--model $name" ;;
+      *) [ $# -eq 1 ] || echo "left out: model $name is not there" >&2 ;;
+    esac
+  done
+}
+
+# table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json; false if it cannot.
+table() {
+  fragment=$out/x$1_$2_aux$3
+  [ "$fragment.md" -nt "$out/started" ] && return  # by an earlier setting of this run
+  echo "scale $1, colour $2 spp, aux $3" >&2
+  # shellcheck disable=SC2046 # the options are words
+  "$xrds" bench quality "$val" --scale "$1" --colour "$2" --aux "$3" $(model_options "$1") "${@:4}" \
+    --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" && return
+  echo "left out: $(grep -v warning "$fragment.log" | tail -1)" >&2
+  return 1
+}
+
+# gather FILE SETTING: appends the means of the last table, all but those of the methods that ignore the auxiliary images.
+gather() {
+  if [ ! -e "$1" ]; then
+    printf '%s\n' '| setting | method | PSNR dB | RelMSE | trimmed | median | 99.9 % | FLIP |' \
+      '|---|---|---|---|---|---|---|---|' > "$1"
+  fi
+  awk -F' *[|] *' -v setting="$2" '
+    means && NF > 9 && $2 !~ /^(---|bicubic|demodulated|input)/ {
+      printf "| %s | %s | %s | %s | %s | %s | %s | %s |\n", setting, $2, $3, $5, $6, $7, $8, $9 }
+    $2 == "mean" { means = 1 }' "$fragment.md" >> "$1"
+}
+
+# denoise SPP: fills the array `also` with the options that put OIDN's images into a table.
+denoise() {
+  also=()
+  local folder=$out/oidn_images
+  if ! { "$peers" "$here/oidn.py" "$val" "$folder/plain" --spp "$1" &&
+    "$peers" "$here/oidn.py" "$val" "$folder/prefiltered" --spp "$1" --prefilter; } > "$out/oidn_$1.log" 2>&1; then
+    echo "left out: Open Image Denoise at $1 spp, $(tail -1 "$out/oidn_$1.log")" >&2
+    return 0
+  fi
+  also=(--also "OIDN=$folder/plain/*_oidn$1.exr" --also "OIDN, prefiltered=$folder/prefiltered/*_oidn$1.exr")
+}
+
+for scale in 1 2 4 8; do model_options "$scale" loud > "$out/started"; done
+
+# The scales, with albedo and normal at 16 spp.
+table 2 16 16 || true
+table 8 64 16 || true
+table 8 256 16 || true
+
+# Scale 4: albedo and normal of growing quality.
+for aux in 1 4 16 converged; do
+  table 4 64 "$aux" && gather "$out/auxiliary.md" "x4, 64 spp, aux $aux"
+done
+
+# Equal average samples: OIDN's full-resolution render of K spp; at scale s K = colour / s^2 + aux.
+for setting in "2 16 4 1" "4 32 8 2" "8 64 16 4"; do
+  read -r average colour4 colour2 aux <<< "$setting"
+  denoise "$average"
+  table 1 "$average" "$average" "${also[@]}" && gather "$out/equal.md" "$average: x1, $average spp"
+  table 2 "$colour2" "$aux" && gather "$out/equal.md" "$average: x2, $colour2 spp, aux $aux"
+  table 4 "$colour4" "$aux" && gather "$out/equal.md" "$average: x4, $colour4 spp, aux $aux"
+done
+rm "$out/started"
+echo "$out: auxiliary.md, equal.md and a .md and .json for every setting" >&2
