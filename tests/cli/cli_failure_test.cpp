@@ -105,7 +105,7 @@ TEST(CliFailure, ModelsThatAreDamagedOrForeign) {
   const auto changed = [&](const std::function<void(TensorFile&)>& change) {
     return upscaleWith(frame, changedModel(frame, change));
   };
-  expectFailure(changed([](TensorFile& f) { f.metadata["block"] = "swin"; }), 4, "'swin' blocks", frame.folder, 3);
+  expectFailure(changed([](TensorFile& f) { f.metadata["block"] = "swin"; }), 4, "block 'swin'", frame.folder, 3);
   expectFailure(changed([](TensorFile& f) { f.metadata["format"] = "other"; }), 4, "another format", frame.folder, 3);
   expectFailure(changed([](TensorFile& f) { f.metadata["channels"] = "99999999999"; }), 4, "expected a number",
                 frame.folder, 3);
