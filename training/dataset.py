@@ -136,6 +136,9 @@ class Crops:
         crop = {"colour": cut(colour, y, x, size, BORDER, 1), "target": cut(scene.target, y, x, size, 0, scale)}
         if self.config.aux_inputs:
             crop["aux"] = cut(scene.noisy_aux(self.drawn(self.aux_shares)), y, x, size, BORDER, scale)
+        if "albedo" in self.config.aux_inputs:
+            first = 3 * self.config.aux_inputs.index("albedo")
+            crop["albedo"] = cut(scene.aux[0][first:first + 3], y, x, size, 0, scale)
         crop = self.varied({key: image.float() for key, image in crop.items()})
         crop["exposure"] = torch.tensor(scene.exposure[spp] * 2 ** (self.number() - 0.5), device=colour.device)
         crop["base_error"] = torch.tensor(scene.base_error, device=colour.device)
@@ -155,6 +158,7 @@ class Crops:
         if "albedo" in first:
             at = slice(first["albedo"], first["albedo"] + 3)
             crop["aux"][at] = crop["aux"][at][order]
+            crop["albedo"] = crop["albedo"][order]
         if "normal" in first and self.number() < 0.25:
             at = slice(first["normal"], first["normal"] + 3)
             turn = random_rotation(self.random).to(crop["aux"])
@@ -162,6 +166,7 @@ class Crops:
         return crop
 
     def batch(self, count):
-        """{colour [n, 3, h + 4, w + 4], aux [n, A, s(h + 4), s(w + 4)] or absent, target [n, 3, sh, sw], exposure [n], base_error [n]}"""
+        """{colour [n, 3, h + 4, w + 4], aux [n, A, s(h + 4), s(w + 4)] or absent, target [n, 3, sh, sw], albedo (converged)
+        [n, 3, sh, sw] or absent, exposure [n], base_error [n]}"""
         crops = [self.one() for _ in range(count)]
         return {key: torch.stack([crop[key] for crop in crops]) for key in crops[0]}

@@ -102,7 +102,9 @@ def main():
                              f"(guided base {guided['psnr']:.2f}), RelMSE {trained['relmse']:.4f} ({guided['relmse']:.4f})")
     weights.save_model(options.model, network, provenance)
     loss = (f"{'SMAPE' if told['smape'] == 'True' else 'mean |x-y| / (0.1 + |x-y|) (equation 8 of the paper)'} of exposed linear radiance, plus {told['tone']} "
-            "times the mean square error of the clamped sRGB image over that of the untrained base on the scene.")
+            f"times the mean square error of the clamped sRGB image over that of the untrained base on the scene, plus {told['ratio']} times the "
+            "mean square logarithm of (x + 0.1) / (y + 0.1)"
+            + (f", plus {told['albedo_loss']} times the robust loss of the filtered albedo against the converged one." if config.albedo_kernels else "."))
     start = options.start if told["start"] != "None" else ""
     card = CARD.format(
         name=options.model.stem, channels=config.channels, groups=config.groups, blocks=config.blocks, scale=config.scale,

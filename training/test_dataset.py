@@ -48,7 +48,7 @@ def test_forward_of_a_crop_is_the_pipeline(place):
     batch = {"colour": dataset.cut(scene.colours[64], y, x, size, 2, 1).float()[None],
              "aux": dataset.cut(scene.aux[16], y, x, size, 2, 4).float()[None],
              "target": dataset.cut(scene.target, y, x, size, 0, 4).float()[None], "exposure": torch.ones(1)}
-    result, target = train.forward(network, batch, "cpu")
+    result, target, _ = train.forward(network, batch, "cpu")
     with torch.no_grad():
         whole, _, _ = pipeline.upscale(network, scene.colours[64].float()[None], scene.aux[16].float()[None], 1.0)
     here = (..., slice(4 * y, 4 * (y + size)), slice(4 * x, 4 * (x + size)))
@@ -77,6 +77,14 @@ def test_rotations_are_rotations():
         turn = dataset.random_rotation(generator)
         assert torch.allclose(turn @ turn.T, torch.eye(3), atol=1e-5)
         assert torch.linalg.det(turn) == pytest.approx(1, abs=1e-5)
+
+
+def test_converged_albedo_of_a_crop_varies_with_its_noisy_one():
+    scenes = FakeScenes()
+    scenes.scenes[0].aux[16] = scenes.scenes[0].aux[0]          # no noise: both must stay the same
+    batch = dataset.Crops(scenes, 8, seed=4, aux_shares={16: 1}).batch(6)
+    inner = slice(8, -8)
+    assert torch.equal(batch["albedo"], batch["aux"][:, :3, inner, inner])
 
 
 def test_noise_of_other_counts_is_scaled():

@@ -52,6 +52,8 @@ def arguments_of_command_line():
     parser.add_argument("--rate", type=float, default=5e-4)
     parser.add_argument("--warm-up", type=int, default=200, help="steps")
     parser.add_argument("--tone", type=float, default=0.2, help="weight of the tone-mapped square error beside the robust loss")
+    parser.add_argument("--ratio", type=float, default=0.2, help="weight of the square of the logarithm of the result's ratio to the reference")
+    parser.add_argument("--albedo-loss", type=float, default=1.0, help="weight of the robust loss of the filtered albedo")
     parser.add_argument("--smape", action="store_true", help="SMAPE instead of the robust loss")
     parser.add_argument("--aux-spp", type=int, help="train on this count of the auxiliary images alone (0: converged)")
     parser.add_argument("--colour-spp", type=int, help="train on this count of the colour alone")
@@ -70,7 +72,8 @@ def config_of(options):
 
 
 def forward(network, batch, device):
-    """(result, target) of a batch: exposed linear radiance [b, 3, H, W]. The network runs in bfloat16, the rest in float32."""
+    """(result, target, albedo) of a batch: exposed linear radiance [b, 3, H, W] and the albedo it was multiplied with, None if there
+    is none. The network runs in bfloat16, the rest in float32."""
     config = network.config
     scale, inner = config.scale, slice(dataset.BORDER, -dataset.BORDER)
     border = scale * dataset.BORDER
@@ -90,7 +93,8 @@ def forward(network, batch, device):
         albedo = albedo[:, :, around, around]
         if albedo_logits is not None:
             albedo = pipeline.filtered_albedo(pipeline.inner_neighbours(albedo, config.albedo_kernels), albedo_logits)
-    return pipeline.to_radiance(residual if base is None else base + residual, albedo, 1.0, config), exposure * batch["target"]
+    result = pipeline.to_radiance(residual if base is None else base + residual, albedo, 1.0, config)
+    return result, exposure * batch["target"], albedo
 
 
 def crop_base(bordered, aux, logits, config):
@@ -113,14 +117,21 @@ def crop_base(bordered, aux, logits, config):
     return pipeline.kernel_average(pipeline.inner_neighbours(bordered), pipeline.with_learned(log_weights, logits))
 
 
+def robust_loss(difference):
+    """The paper's equation 8: mean |x-y| / (beta + |x-y|)."""
+    return (difference.abs() / (ROBUST_BETA + difference.abs())).mean()
+
+
 def losses(result, target, batch, smape):
-    """(robust, tone): the paper's equation 8, mean |x-y| / (beta + |x-y|), of exposed radiance; and the mean square error of the
-    clamped sRGB image at the file's exposure over that of the untrained base on the same scene, the gradient of mean PSNR."""
-    difference = (result - target).abs()
-    robust = (difference / (result.abs() + target.abs() + 0.01 if smape else ROBUST_BETA + difference)).mean()
+    """(robust, tone, ratio): the paper's loss of exposed radiance (or SMAPE); the mean square error of the clamped sRGB image at the
+    file's exposure over that of the untrained base on the same scene, the gradient of mean PSNR; and the mean square logarithm of
+    (x + 0.1) / (y + 0.1), the only one of the three that a pixel far too bright does not leave nearly unmoved."""
+    difference = result - target
+    robust = (difference.abs() / (result.abs() + target.abs() + 0.01)).mean() if smape else robust_loss(difference)
     exposure = batch["exposure"].view(-1, 1, 1, 1)
     square = (metrics.srgb(result / exposure) - metrics.srgb(target / exposure)).square().mean((1, 2, 3))
-    return robust, (square / (batch["base_error"] + 1e-4)).mean()
+    ratio = (torch.log(result.clamp(min=0) + 0.1) - torch.log(target + 0.1)).square().mean()
+    return robust, (square / (batch["base_error"] + 1e-4)).mean(), ratio
 
 
 def start_from(network, path):
@@ -196,27 +207,31 @@ def train(training, scenes, options, report):
     crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1), only(options.colour_spp), only(options.aux_spp))
     last = time.monotonic()
     next_report, next_checkpoint = last + 30, last + options.evaluate_every * 60
-    sums, count = torch.zeros(2), 0
+    sums, count = torch.zeros(3), 0
     while (progress := training.progress(options)) < 1:
         rate = options.rate * min(1, (training.step + 1) / options.warm_up) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
         for group in training.optimizer.param_groups:
             group["lr"] = rate
         batch = crops.batch(options.batch)
-        robust, tone = losses(*forward(training.network, batch, options.device), batch, options.smape)
+        result, target, albedo = forward(training.network, batch, options.device)
+        robust, tone, ratio = losses(result, target, batch, options.smape)
+        loss = robust + options.tone * tone + options.ratio * ratio
+        if scenes.config.albedo_kernels:
+            loss = loss + options.albedo_loss * robust_loss(albedo - batch["albedo"])
         training.optimizer.zero_grad(set_to_none=True)
-        (robust + options.tone * tone).backward()
+        loss.backward()
         norm = torch.nn.utils.clip_grad_norm_(training.network.parameters(), 1.0)
         if torch.isfinite(norm):
             training.optimizer.step()
             training.update_average()
         training.step += 1
-        sums, count = sums + torch.stack([robust.detach(), tone.detach()]).cpu(), count + 1
+        sums, count = sums + torch.stack([robust.detach(), tone.detach(), ratio.detach()]).cpu(), count + 1
         now = time.monotonic()
         training.seconds, last = training.seconds + now - last, now
         if now > next_report:
             report(f"{training.seconds / 60:6.2f} min  step {training.step:6d}  rate {rate:.2e}  robust {sums[0] / count:.5f}  "
-                   f"tone {sums[1] / count:.4f}  gradient {norm:.3f}")
-            sums, count, next_report = torch.zeros(2), 0, now + 30
+                   f"tone {sums[1] / count:.4f}  ratio {sums[2] / count:.4f}  gradient {norm:.3f}")
+            sums, count, next_report = torch.zeros(3), 0, now + 30
         ended = training.progress(options) >= 1
         if now > next_checkpoint or ended:
             training.scenes = len(scenes)
