@@ -39,7 +39,7 @@ VARIANTS = {
     "robust-alone": ("table of losses", ["--tone", "0", "--ratio", "0"]),
     "residual-alone": ("our fields", ["--kernels", "0"]),
     "no-skip": ("our fields", ["--aux-skip", "0"]),
-    "albedo-kernels": ("our fields", ["--albedo-kernels", "5"]),
+    "aux-kernels": ("our fields", ["--aux-kernels", "5"]),
     "wide-crops": ("our fields", ["--crop", "48", "--batch", "2"]),
 }
 
@@ -74,7 +74,7 @@ def run(options, name, seed):
     if result_of(folder):
         return
     command = [sys.executable, str(pathlib.Path(__file__).with_name("train.py")), *options.train, "--validation", options.validation,
-               "--output", str(folder), "--steps", str(options.steps), "--seed", str(seed), "--evaluate-every", "1000", *VARIANTS[name][1]]
+               "--output", str(folder), "--steps", str(options.steps), "--seed", str(seed), "--evaluate-every", "1000", "--warm-up", "100", *VARIANTS[name][1]]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     (folder / "finished").touch()
     print(f"{name}, seed {seed}: PSNR {result_of(folder)[0]:.3f}", flush=True)

@@ -84,19 +84,24 @@ def cut(image, y, x, size, border, scale):
     return image[:, places(top, bottom, height)][:, :, places(left, right, width)]
 
 
+def aux_images(crop):
+    """The images of a crop that hold auxiliary channels."""
+    return [crop[key] for key in ("aux", "clean") if key in crop]
+
+
 def mirror(crop, axis, normal):
     """Mirrors a crop (axis 1: upside down, 2: left to right); the normal's component along it changes sign."""
     crop = {key: value.flip(axis) for key, value in crop.items()}
-    if normal is not None:
-        crop["aux"][normal + (1 if axis == 1 else 0)].neg_()
+    for aux in aux_images(crop) if normal is not None else ():
+        aux[normal + (1 if axis == 1 else 0)].neg_()
     return crop
 
 
 def transpose(crop, normal):
     """Mirrors a crop on its main diagonal: rows run down, the normal's y points up."""
     crop = {key: value.transpose(1, 2).clone() for key, value in crop.items()}
-    if normal is not None:
-        crop["aux"][normal:normal + 2] = -crop["aux"][normal:normal + 2].flip(0)
+    for aux in aux_images(crop) if normal is not None else ():
+        aux[normal:normal + 2] = -aux[normal:normal + 2].flip(0)
     return crop
 
 
@@ -136,9 +141,8 @@ class Crops:
         crop = {"colour": cut(colour, y, x, size, BORDER, 1), "target": cut(scene.target, y, x, size, 0, scale)}
         if self.config.aux_inputs:
             crop["aux"] = cut(scene.noisy_aux(self.drawn(self.aux_shares)), y, x, size, BORDER, scale)
-        if "albedo" in self.config.aux_inputs:
-            first = 3 * self.config.aux_inputs.index("albedo")
-            crop["albedo"] = cut(scene.aux[0][first:first + 3], y, x, size, 0, scale)
+        if self.config.aux_kernels:
+            crop["clean"] = cut(scene.aux[0], y, x, size, 0, scale)
         crop = self.varied({key: image.float() for key, image in crop.items()})
         crop["exposure"] = torch.tensor(scene.exposure[spp] * 2 ** (self.number() - 0.5), device=colour.device)
         crop["base_error"] = torch.tensor(scene.base_error, device=colour.device)
@@ -155,18 +159,18 @@ class Crops:
         tint = torch.exp(0.15 * torch.randn(3, 1, 1, generator=self.random)).to(crop["colour"])
         for key in ("colour", "target"):
             crop[key] = crop[key][order] * tint
-        if "albedo" in first:
-            at = slice(first["albedo"], first["albedo"] + 3)
-            crop["aux"][at] = crop["aux"][at][order]
-            crop["albedo"] = crop["albedo"][order]
-        if "normal" in first and self.number() < 0.25:
-            at = slice(first["normal"], first["normal"] + 3)
-            turn = random_rotation(self.random).to(crop["aux"])
-            crop["aux"][at] = torch.einsum("ij,jyx->iyx", turn, crop["aux"][at])
+        turn = random_rotation(self.random).to(crop["colour"]) if "normal" in first and self.number() < 0.25 else None
+        for aux in aux_images(crop):
+            if "albedo" in first:
+                at = slice(first["albedo"], first["albedo"] + 3)
+                aux[at] = aux[at][order]
+            if turn is not None:
+                at = slice(first["normal"], first["normal"] + 3)
+                aux[at] = torch.einsum("ij,jyx->iyx", turn, aux[at])
         return crop
 
     def batch(self, count):
-        """{colour [n, 3, h + 4, w + 4], aux [n, A, s(h + 4), s(w + 4)] or absent, target [n, 3, sh, sw], albedo (converged)
-        [n, 3, sh, sw] or absent, exposure [n], base_error [n]}"""
+        """{colour [n, 3, h + 4, w + 4], aux [n, A, s(h + 4), s(w + 4)] or absent, target [n, 3, sh, sw], clean (converged aux)
+        [n, A, sh, sw] with aux_kernels, exposure [n], base_error [n]}"""
         crops = [self.one() for _ in range(count)]
         return {key: torch.stack([crop[key] for crop in crops]) for key in crops[0]}

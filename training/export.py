@@ -65,14 +65,14 @@ def table_of_other_samples(folder, scale, methods):
 def fields_of(config):
     """What the model has beyond network.md's plain form, in words."""
     named = [f"learned {config.kernels} x {config.kernels} kernels" if config.kernels else "",
-             f"learned {config.albedo_kernels} x {config.albedo_kernels} albedo filter" if config.albedo_kernels else "",
+             f"learned {config.aux_kernels} x {config.aux_kernels} filter of the auxiliary images" if config.aux_kernels else "",
              "auxiliary skip" if config.aux_skip else "", f"block `{config.block}`" if config.block != "rdst" else ""]
     return ", ".join(filter(None, named)) or "plain"
 
 
 def command_of(told, start):
     """The trainer's command line; what is at its default is named too."""
-    keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "albedo_kernels", "aux_skip",
+    keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "aux_kernels", "aux_skip",
             "crop", "batch", "rate", "warm_up", "tone", "seed", "minutes")
     flags = " ".join(f"--{key.replace('_', '-')} {told[key] or repr('')}" for key in keys)
     return f"python training/train.py SHARD_FOLDER --output RUN_FOLDER {flags}" + (f" --start {start}" if start else "")
@@ -104,7 +104,7 @@ def main():
     loss = (f"{'SMAPE' if told['smape'] == 'True' else 'mean |x-y| / (0.1 + |x-y|) (equation 8 of the paper)'} of exposed linear radiance, plus {told['tone']} "
             f"times the mean square error of the clamped sRGB image over that of the untrained base on the scene, plus {told['ratio']} times the "
             "mean square logarithm of (x + 0.1) / (y + 0.1)"
-            + (f", plus {told['albedo_loss']} times the robust loss of the filtered albedo against the converged one." if config.albedo_kernels else "."))
+            + (f", plus {told['aux_loss']} times the robust loss of the filtered auxiliary images against the converged ones." if config.aux_kernels else "."))
     start = options.start if told["start"] != "None" else ""
     card = CARD.format(
         name=options.model.stem, channels=config.channels, groups=config.groups, blocks=config.blocks, scale=config.scale,

@@ -27,7 +27,7 @@ model() {
     touch "$run/exported"
 }
 
-filter="--albedo-kernels 5"
+filter="--aux-kernels 5"
 # shellcheck disable=SC2086
 {
     model xrds-x4-compact 100 "" $filter

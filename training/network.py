@@ -11,7 +11,7 @@ import torch.nn as nn
 import torch.nn.functional as F
 
 
-ALBEDO_CENTRE = 7.0     # first logit of the pixel itself in the albedo's kernel: nearly no filter
+AUX_CENTRE = 7.0     # first logit of the pixel itself in the kernel of the auxiliary images: nearly no filter
 
 
 @dataclasses.dataclass(frozen=True)
@@ -20,7 +20,7 @@ class NetworkConfig:
 
     Symbols of the paper: scale s, channels C, aux_channels Ca, groups N, blocks B, window w, head_channels d.
     `kernels` = 5 adds 25 kernel logits to the 3 output channels; `aux_skip` = 1 feeds H_N to the output convolution;
-    `albedo_kernels` = 3 or 5 adds that many squared logits, which filter the albedo that the result is multiplied with.
+    `aux_kernels` = 3 or 5 adds that many squared logits of a kernel that filters the auxiliary images for the base image and the output.
     `cross` = "concat" puts a 1x1 convolution of [f, e] in the place of the cross module XM.
     """
     scale: int = 4
@@ -36,7 +36,7 @@ class NetworkConfig:
     block: str = "rdst"
     kernels: int = 0
     aux_skip: int = 0
-    albedo_kernels: int = 0
+    aux_kernels: int = 0
     cross: str = "attention"
 
     def __post_init__(self):
@@ -53,8 +53,8 @@ class NetworkConfig:
         require(self.base in ("none", "bicubic") or "albedo" in self.aux_inputs, f"base {self.base} needs albedo")
         require(self.kernels in (0, 5), f"kernels must be 0 or 5, found {self.kernels}")
         require(self.kernels == 0 or self.base == "guided", "learned kernels need base=guided")
-        require(self.albedo_kernels in (0, 3, 5), f"albedo_kernels must be 0, 3 or 5, found {self.albedo_kernels}")
-        require(self.albedo_kernels == 0 or self.base in ("demodulated", "guided"), "albedo_kernels needs a base that demodulates")
+        require(self.aux_kernels in (0, 3, 5), f"aux_kernels must be 0, 3 or 5, found {self.aux_kernels}")
+        require(self.aux_kernels == 0 or self.base in ("demodulated", "guided"), "aux_kernels needs a base that demodulates")
         require(self.aux_skip in (0, 1), f"aux_skip must be 0 or 1, found {self.aux_skip}")
         require(self.aux_skip == 0 or self.aux_inputs, "aux_skip needs auxiliary inputs")
 
@@ -70,8 +70,8 @@ class NetworkConfig:
 
     @property
     def output_width(self):
-        """Channels of the raw output: the residual, the kernel logits, the logits of the albedo's kernels."""
-        return 3 + self.kernels ** 2 + self.albedo_kernels ** 2
+        """Channels of the raw output: the residual, the kernel logits, the logits of the auxiliary images' kernels."""
+        return 3 + self.kernels ** 2 + self.aux_kernels ** 2
 
 
 def conv3x3(inputs, outputs):
@@ -373,8 +373,8 @@ def initialise(network, generator):
     with torch.no_grad():
         network.out.weight.zero_()
         network.out.bias.zero_()
-        if network.config.albedo_kernels:
-            network.out.bias[-(network.config.albedo_kernels ** 2 + 1) // 2] = ALBEDO_CENTRE
+        if network.config.aux_kernels:
+            network.out.bias[-(network.config.aux_kernels ** 2 + 1) // 2] = AUX_CENTRE
 
 
 def multiply_accumulates(config, height, width):

@@ -44,7 +44,7 @@ def bicubic(x, scale):
 
 def clamped_albedo(aux, config):
     """[b, 3, H, W] albedo in [0, 4], or None when the model has no albedo."""
-    if "albedo" not in config.aux_inputs:
+    if aux is None or "albedo" not in config.aux_inputs:
         return None
     first = 3 * config.aux_inputs.index("albedo")
     return aux[:, first:first + 3].clamp(0, ALBEDO_MAX)
@@ -142,15 +142,15 @@ def with_learned(log_weights, logits):
 
 
 def split_output(raw, config):
-    """Raw output [b, 3 + k^2 + m^2, H, W] -> (residual [b, 3, H, W], kernel logits or None, logits of the albedo's kernels or None)."""
-    residual, logits, albedo_logits = raw.split((3, config.kernels ** 2, config.albedo_kernels ** 2), 1)
-    return residual, logits if config.kernels else None, albedo_logits if config.albedo_kernels else None
+    """Raw output [b, 3 + k^2 + m^2, H, W] -> (residual [b, 3, H, W], kernel logits or None, logits of the auxiliary images' kernels or None)."""
+    residual, logits, aux_logits = raw.split((3, config.kernels ** 2, config.aux_kernels ** 2), 1)
+    return residual, logits if config.kernels else None, aux_logits if config.aux_kernels else None
 
 
-def filtered_albedo(albedo_neighbours, logits):
-    """Mean of the pixels around each, weighted by the softmax of the learned logits: [b, 3, m^2, H, W], [b, m^2, H, W] -> [b, 3, H, W]."""
+def filtered(aux_neighbours, logits):
+    """Mean of the pixels around each, weighted by the softmax of the clamped logits: [b, c, m^2, H, W], [b, m^2, H, W] -> [b, c, H, W]."""
     weights = logits.clamp(-LOGIT_MAX, LOGIT_MAX).exp().contiguous()
-    return (weights[:, None] * albedo_neighbours).sum(2) / weights.sum(1, keepdim=True)
+    return (weights[:, None] * aux_neighbours).sum(2) / weights.sum(1, keepdim=True)
 
 
 def to_radiance(transformed, albedo, exposure, config):
@@ -180,17 +180,21 @@ def baseline(colour, aux, config, exposure=None):
 
 
 def upscale(network, colour, aux=None, exposure=None):
-    """Runs a model on one image: colour [1, 3, h, w] and aux [1, A, s*h, s*w] -> (radiance [1, 3, H, W], raw output [1, 3 (+ 25), H, W], exposure)."""
+    """Runs a model on one image: colour [1, 3, h, w] and aux [1, A, s*h, s*w] -> (radiance [1, 3, H, W], raw output [1, 3 (+ ...), H, W], exposure).
+
+    With aux_kernels, base image and output are made of the filtered auxiliary images, demodulation included; the network sees the unfiltered.
+    """
     config = network.config
     exposure = auto_exposure(colour[0]) if exposure is None else exposure
-    albedo = clamped_albedo(aux, config)
-    x = network_colour(colour * exposure, albedo, config)
+    aux = network_aux(aux, config)
+    x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
     height, width = (side * config.scale for side in x.shape[-2:])
-    raw = network(*pad_inputs(x, network_aux(aux, config), config))[:, :, :height, :width]
-    transformed, logits, albedo_logits = split_output(raw, config)
+    raw = network(*pad_inputs(x, aux, config))[:, :, :height, :width]
+    transformed, logits, aux_logits = split_output(raw, config)
+    if aux_logits is not None:
+        aux = filtered(neighbours(aux, config.aux_kernels), aux_logits)
+        x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
     base = base_image(x, aux, config, logits)
     if base is not None:
         transformed = base + transformed
-    if albedo_logits is not None:
-        albedo = filtered_albedo(neighbours(albedo, config.albedo_kernels), albedo_logits)
-    return to_radiance(transformed, albedo, exposure, config), raw, exposure
+    return to_radiance(transformed, clamped_albedo(aux, config), exposure, config), raw, exposure

@@ -105,29 +105,29 @@ def test_guided_weights_against_the_formula():
 
 
 @pytest.mark.parametrize("side", [3, 5])
-def test_filtered_albedo(side):
+def test_filtered(side):
     torch.manual_seed(side)
     equal = torch.full((1, 3, 4, 6), 0.3)
     logits = torch.randn(1, side ** 2, 4, 6) * 10
-    assert torch.allclose(pipeline.filtered_albedo(pipeline.neighbours(equal, side), logits), equal)
+    assert torch.allclose(pipeline.filtered(pipeline.neighbours(equal, side), logits), equal)
     albedo = torch.rand(1, 3, 4, 6)
     for j in range(side ** 2):
         one_hot = torch.full((1, side ** 2, 4, 6), -100.0)
         one_hot[:, j] = 100.0
-        found = pipeline.filtered_albedo(pipeline.neighbours(albedo, side), one_hot)
+        found = pipeline.filtered(pipeline.neighbours(albedo, side), one_hot)
         y = (torch.arange(4) + j // side - side // 2).clamp(0, 3)
         x = (torch.arange(6) + j % side - side // 2).clamp(0, 5)
         assert torch.allclose(found, albedo[:, :, y][:, :, :, x], atol=1e-5)
 
 
-def test_albedo_kernels_are_the_last_channels_and_start_at_the_pixel():
-    config = NetworkConfig(kernels=5, albedo_kernels=3, **SMALL)
+def test_aux_kernels_are_the_last_channels_and_start_at_the_pixel():
+    config = NetworkConfig(kernels=5, aux_kernels=3, **SMALL)
     network = Network(config)
     initialise(network, torch.Generator().manual_seed(1))
     raw = network.out.bias.view(1, -1, 1, 1)
-    residual, logits, albedo_logits = pipeline.split_output(raw, config)
-    assert (residual.shape[1], logits.shape[1], albedo_logits.shape[1]) == (3, 25, 9)
-    assert albedo_logits.argmax() == 4 and not residual.any() and not logits.any()
+    residual, logits, aux_logits = pipeline.split_output(raw, config)
+    assert (residual.shape[1], logits.shape[1], aux_logits.shape[1]) == (3, 25, 9)
+    assert aux_logits.argmax() == 4 and not residual.any() and not logits.any()
 
 
 def test_exposure_ignores_black_and_non_finite_pixels():
@@ -152,15 +152,15 @@ def test_model_file_round_trip(tmp_path):
 
 def test_model_without_kernel_fields_is_the_plain_form():
     metadata = weights.metadata_of(NetworkConfig(**SMALL))
-    for name in ("kernels", "aux_skip", "block", "albedo_kernels", "cross"):
+    for name in ("kernels", "aux_skip", "block", "aux_kernels", "cross"):
         del metadata[name]
     assert weights.config_of(metadata) == NetworkConfig(**SMALL)
 
 
 @pytest.mark.parametrize("wrong", [dict(base="guided", aux_inputs=("normal",)), dict(kernels=5, base="bicubic"),
                                    dict(scale=3), dict(aux_skip=1, aux_inputs=(), base="none"), dict(head_channels=3),
-                                   dict(block="rrdb"), dict(cross="add"), dict(albedo_kernels=4),
-                                   dict(albedo_kernels=3, base="bicubic")])
+                                   dict(block="rrdb"), dict(cross="add"), dict(aux_kernels=4),
+                                   dict(aux_kernels=3, base="bicubic")])
 def test_misuse_is_refused(wrong):
     with pytest.raises(ValueError):
         NetworkConfig(**{**SMALL, **wrong})

@@ -44,7 +44,7 @@ def arguments_of_command_line():
     model.add_argument("--block", default="rdst")
     model.add_argument("--cross", default="attention")
     model.add_argument("--kernels", type=int, default=5)
-    model.add_argument("--albedo-kernels", type=int, default=0)
+    model.add_argument("--aux-kernels", type=int, default=0)
     model.add_argument("--aux-skip", type=int, default=1)
     model.add_argument("--start", type=pathlib.Path, help="model file or checkpoint whose fitting weights to start from")
     parser.add_argument("--crop", type=int, default=32, help="low-resolution pixels a side, a multiple of the window")
@@ -53,7 +53,7 @@ def arguments_of_command_line():
     parser.add_argument("--warm-up", type=int, default=200, help="steps")
     parser.add_argument("--tone", type=float, default=0.2, help="weight of the tone-mapped square error beside the robust loss")
     parser.add_argument("--ratio", type=float, default=0.2, help="weight of the square of the logarithm of the result's ratio to the reference")
-    parser.add_argument("--albedo-loss", type=float, default=1.0, help="weight of the robust loss of the filtered albedo")
+    parser.add_argument("--aux-loss", type=float, default=1.0, help="weight of the robust loss of the filtered auxiliary images")
     parser.add_argument("--smape", action="store_true", help="SMAPE instead of the robust loss")
     parser.add_argument("--aux-spp", type=int, help="train on this count of the auxiliary images alone (0: converged)")
     parser.add_argument("--colour-spp", type=int, help="train on this count of the colour alone")
@@ -68,33 +68,31 @@ def config_of(options):
     return NetworkConfig(scale=options.scale, channels=options.channels, aux_channels=options.aux_channels,
                          aux_inputs=tuple(options.aux.split(",")) if options.aux else (), groups=options.groups, blocks=options.blocks,
                          head_channels=options.head_channels, base=options.base, block=options.block, cross=options.cross,
-                         kernels=options.kernels, aux_skip=options.aux_skip, albedo_kernels=options.albedo_kernels)
+                         kernels=options.kernels, aux_skip=options.aux_skip, aux_kernels=options.aux_kernels)
 
 
 def forward(network, batch, device):
-    """(result, target, albedo) of a batch: exposed linear radiance [b, 3, H, W] and the albedo it was multiplied with, None if there
-    is none. The network runs in bfloat16, the rest in float32."""
+    """(result, target, aux) of a batch: exposed linear radiance [b, 3, H, W], and the auxiliary images [b, A, H, W] that it was made of,
+    None without. The network runs in bfloat16, the rest in float32."""
     config = network.config
-    scale, inner = config.scale, slice(dataset.BORDER, -dataset.BORDER)
-    border = scale * dataset.BORDER
-    high = slice(border, -border)
-    exposure = batch["exposure"].view(-1, 1, 1, 1)
+    inner, high = slice(dataset.BORDER, -dataset.BORDER), slice(config.scale * dataset.BORDER, -config.scale * dataset.BORDER)
+    exposed = batch["exposure"].view(-1, 1, 1, 1) * batch["colour"]
     aux = batch.get("aux")
-    albedo = pipeline.clamped_albedo(aux, config) if config.aux_inputs else None
-    bordered = pipeline.network_colour(exposure * batch["colour"], albedo, config)
-    network_aux = None if aux is None else aux[:, :, high, high].contiguous(memory_format=torch.channels_last)
+    bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
+    channels_last = lambda image: None if image is None else image.contiguous(memory_format=torch.channels_last)
     with torch.autocast(device, torch.bfloat16):
-        raw = network(bordered[:, :, inner, inner].contiguous(memory_format=torch.channels_last), network_aux)
-    residual, logits, albedo_logits = pipeline.split_output(raw.float(), config)
+        raw = network(channels_last(bordered[:, :, inner, inner]), channels_last(None if aux is None else aux[:, :, high, high]))
+    residual, logits, aux_logits = pipeline.split_output(raw.float(), config)
+    if aux_logits is not None:      # the border keeps its noise: only crops have one
+        side = config.aux_kernels // 2
+        around = slice(high.start - side, high.stop + side)
+        aux = aux.clone()
+        aux[:, :, high, high] = pipeline.filtered(pipeline.inner_neighbours(aux[:, :, around, around], config.aux_kernels), aux_logits)
+        bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
     base = crop_base(bordered, aux, logits, config)
-    if albedo is not None:
-        side = config.albedo_kernels // 2
-        around = slice(border - side, side - border)
-        albedo = albedo[:, :, around, around]
-        if albedo_logits is not None:
-            albedo = pipeline.filtered_albedo(pipeline.inner_neighbours(albedo, config.albedo_kernels), albedo_logits)
-    result = pipeline.to_radiance(residual if base is None else base + residual, albedo, 1.0, config)
-    return result, exposure * batch["target"], albedo
+    aux = None if aux is None else aux[:, :, high, high]
+    result = pipeline.to_radiance(residual if base is None else base + residual, pipeline.clamped_albedo(aux, config), 1.0, config)
+    return result, batch["exposure"].view(-1, 1, 1, 1) * batch["target"], aux
 
 
 def crop_base(bordered, aux, logits, config):
@@ -213,11 +211,11 @@ def train(training, scenes, options, report):
         for group in training.optimizer.param_groups:
             group["lr"] = rate
         batch = crops.batch(options.batch)
-        result, target, albedo = forward(training.network, batch, options.device)
+        result, target, aux = forward(training.network, batch, options.device)
         robust, tone, ratio = losses(result, target, batch, options.smape)
         loss = robust + options.tone * tone + options.ratio * ratio
-        if scenes.config.albedo_kernels:
-            loss = loss + options.albedo_loss * robust_loss(albedo - batch["albedo"])
+        if "clean" in batch:
+            loss = loss + options.aux_loss * robust_loss(aux - batch["clean"])
         training.optimizer.zero_grad(set_to_none=True)
         loss.backward()
         norm = torch.nn.utils.clip_grad_norm_(training.network.parameters(), 1.0)
