@@ -18,7 +18,8 @@ std::filesystem::path resolveModel(const std::string& nameOrFile);
 /// "xrds-x<scale>-compact", whether it is shipped or not.
 std::string defaultModelName(int scale);
 
-/// The file of the default model of a scale. Throws Error as resolveModel does.
-std::filesystem::path defaultModel(int scale);
+/// The file of the default model of a scale: the one that does without normals where there are none, if it is shipped.
+/// Throws Error as resolveModel does.
+std::filesystem::path defaultModel(int scale, bool hasNormal);
 
 }  // namespace xrds

@@ -71,11 +71,29 @@ void checkOutputs(const UpscaleOptions& options) {
     if (!path.empty()) requireWritable(path);
 }
 
+void printWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) std::fprintf(stderr, "xrds: warning: %s\n", warning.c_str());
+}
+
+constexpr const char* kColourAlone = "\n  or, of the colour alone: --model xrds-x4-compact-plain";
+
 fs::path modelFile(const UpscaleOptions& options) {
   if (!options.model.empty()) return stage(ExitCode::model, [&] { return resolveModel(options.model); });
-  const int scale =
-      stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {"albedo"}).scale(); });
-  return stage(ExitCode::model, [&] { return defaultModel(scale); });
+  const ExrFile file =
+      stage(ExitCode::input, [&] { return readExrHeader(options.aux.empty() ? options.color : options.aux); });
+  int scale = 0;
+  try {
+    scale =
+        stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {"albedo"}).scale(); });
+  } catch (Failure& failure) {
+    if (options.layers.albedo.empty() && !hasAov(file, AovRole::kAlbedo)) failure.message += kColourAlone;
+    throw;
+  }
+  const bool hasNormal = !options.layers.normal.empty() || hasAov(file, AovRole::kNormal);
+  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal); });
+  if (!hasNormal)
+    printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
+  return model;
 }
 
 OpenedModel openModel(const UpscaleOptions& options) {
@@ -99,10 +117,6 @@ Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
     frame.load();
   });
   return frame;
-}
-
-void printWarnings(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) std::fprintf(stderr, "xrds: warning: %s\n", warning.c_str());
 }
 
 void runCheck(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {

@@ -196,6 +196,12 @@ Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest
   return result;
 }
 
+bool hasAov(const ExrFile& file, AovRole role) {
+  Candidates candidates = aovCandidates(file, role);
+  keepIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
+  return !bestByName(candidates, role).empty();
+}
+
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name) {
   return choose(file, role, name, nullptr).selection;
 }

@@ -37,6 +37,9 @@ struct Aovs {
 /// absent or several fit equally well.
 [[nodiscard]] Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request = {});
 
+/// Whether the file holds a layer that goes by one of the role's known names.
+[[nodiscard]] bool hasAov(const ExrFile& file, AovRole role);
+
 /// Finds one layer in one file, by convention or, when `name` is not empty, by that name. Throws as findAovs does.
 [[nodiscard]] ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name = "");
 

@@ -49,6 +49,8 @@ TEST(CliFailure, LayersThatAreUnknownAmbiguousOrAbsent) {
   const SmallFrame frame;
   expectFailure(upscale(frame, {"--albedo", "bogus"}), 3, "a layer 'bogus'", frame.folder, 2);
   expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "no albedo", frame.folder, 2);
+  expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "--model xrds-x4-compact-plain", frame.folder,
+                2);
   writeParts(frame.aux, {{windowOf(40, 32),
                           windowOf(40, 32),
                           {albedoLayer("a.albedo", 40), albedoLayer("b.albedo", 40), normalLayer("normal", 40)}}});

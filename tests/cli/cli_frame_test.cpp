@@ -29,6 +29,23 @@ TEST(CliFrame, UpscalesTwoFilesAndSaysWhatItDid) {
   EXPECT_TRUE(readBytes(frame.folder / "p.png").starts_with("\x89PNG"));
 }
 
+TEST(CliFrame, TakesTheModelForWhatTheFileHolds) {
+  const SmallFrame frame;
+  const TemporaryFolder models;
+  for (const auto& [golden, shipped] :
+       {std::pair{"s4_guided", "xrds-x4-compact"}, {"s4_guided_albedo", "xrds-x4-compact-albedo"}})
+    std::filesystem::copy_file(goldenModel(golden), models / (std::string(shipped) + ".safetensors"));
+  const StartOptions options{.environment = {{"XRDS_MODELS", (models / "").string()}}};
+  const std::vector<std::string> arguments{"upscale", frame.color, frame.aux, "-o", frame.out};
+  const Ended both = runXrds(arguments, options);
+  EXPECT_TRUE(contains(both.output, "model xrds-x4-compact (")) << both.output << both.error;
+  writeParts(frame.aux, {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40)}}});
+  const Ended albedoAlone = runXrds(arguments, options);
+  EXPECT_EQ(albedoAlone.exitCode, 0);
+  EXPECT_TRUE(contains(albedoAlone.output, "model xrds-x4-compact-albedo (")) << albedoAlone.output;
+  EXPECT_TRUE(contains(albedoAlone.error, "has no normal")) << albedoAlone.error;
+}
+
 TEST(CliFrame, KeepsAttributesAndAddsItsOwn) {
   const SmallFrame frame;
   ASSERT_EQ(runXrds(frame.arguments({"--quiet", "--half", "--exposure", "0.5"})).exitCode, 0);
