@@ -1,6 +1,7 @@
 #!/bin/sh
 # Trains and exports every shipped model: x4 compact first, the others from its weights.
 # usage: models.sh SHARD_FOLDERS VAL_FOLDER RUN_FOLDER [MINUTES=80] [MODEL ...]
+# The paper-size xrds-x4 wants a CUDA device and is trained only when named: models.sh SHARDS VAL RUNS 25 xrds-x4
 # SHARD_FOLDERS in quotes, MINUTES those of x4 compact (the others take a share of them); MODEL: only these.
 # It may be stopped and started again: finished models are skipped, the others resumed. PYTHON chooses the interpreter.
 set -eu
@@ -36,5 +37,6 @@ filter="--aux-kernels 5"
     model xrds-x1-compact 15 xrds-x4-compact --scale 1 --crop 48 $filter
     model xrds-x4-compact-albedo 10 xrds-x4-compact --aux albedo $filter
     model xrds-x4-compact-plain 10 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
+    case "$only" in *" xrds-x4 "*) model xrds-x4 100 "" --channels 64 --aux-channels 32 --blocks 5 --batch 16 --rate 3e-4 $filter ;; esac
     model xrds-x4-nano 15 "" --channels 16 --aux-channels 8 --head-channels 16 --groups 1 --kernels 0 --rate 1e-3
 }

@@ -1,0 +1,68 @@
+"""The trainer from shards to a model file, on tiny scenes: it learns, resumes, and starts one model from another."""
+import sys
+
+import pytest
+import torch
+
+import export
+import shards
+import train
+import weights
+from test_dataset import write_scene
+
+TINY = ["--channels", "8", "--aux-channels", "4", "--head-channels", "8", "--groups", "1", "--crop", "8", "--batch", "1", "--warm-up", "1",
+        "--device", "cpu", "--aux-kernels", "3"]
+
+
+@pytest.fixture
+def folders(tmp_path):
+    """(scenes as OpenEXR, shards, run folder)"""
+    scenes, packed = tmp_path / "scenes", tmp_path / "shards"
+    scenes.mkdir()
+    packed.mkdir()
+    for name in ("s0000", "s0003"):
+        write_scene(scenes, name, side=64)
+    assert not shards.write_shard(packed / "scenes-000.npz", [(scenes, "s0000"), (scenes, "s0003")], 1e9)
+    return scenes, packed, tmp_path / "run"
+
+
+def run(monkeypatch, module, *arguments):
+    monkeypatch.setattr(sys, "argv", ["program", *map(str, arguments)])
+    module.main()
+
+
+def test_training_resumes_and_exports(folders, monkeypatch, tmp_path, capsys):
+    scenes, packed, output = folders
+    run(monkeypatch, train, packed, "--output", output, "--steps", 2, *TINY)
+    first = torch.load(output / "checkpoint.pt", weights_only=False)
+    assert (first["step"], first["scenes"]) == (2, 2)
+    run(monkeypatch, train, packed, "--output", output, "--steps", 4, *TINY)
+    second = torch.load(output / "checkpoint.pt", weights_only=False)
+    assert second["step"] == 4
+    assert "resumed at step 2" in (output / "log.txt").read_text()
+    assert any(not torch.equal(first["network"][name], second["network"][name]) for name in first["network"])
+    assert second["network"]["out.weight"].abs().max() > 0      # it starts at zero
+
+    run(monkeypatch, train, packed, "--output", tmp_path / "scale1", "--steps", 1, "--scale", 1, "--start", output / "checkpoint.pt", *TINY)
+    assert "tensors of checkpoint" in (tmp_path / "scale1" / "log.txt").read_text()
+
+
+def test_same_seed_same_weights(folders, monkeypatch, tmp_path):
+    _, packed, _ = folders
+    torch.set_num_threads(1)
+    for name in ("one", "two"):
+        run(monkeypatch, train, packed, "--output", tmp_path / name, "--steps", 2, *TINY)
+    one, two = (torch.load(tmp_path / name / "checkpoint.pt", weights_only=False)["network"] for name in ("one", "two"))
+    assert all(torch.equal(one[key], two[key]) for key in one)
+
+
+def test_export_writes_a_model_and_its_card(folders, monkeypatch, tmp_path):
+    scenes, packed, output = folders
+    run(monkeypatch, train, packed, "--output", output, "--steps", 1, *TINY)
+    monkeypatch.setattr(export, "SETTINGS", {4: ((64, 16), (64, 1))})
+    model = tmp_path / "tiny.safetensors"
+    run(monkeypatch, export, output / "checkpoint.pt", model, "--validation", scenes)
+    network, metadata = weights.load_model(model)
+    assert network.config.aux_kernels == 3 and metadata["steps"] == "1"
+    card = model.with_suffix(".md").read_text()
+    assert "learned 3 x 3 filter of the auxiliary images" in card and "| 64, 1 |" in card
