@@ -74,10 +74,10 @@ void checkCombination(const NetworkConfig& config) {
   require(!config.demodulates() || config.auxOffset("albedo") >= 0, "has a base image that needs an albedo input");
   require(config.kernels == 0 || (config.kernels == 5 && config.base == BaseImage::guided),
           "has learned kernels, which need side 5 and the guided base");
-  require(config.albedoKernels == 0 || config.albedoKernels == 3 || config.albedoKernels == 5,
-          "gives albedo_kernels " + std::to_string(config.albedoKernels) + ", expected 0, 3 or 5");
-  require(config.albedoKernels == 0 || config.demodulates(),
-          "has learned kernels for the albedo, which need a base image that demodulates");
+  require(config.auxKernels == 0 || config.auxKernels == 3 || config.auxKernels == 5,
+          "gives aux_kernels " + std::to_string(config.auxKernels) + ", expected 0, 3 or 5");
+  require(config.auxKernels == 0 || config.demodulates(),
+          "has learned kernels for its auxiliary images, which need a base image that demodulates");
   require(config.groups > 0 || (config.base != BaseImage::none && config.outputWidth() == 3),
           "has neither a network nor a base image");
   require(!config.auxSkip || !config.auxInputs.empty(), "has an auxiliary skip but no auxiliary input");
@@ -111,7 +111,7 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   config.cross = static_cast<CrossKind>(choiceOrFirst(metadata, "cross", kCrosses));
   config.kernels = numberOr(metadata, "kernels", 0, 5);
   config.auxSkip = numberOr(metadata, "aux_skip", 0, 1) == 1;
-  config.albedoKernels = numberOr(metadata, "albedo_kernels", 0, 5);
+  config.auxKernels = numberOr(metadata, "aux_kernels", 0, 5);
   checkCombination(config);
   return config;
 }
@@ -135,7 +135,7 @@ Metadata describe(const NetworkConfig& config) {
           {"cross", kCrosses[static_cast<size_t>(config.cross)]},
           {"kernels", std::to_string(config.kernels)},
           {"aux_skip", config.auxSkip ? "1" : "0"},
-          {"albedo_kernels", std::to_string(config.albedoKernels)}};
+          {"aux_kernels", std::to_string(config.auxKernels)}};
 }
 
 }  // namespace xrds

@@ -34,14 +34,14 @@ struct NetworkConfig {
   BaseImage base = BaseImage::guided;
   BlockKind block = BlockKind::rdst;
   CrossKind cross = CrossKind::attention;
-  uint32_t kernels = 0;        // side of the learned kernels, 0 or 5
-  bool auxSkip = false;        // H_N is fed to the output convolution
-  uint32_t albedoKernels = 0;  // side of the learned kernels that filter the albedo of the result; 0, 3 or 5
+  uint32_t kernels = 0;     // side of the learned kernels, 0 or 5
+  bool auxSkip = false;     // H_N is fed to the output convolution
+  uint32_t auxKernels = 0;  // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
 
   uint32_t auxWidth() const { return 3 * static_cast<uint32_t>(auxInputs.size()); }  // A
-  /// Channels of the raw output: the residual, the logits of the kernels, those of the albedo's kernels.
-  uint32_t outputWidth() const { return firstAlbedoLogit() + albedoKernels * albedoKernels; }
-  uint32_t firstAlbedoLogit() const { return 3 + kernels * kernels; }
+  /// Channels of the raw output: the residual, the logits of the kernels, those of the auxiliary images' kernels.
+  uint32_t outputWidth() const { return firstAuxLogit() + auxKernels * auxKernels; }
+  uint32_t firstAuxLogit() const { return 3 + kernels * kernels; }
   uint32_t steps() const;                        // n = log2 s
   int auxOffset(const std::string& name) const;  // first channel of that input; -1: the model has none
   bool demodulates() const { return base == BaseImage::demodulated || base == BaseImage::guided; }

@@ -12,6 +12,7 @@
 #include "shaders/decode_radiance/decode_radiance.h"
 #include "shaders/encode_radiance/encode_radiance.h"
 #include "shaders/exposure/exposure.h"
+#include "shaders/filter_auxiliary/filter_auxiliary.h"
 #include "shaders/joint_bilateral/joint_bilateral.h"
 #include "shaders/layer_norm/layer_norm.h"
 #include "shaders/linear/linear.h"
@@ -22,7 +23,7 @@ namespace xrds {
 
 /// Any operator of shaders/, as a value.
 using Operator = std::variant<Linear, Conv3x3, LayerNorm, WindowAttention, PackAuxiliary, BoxMean, Exposure,
-                              EncodeRadiance, Bicubic, JointBilateral, DecodeRadiance>;
+                              EncodeRadiance, Bicubic, JointBilateral, FilterAuxiliary, DecodeRadiance>;
 
 /// One step of the forward pass.
 struct Node {

@@ -289,11 +289,30 @@ TensorView NetworkBuilder::network(TensorView x, TensorView aux) {
   return conv("out", upscaled, upscaled.channels, config_.outputWidth(), {});
 }
 
-// The inputs as the network sees them: padded auxiliary channels, their means, and the transformed colour.
+// Auxiliary channels, their means (of a model that demodulates), and the colour demodulated by these and transformed.
 struct Prepared {
   TensorView aux, auxMean, x;
 };
 
+// Adds the means and the colour of `height` x `width` pixels to the auxiliary channels.
+void encode(const NetworkConfig& config, uint32_t height, uint32_t width, const std::string& prefix, Graph& graph,
+            Prepared& prepared) {
+  EncodeRadiance op;
+  if (config.demodulates()) {
+    prepared.auxMean = graph.create(prefix + "auxiliary_mean", DataType::f32, {height, width, prepared.aux.channels});
+    graph.nodes.push_back({prefix + "box_mean", BoxMean{prepared.aux, prepared.auxMean, config.scale}});
+    op.auxMean = prepared.auxMean;
+    op.albedoOffset = config.auxOffset("albedo");
+  }
+  prepared.x = graph.create(prefix + "x", DataType::f32, {height, width, 4});
+  op.colour = graph.colour;
+  op.exposure = graph.exposure;
+  op.output = prepared.x;
+  op.transfer = config.transfer;
+  graph.nodes.push_back({prefix + "encode_radiance", op});
+}
+
+// As the network sees them: padded.
 Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const GraphOptions& options, Graph& graph) {
   const uint32_t s = config.scale, auxChannels = roundUp(config.auxWidth(), 4);
   const uint32_t height = roundUp(frame.height, config.window), width = roundUp(frame.width, config.window);
@@ -311,22 +330,18 @@ Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const Grap
     pack.albedoOffset = config.auxOffset("albedo");
     graph.nodes.push_back({"pack_auxiliary", pack});
   }
-  if (config.demodulates()) {
-    prepared.auxMean = graph.create("auxiliary_mean", DataType::f32, {height, width, auxChannels});
-    graph.nodes.push_back({"box_mean", BoxMean{.input = prepared.aux, .output = prepared.auxMean, .scale = s}});
-  }
-  prepared.x = graph.create("x", DataType::f32, {height, width, 4});
-  EncodeRadiance encode;
-  encode.colour = graph.colour;
-  encode.exposure = graph.exposure;
-  encode.output = prepared.x;
-  encode.transfer = config.transfer;
-  if (config.demodulates()) {
-    encode.auxMean = prepared.auxMean;
-    encode.albedoOffset = config.auxOffset("albedo");
-  }
-  graph.nodes.push_back({"encode_radiance", encode});
+  encode(config, height, width, "", graph, prepared);
   return prepared;
+}
+
+// As the base image and the output are made of them with learned kernels: filtered, of the size of the real image.
+Prepared filterInputs(const NetworkConfig& config, const Prepared& prepared, Graph& graph) {
+  const TensorShape shape{graph.output.height, graph.output.width, prepared.aux.channels};
+  Prepared filtered{.aux = graph.create("filtered.auxiliary", prepared.aux.type, shape)};
+  const FilterAuxiliary op{prepared.aux, graph.network, filtered.aux, config.auxKernels, config.firstAuxLogit()};
+  graph.nodes.push_back({"filter_auxiliary", op});
+  encode(config, graph.colour.height, graph.colour.width, "filtered.", graph, filtered);
+  return filtered;
 }
 
 TensorView baseImage(const NetworkConfig& config, const Prepared& prepared, Graph& graph) {
@@ -360,11 +375,12 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
                 " pixels cannot be upscaled by " + std::to_string(config.scale) +
                 ": each side of the output must be 1 to 65536 pixels.");
   Graph graph;
-  const Prepared prepared = prepareInputs(config, frame, options, graph);
+  Prepared prepared = prepareInputs(config, frame, options, graph);
   const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
   if (config.groups > 0)
     graph.network = NetworkBuilder(config, weights, graph, stored).network(prepared.x, prepared.aux);
   graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});
+  if (config.auxKernels > 0) prepared = filterInputs(config, prepared, graph);
   const TensorView base = baseImage(config, prepared, graph);
 
   DecodeRadiance decode;
@@ -376,8 +392,6 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
   if (config.demodulates()) {
     decode.aux = prepared.aux;
     decode.albedoOffset = config.auxOffset("albedo");
-    decode.albedoKernels = config.albedoKernels;
-    decode.firstAlbedoLogit = config.firstAlbedoLogit();
   }
   graph.nodes.push_back({"decode_radiance", decode});
   return graph;

@@ -50,8 +50,8 @@ TEST(Network, CostsOfTheOtherFormsMatchTraining) {
   expectCosts({.block = BlockKind::rstb}, 345.187025, 3.562697);
   expectCosts({.cross = CrossKind::concat}, 712.406729, 9.214295);
   expectCosts({.auxInputs = {}, .cross = CrossKind::concat}, 583.356383, 8.541879);
-  expectCosts({.kernels = 5, .auxSkip = true, .albedoKernels = 5}, 769.885471, 9.436981);
-  expectCosts({.block = BlockKind::rdb, .cross = CrossKind::concat, .albedoKernels = 3}, 440.011850, 4.876268);
+  expectCosts({.kernels = 5, .auxSkip = true, .auxKernels = 5}, 769.885471, 9.436981);
+  expectCosts({.block = BlockKind::rdb, .cross = CrossKind::concat, .auxKernels = 3}, 440.011850, 4.876268);
 }
 
 TEST(Network, PlanOfThePaperSizeIsTight) {
@@ -120,10 +120,10 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(refused("aux_inputs", "albedo,albedo"));
   EXPECT_TRUE(refused("kernels", "3"));
   EXPECT_TRUE(refused("cross", "add"));
-  EXPECT_TRUE(refused("albedo_kernels", "4"));
-  EXPECT_TRUE(refused("albedo_kernels", "7"));
+  EXPECT_TRUE(refused("aux_kernels", "4"));
+  EXPECT_TRUE(refused("aux_kernels", "7"));
   for (const auto& [key, text] : good) {
-    const std::set<std::string> optional{"block", "cross", "kernels", "aux_skip", "albedo_kernels"};
+    const std::set<std::string> optional{"block", "cross", "kernels", "aux_skip", "aux_kernels"};
     Metadata missing = good;
     missing.erase(key);
     if (optional.contains(key))
@@ -136,21 +136,21 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
 TEST(Config, KeepsWhatDiffersFromThePaper) {
   for (const char* block : {"rdst", "rstb", "rdb"})
     for (const char* cross : {"attention", "concat"}) {
-      Metadata fields = describe({.kernels = 5, .auxSkip = true, .albedoKernels = 3});
+      Metadata fields = describe({.kernels = 5, .auxSkip = true, .auxKernels = 3});
       fields["block"] = block;
       fields["cross"] = cross;
       EXPECT_EQ(describe(parseConfig(fields)), fields);
     }
 }
 
-TEST(Config, FiltersTheAlbedoOnlyOfABaseThatDemodulates) {
+TEST(Config, FiltersAuxiliaryImagesOnlyForABaseThatDemodulates) {
   for (const char* base : {"none", "bicubic"}) {
-    Metadata fields = describe({.albedoKernels = 3});
+    Metadata fields = describe({.auxKernels = 3});
     EXPECT_NO_THROW(parseConfig(fields));
     fields["base"] = base;
     EXPECT_THROW(parseConfig(fields), Error) << base;
   }
-  EXPECT_THROW(parseConfig(describe({.groups = 0, .albedoKernels = 3})), Error);
+  EXPECT_THROW(parseConfig(describe({.groups = 0, .auxKernels = 3})), Error);
 }
 
 TEST(Model, NamesWhatIsWrongWithItsTensors) {

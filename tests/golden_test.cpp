@@ -120,11 +120,11 @@ TEST_P(GoldenReference, HostReplayMatchesToo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Some, GoldenReference,
-                         testing::Values("s2_guided", "s2_rdb_concat_albedo_kernels", "s4_rstb_concat_albedo_kernels"),
+                         testing::Values("s2_guided", "s2_rdb_concat_aux_kernels", "s4_rstb_concat_aux_kernels"),
                          [](const auto& info) { return info.param; });
 
-TEST(GoldenCheck, AcceptsKernelsOfTheAlbedo) {
-  const Golden golden("s2_rdb_concat_albedo_kernels");
+TEST(GoldenCheck, AcceptsFilteredAuxiliaryImages) {
+  const Golden golden("s2_rdb_concat_aux_kernels");
   const CheckResult good = checkAgainstReference(test::gpu(), golden.model, golden.frame, golden.input, {});
   EXPECT_EQ(good.firstDivergent, -1);
   EXPECT_EQ(good.nodes.back().node, "decode_radiance");

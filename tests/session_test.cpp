@@ -43,12 +43,13 @@ const NetworkConfig kSmall{.scale = 2,
                            .kernels = 5,
                            .auxSkip = true};
 
-// kSmall with each kind of block; those that are not the paper's filter the albedo too, rdb joins by concatenation.
+// kSmall with each kind of block; those that are not the paper's filter the auxiliary images, rdb joins by
+// concatenation.
 NetworkConfig smallOf(BlockKind block) {
   NetworkConfig config = kSmall;
   config.block = block;
-  if (block == BlockKind::rdb) config.cross = CrossKind::concat, config.albedoKernels = 5;
-  if (block == BlockKind::rstb) config.albedoKernels = 3;
+  if (block == BlockKind::rdb) config.cross = CrossKind::concat, config.auxKernels = 5;
+  if (block == BlockKind::rstb) config.auxKernels = 3;
   return config;
 }
 

@@ -1,10 +1,8 @@
 // out = T^-1(clamp(base + network, 0, 11)) (a + 0.02) / e; without base T^-1(network), without albedo no (a + 0.02).
-// With a kernel a is sum_j exp(l_j) a_j / sum_j exp(l_j) over the m x m pixels j around p, clamped to the real image.
-// network: [>= H, >= W, >= 4], residual and logits l (row-major, within +-8), zero if absent; base: [>= H, >= W, 4];
-// aux: [>= H, >= W, c], a in three channels; out: [H, W, 4]. One pixel an invocation, fp32.
+// network: [>= H, >= W, >= 4], zero if absent; base: [>= H, >= W, 4]; aux: [>= H, >= W, c], a in three channels;
+// out: [H, W, 4]. One pixel an invocation, fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
 #include "shaders/common/image.glsl"
 #include "shaders/common/storage.glsl"
 #include "shaders/common/transfer.glsl"
@@ -14,8 +12,6 @@ layout(constant_id = 0) const uint kTransfer = 0;
 layout(constant_id = 1) const int kAlbedoOffset = -1;
 layout(constant_id = 2) const bool kHasBase = false;
 layout(constant_id = 3) const bool kHasNetwork = true;
-layout(constant_id = 4) const int kSide = 0;  // m; 0: a is the pixel's own
-layout(constant_id = 5) const int kFirstLogit = 0;
 layout(binding = 0) uniform samplerBuffer network;
 layout(binding = 1) uniform samplerBuffer base;
 layout(binding = 2) uniform samplerBuffer aux;
@@ -23,32 +19,13 @@ layout(binding = 3) uniform samplerBuffer exposure;
 layout(binding = 4, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { DecodeRadianceParams p; };
 
-// a: the pixel's own, or the mean around it. Sharing the loads in a run of pixels gained nothing on lavapipe.
-vec3 albedoAt(ivec2 at) {
-  if (kSide == 0) return fetchThree(aux, texelAt(p.aux, at), kAlbedoOffset);
-  const ivec2 size = ivec2(p.target.width, p.target.height);
-  const int logitTexel = texelAt(p.network, at);
-  vec3 sum = vec3(0);
-  float total = 0.0;
-  vec4 logits;
-  [[unroll]] for (int j = 0; j < kSide * kSide; j++) {
-    const int channel = kFirstLogit + j;
-    if (j == 0 || channel % 4 == 0) logits = texelFetch(network, logitTexel + channel / 4);
-    const float weight = exp(clamp(logits[channel % 4], -kLogitMax, kLogitMax));
-    const ivec2 neighbour = replicated(at + ivec2(j % kSide, j / kSide) - kSide / 2, size);
-    sum += weight * fetchThree(aux, texelAt(p.aux, neighbour), kAlbedoOffset);
-    total += weight;
-  }
-  return sum / total;
-}
-
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, p.rows.begin);
   if (at.x >= p.target.width || at.y >= p.rows.end) return;
   vec3 value = kHasNetwork ? texelFetch(network, texelAt(p.network, at)).rgb : vec3(0);
   if (kHasBase) value = clamp(texelFetch(base, texelAt(p.base, at)).rgb + value, 0.0, kTransformedMax);
   value = inverseTransform(kTransfer, value);
-  if (kAlbedoOffset >= 0) value *= albedoAt(at) + kAlbedoEpsilon;
+  if (kAlbedoOffset >= 0) value *= fetchThree(aux, texelAt(p.aux, at), kAlbedoOffset) + kAlbedoEpsilon;
   value *= texelFetch(exposure, p.exposure).y;
   target[texelAt(p.target, at) - p.rows.storeOrigin] = stored4(vec4(value, 0));
 }

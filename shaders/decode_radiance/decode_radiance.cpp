@@ -1,25 +1,6 @@
 #include "shaders/decode_radiance/decode_radiance.h"
 
 namespace xrds {
-namespace {
-
-// Channel c of the albedo that the pixel is multiplied with.
-double albedo(const DecodeRadiance& op, const HostMemory& memory, uint32_t y, uint32_t x, uint32_t c) {
-  if (op.albedoKernels == 0) return memory.at(op.aux, y, x, op.albedoOffset + c);
-  const int side = static_cast<int>(op.albedoKernels);
-  double sum = 0, total = 0;
-  for (int j = 0; j < side * side; ++j) {
-    const int ny = static_cast<int>(y) + j / side - side / 2, nx = static_cast<int>(x) + j % side - side / 2;
-    const double limit = shader::kLogitMax;
-    const double weight = std::exp(std::clamp(memory.at(op.network, y, x, op.firstAlbedoLogit + j), -limit, limit));
-    sum += weight * memory.at(op.aux, std::clamp<int>(ny, 0, op.output.height - 1),
-                              std::clamp<int>(nx, 0, op.output.width - 1), op.albedoOffset + c);
-    total += weight;
-  }
-  return sum / total;
-}
-
-}  // namespace
 
 TensorShape outputShape(const DecodeRadiance& op) {
   checkHolds(op.output, {1, 1, 4});
@@ -30,11 +11,6 @@ TensorShape outputShape(const DecodeRadiance& op) {
   XRDS_CHECK_LE(-1, op.albedoOffset);
   if (op.base.exists()) checkHolds(op.base, shape);
   if (op.albedoOffset >= 0) checkHolds(op.aux, {shape.height, shape.width, op.albedoOffset + 3u});
-  if (op.albedoKernels > 0) {
-    XRDS_CHECK_EQ(op.albedoKernels % 2, 1u);
-    XRDS_CHECK_LE(0, op.albedoOffset);
-    checkHolds(op.network, {shape.height, shape.width, op.firstAlbedoLogit + op.albedoKernels * op.albedoKernels});
-  }
   return shape;
 }
 
@@ -53,7 +29,7 @@ Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits&) {
                                             .exposure = imageOf(op.exposure).offset};
   return {.program = programName("decode_radiance", KernelFamily::plain, op.output.type),
           .specialization = {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset),
-                             op.base.exists(), op.network.exists(), op.albedoKernels, op.firstAlbedoLogit},
+                             op.base.exists(), op.network.exists()},
           .bindings = {readTexels(network), readTexels(base), readTexels(aux), readTexels(op.exposure),
                        writeRows(op.output, rows)},
           .pushConstants = pushBytes(params),
@@ -73,7 +49,7 @@ void reference(const DecodeRadiance& op, HostMemory& memory) {
         if (op.base.exists())
           value = std::clamp(memory.at(op.base, y, x, c) + value, 0.0, double{shader::kTransformedMax});
         value = inverseTransform(op.transfer, value);
-        if (op.albedoOffset >= 0) value *= albedo(op, memory, y, x, c) + shader::kAlbedoEpsilon;
+        if (op.albedoOffset >= 0) value *= memory.at(op.aux, y, x, op.albedoOffset + c) + shader::kAlbedoEpsilon;
         memory.at(op.output, y, x, c) = value / exposure;
       }
       memory.at(op.output, y, x, 3) = 0;

@@ -15,18 +15,15 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// The result image: T^-1(clamp(base + network, 0, 11)) (a + 0.02) / e with the albedo a, cropped to the real image.
-/// Without a base T^-1(network) is not clamped; without demodulation there is no factor (a + 0.02). With kernels, a is
-/// the mean over m x m pixels, weighted by exp of the network's logits; outside of the image stands its border.
+/// Without a base T^-1(network) is not clamped; without demodulation there is no factor (a + 0.02).
 struct DecodeRadiance {
-  TensorView network{};   // optional [>= H, >= W, >= 4], of which three channels and the logits are read; absent: zero
+  TensorView network{};   // optional [>= H, >= W, >= 4], of which three channels are read; absent: zero
                           // (a base is then needed)
   TensorView base{};      // optional [>= H, >= W, 4]
   TensorView aux{};       // [>= H, >= W, c], needed to demodulate
   TensorView exposure;    // [1, 1, 4] e, 1 / e
   TensorView output;      // [H, W, 4] linear radiance, the fourth channel zero
   int albedoOffset = -1;  // first channel of a in aux; -1: no demodulation
-  uint32_t albedoKernels = 0;     // m, the side of the kernels that filter a, odd; 0: none
-  uint32_t firstAlbedoLogit = 3;  // channel of the network; logit j is of neighbour j, row-major, within +-8
   Transfer transfer = Transfer::none;
   RowRange rows{};
 };

@@ -16,12 +16,9 @@ struct Shape {
   int albedoOffset = 0;
   uint32_t networkChannels = 4;
   RowRange rows{};
-  uint32_t albedoKernels = 0, firstAlbedoLogit = 3;
 };
 
-// Odd ones first: one pixel of a padded image, rows, every place of the albedo, with and without base and albedo; then
-// kernels on one pixel, thin images and rows, with every place of the albedo and the logits, on images that are padded
-// and that are not.
+// Odd ones first: one pixel of a padded image, rows, every place of the albedo, with and without base and albedo.
 constexpr Shape kShapes[] = {{1, 1, 8, 8},
                              {5, 7, 8, 8, Transfer::log1p, true, 3, 28},
                              {9, 13, 16, 16, Transfer::log1p, true, 6, 4, {4, 7}},
@@ -31,17 +28,7 @@ constexpr Shape kShapes[] = {{1, 1, 8, 8},
                              {12, 20, 16, 32, Transfer::log1p, true, -1},
                              {12, 20, 16, 32, Transfer::none, true, -1},
                              {12, 20, 16, 32, Transfer::none, false, 0},
-                             {64, 64, 64, 64},
-                             {1, 1, 8, 8, Transfer::log1p, true, 0, 12, {}, 3, 3},
-                             {1, 1, 1, 1, Transfer::log1p, true, 0, 28, {}, 5, 3},
-                             {1, 9, 1, 9, Transfer::log1p, true, 3, 40, {}, 3, 28},
-                             {9, 1, 16, 8, Transfer::none, true, 6, 56, {}, 5, 28},
-                             {9, 13, 16, 16, Transfer::log1p, true, 0, 56, {4, 7}, 5, 28},
-                             {9, 13, 16, 16, Transfer::none, true, 9, 12, {6, 7}, 3, 3},
-                             {9, 13, 9, 13, Transfer::log1p, true, 5, 32, {3, 9}, 5, 7},
-                             {11, 13, 11, 13, Transfer::log1p, false, 0, 16, {}, 3, 5},
-                             {33, 37, 40, 40, Transfer::log1p, true, 0, 40, {}, 3, 28},
-                             {64, 64, 64, 64, Transfer::log1p, true, 0, 56, {}, 5, 28}};
+                             {64, 64, 64, 64}};
 
 DecodeRadiance decodeOf(const Shape& s, DataType inputType = DataType::f32, DataType outputType = DataType::f32) {
   return {.network = view(0, inputType, s.paddedHeight, s.paddedWidth, s.networkChannels),
@@ -50,21 +37,13 @@ DecodeRadiance decodeOf(const Shape& s, DataType inputType = DataType::f32, Data
           .exposure = view(3, DataType::f32, 1, 1, 4),
           .output = view(4, outputType, s.height, s.width, 4),
           .albedoOffset = s.albedoOffset,
-          .albedoKernels = s.albedoKernels,
-          .firstAlbedoLogit = s.firstAlbedoLogit,
           .transfer = s.transfer,
           .rows = s.rows};
 }
 
-// A base in [-1.5, 6.5), so that sums fall below 0 and a residual of 8 reaches beyond 11; e = 4. Logits beyond
-// the clamp on both sides.
+// A base in [-1.5, 6.5), so that sums fall below 0 and a residual of 8 reaches beyond 11; e = 4.
 test::Contents contentsOf(const DecodeRadiance& op) {
   test::Contents contents{{3, {4, 0.25f, 0, 0}}};
-  if (op.albedoKernels > 0) {
-    contents[0] = test::randomNumbers(op.network.pixelCount() * op.network.channels, 9);
-    for (size_t i = 0; i < contents[0].size(); ++i)
-      if (i % op.network.channels >= op.firstAlbedoLogit) contents[0][i] *= 10;
-  }
   if (!op.base.exists()) return contents;
   contents[1] = test::randomNumbers(op.base.pixelCount() * 4, 8);
   for (float& value : contents[1]) value = 4 * value + 2.5f;
@@ -136,36 +115,6 @@ TEST(DecodeRadiance, TakesAbsentNetworkAsZero) {
   test::expectMatchesReference(op, {{3, {0.5, 2, 0, 0}}});
 }
 
-TEST(DecodeRadiance, FiltersTheAlbedoOfASlice) {
-  DecodeRadiance op = decodeOf({7, 5, 8, 8, Transfer::log1p, true, 0, 40, {}, 3, 28});
-  op.network = view(0, DataType::f32, 8, 8, 40, 4, 48);
-  op.aux = view(2, DataType::f32, 8, 8, 8, 4, 12);
-  op.output = view(4, DataType::f32, 7, 5, 4, 4, 8);
-  test::expectMatchesReference(op, {{3, {2, 0.5f, 0, 0}}});
-}
-
-// One logit that stands out picks its neighbour; outside of the image that is the border, not the padding.
-TEST(DecodeRadiance, PicksTheNeighbourOfTheLargestLogit) {
-  DecodeRadiance op = decodeOf({3, 3, 4, 4, Transfer::none, true, 0, 12, {}, 3, 3});
-  HostMemory memory;
-  memory.storage(op.exposure) = {1, 1, 0, 0};
-  for (uint32_t y = 0; y < 4; ++y)
-    for (uint32_t x = 0; x < 4; ++x)
-      for (uint32_t c = 0; c < 3; ++c) memory.at(op.aux, y, x, c) = y < 3 && x < 3 ? 3 * y + x : 99;
-  for (double& value : memory.storage(op.base)) value = 1;
-  for (uint32_t j = 0; j < 9; ++j) {
-    for (uint32_t y = 0; y < 3; ++y)
-      for (uint32_t x = 0; x < 3; ++x)
-        for (uint32_t k = 0; k < 9; ++k) memory.at(op.network, y, x, 3 + k) = k == j ? 100 : -100;
-    reference(op, memory);
-    const auto expected = [&](int y, int x) {
-      return 3 * std::clamp(y + int(j) / 3 - 1, 0, 2) + std::clamp(x + int(j) % 3 - 1, 0, 2) + shader::kAlbedoEpsilon;
-    };
-    for (int y = 0; y < 3; ++y)
-      for (int x = 0; x < 3; ++x) EXPECT_NEAR(memory.at(op.output, y, x, 1), expected(y, x), 1e-5) << j;
-  }
-}
-
 TEST(DecodeRadiance, RefusesWhatDoesNotFit) {
   DecodeRadiance op = decodeOf({8, 8, 8, 8});
   op.aux = {};
@@ -180,9 +129,6 @@ TEST(DecodeRadiance, RefusesWhatDoesNotFit) {
   op = decodeOf({8, 8, 8, 8});
   op.network = op.base = {};
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
-  EXPECT_THROW(dispatch(decodeOf({8, 8, 8, 8, Transfer::log1p, true, 0, 8, {}, 3, 3}), {}), std::logic_error);
-  EXPECT_THROW(dispatch(decodeOf({8, 8, 8, 8, Transfer::log1p, true, 0, 20, {}, 4, 3}), {}), std::logic_error);
-  EXPECT_THROW(dispatch(decodeOf({8, 8, 8, 8, Transfer::log1p, true, -1, 12, {}, 3, 3}), {}), std::logic_error);
 }
 
 }  // namespace
