@@ -85,9 +85,9 @@ def forward(network, batch, device):
     residual, logits, aux_logits = pipeline.split_output(raw.float(), config)
     if aux_logits is not None:      # the border keeps its noise: only crops have one
         side = config.aux_kernels // 2
-        around = slice(high.start - side, high.stop + side)
+        rows, columns = (slice(high.start - side, extent - high.start + side) for extent in aux.shape[-2:])
         aux = aux.clone()
-        aux[:, :, high, high] = pipeline.filtered(pipeline.inner_neighbours(aux[:, :, around, around], config.aux_kernels), aux_logits)
+        aux[:, :, high, high] = pipeline.filtered(pipeline.inner_neighbours(aux[:, :, rows, columns], config.aux_kernels), aux_logits)
         bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
     base = crop_base(bordered, aux, logits, config)
     aux = None if aux is None else aux[:, :, high, high]
