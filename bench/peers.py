@@ -29,7 +29,7 @@ CONFIGS = {
     "nano": dict(channels=16, aux_channels=8, groups=2, blocks=1, head_channels=16, kernels=5, aux_skip=True),
 }
 # Kernels of the engine that are not the network's.
-PIPELINE = ("box_mean", "decode_radiance", "encode_radiance", "exposure", "joint_bilateral", "pack_auxiliary")
+PIPELINE = ("box_mean", "decode_radiance", "encode_radiance", "exposure", "filter_auxiliary", "joint_bilateral", "pack_auxiliary")
 CORES = len(os.sched_getaffinity(0))
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "PASSIVE", "OMP_NUM_THREADS": str(CORES), "LP_NUM_THREADS": str(CORES)}
 
