@@ -26,12 +26,11 @@ class Scene:
             self.colours = {4 * spp: pipeline.box_mean(image[None].float(), 2)[0].half().to(device)
                             for (s, spp), image in decoded["colour"].items() if s == 4}
         self.target = decoded["target"].to(device)
-        self.aux = {spp: own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
+        self.aux = {spp: pipeline.own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
         self.exposure = {spp: pipeline.auto_exposure(image.float()) for spp, image in self.colours.items()}
         if self.colours:
             most = max(self.colours)
-            aux = None if self.aux[0] is None else self.noisy_aux(16)[None].float()
-            base = pipeline.baseline(self.colours[most].float()[None], aux, config, self.exposure[most])[0]
+            base = pipeline.baseline(self.colours[most].float()[None], self.noisy_aux(16)[None].float(), config, self.exposure[most])[0]
             self.base_error = (metrics.srgb(base) - metrics.srgb(self.target.float())).square().mean().item()
 
     def noisy_aux(self, spp):
@@ -43,17 +42,11 @@ class Scene:
         return torch.lerp(self.aux[0].float(), self.aux[have].float(), min(2.0, (have / spp) ** 0.5)).half()
 
 
-def own_aux(image, config):
-    """The auxiliary inputs of a model out of albedo and normal [6, H, W], the albedo clamped."""
-    parts = [image[:3].clamp(0, pipeline.ALBEDO_MAX) if kind == "albedo" else image[3:] for kind in config.aux_inputs]
-    return torch.cat(parts) if parts else image[:0]
-
-
 class Scenes:
     """The scenes of shard folders that have colour of the model's scale; refresh() adds those of new shards."""
 
-    def __init__(self, folders, config, device="cpu", limit=None):
-        self.folders, self.config, self.device, self.limit = [pathlib.Path(folder) for folder in folders], config, device, limit
+    def __init__(self, folders, config, device="cpu"):
+        self.folders, self.config, self.device = [pathlib.Path(folder) for folder in folders], config, device
         self.scenes, self.read = [], set()
         self.refresh()
 
@@ -63,7 +56,7 @@ class Scenes:
                 self.read.add(path)
                 for _, decoded in shards.read_shard(path):
                     scene = Scene(decoded, self.config, self.device)
-                    if scene.colours and (self.limit is None or len(self.scenes) < self.limit):
+                    if scene.colours:
                         self.scenes.append(scene)
 
     def __len__(self):

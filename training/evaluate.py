@@ -44,9 +44,8 @@ def methods_of(scale, model_paths):
         network, _ = weights.load_model(path)
         if network.config.scale != scale:
             raise SystemExit(f"{path} has scale {network.config.scale}, --scale is {scale}")
-        offsets = [3 * ("albedo", "normal").index(kind) for kind in network.config.aux_inputs]
         def run(colour, aux):
-            own = torch.cat([aux[:, at:at + 3] for at in offsets], 1) if offsets else None
+            own = pipeline.own_aux(aux, network.config) if network.config.aux_inputs else None
             return pipeline.upscale(network, colour, own)[0]
         return run
 

@@ -60,6 +60,21 @@ def network_aux(aux, config):
     return torch.cat([aux[:, :first], clamped_albedo(aux, config), aux[:, first + 3:]], 1)
 
 
+def own_aux(image, config):
+    """The auxiliary inputs of a model out of albedo and normal [..., 6, H, W], in the model's order, the albedo clamped."""
+    parts = [image[..., :3, :, :].clamp(0, ALBEDO_MAX) if kind == "albedo" else image[..., 3:, :, :] for kind in config.aux_inputs]
+    return torch.cat(parts, -3) if parts else image[..., :0, :, :]
+
+
+def guides_of(aux, config):
+    """What the guided base compares pixels by [b, 3 or 6, H, W]: albedo and, if there is one, normal, in units of their sigma."""
+    guides = [clamped_albedo(aux, config) / SIGMA_ALBEDO]
+    if "normal" in config.aux_inputs:
+        first = 3 * config.aux_inputs.index("normal")
+        guides.append(aux[:, first:first + 3] / SIGMA_NORMAL)
+    return torch.cat(guides, 1)
+
+
 def network_colour(exposed, albedo, config):
     """x [b, 3, h, w]: T(eI), or T(eI / (b + 0.02)) for the bases that demodulate."""
     if config.base in ("demodulated", "guided"):
@@ -90,14 +105,14 @@ def from_grid(x):
     return x.permute(0, 5, 1, 3, 2, 4).reshape(b, c, h * scale, w * scale)
 
 
-def guided_log_weights(albedo, normal, scale):
-    """[b, h, w, s, s, 25] logarithms of the joint bilateral weights; albedo, normal: [b, 3, s*h, s*w], normal may be None.
+def guided_log_weights(aux, config):
+    """[b, h, w, s, s, 25] logarithms of the joint bilateral weights of auxiliary images [b, A, s*h, s*w].
 
     Values outside of the image are those of its border. round(q) is the low-resolution pixel that holds p, since q lies
     within half a pixel of it.
     """
-    guides = torch.cat([albedo / SIGMA_ALBEDO] + ([] if normal is None else [normal / SIGMA_NORMAL]), 1)
-    return bilateral_log_weights(guides, neighbours(box_mean(guides, scale)), scale)
+    guides = guides_of(aux, config)
+    return bilateral_log_weights(guides, neighbours(box_mean(guides, config.scale)), config.scale)
 
 
 def bilateral_log_weights(guides, mean_neighbours, scale):
@@ -128,12 +143,7 @@ def base_image(x, aux, config, logits=None):
         return None
     if config.base in ("bicubic", "demodulated"):
         return bicubic(x, config.scale)
-    normal = None
-    if "normal" in config.aux_inputs:
-        first = 3 * config.aux_inputs.index("normal")
-        normal = aux[:, first:first + 3]
-    log_weights = guided_log_weights(clamped_albedo(aux, config), normal, config.scale)
-    return kernel_average(neighbours(x), with_learned(log_weights, logits))
+    return kernel_average(neighbours(x), with_learned(guided_log_weights(aux, config), logits))
 
 
 def with_learned(log_weights, logits):

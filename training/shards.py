@@ -16,6 +16,7 @@ import numpy as np
 import torch
 
 import images
+import pipeline
 
 REFERENCE_BITS, LOW_BITS, NOISY_BITS = 6, 5, 3      # kept of half's ten
 CONVERGED_STEP = torch.tensor([1 / 128] * 3 + [1 / 64] * 3).view(6, 1, 1)      # albedo, normal
@@ -68,12 +69,12 @@ def encode(folder, scene, turn):
     the next the 4 spp colour of scale 2."""
     kinds = kinds_of(folder, scene)
     target, albedo, normal = images.read_exr(kinds["gt"], "colour", "albedo", "normal")
-    converged = grid_codes(torch.cat([albedo.clamp(0, 4), normal]), CONVERGED_STEP)
+    converged = grid_codes(torch.cat([albedo.clamp(0, pipeline.ALBEDO_MAX), normal]), CONVERGED_STEP)
     arrays = {"target": half_codes(target, REFERENCE_BITS), "aux": converged}
     counts = [kind for kind in kinds if re.fullmatch(r"aux\d+", kind)]
     for kind in counts:
         albedo, normal = images.read_exr(kinds[kind], "albedo", "normal")
-        difference = torch.cat([albedo.clamp(0, 4), normal]) - torch.from_numpy(converged).float() * CONVERGED_STEP
+        difference = torch.cat([albedo.clamp(0, pipeline.ALBEDO_MAX), normal]) - torch.from_numpy(converged).float() * CONVERGED_STEP
         arrays[kind] = grid_codes(difference, noisy_step(int(kind[3:])))
     if turn % 3 == 0:
         chosen = f"aux{NOISY_COLOUR_SPP[turn // 3 % 3]}"

@@ -91,7 +91,7 @@ def test_guided_weights_against_the_formula():
     torch.manual_seed(0)
     scale, h, w = 4, 3, 5
     albedo, normal = torch.rand(1, 3, 4 * h, 4 * w).double(), torch.randn(1, 3, 4 * h, 4 * w).double() * 0.3
-    log_weights = pipeline.guided_log_weights(albedo, normal, scale)
+    log_weights = pipeline.guided_log_weights(torch.cat([albedo, normal], 1), NetworkConfig(scale=scale))
     b, m = pipeline.box_mean(albedo, scale)[0], pipeline.box_mean(normal, scale)[0]
     for py, px, j in [(0, 0, 0), (11, 19, 24), (5, 7, 13), (9, 2, 6)]:
         qy, qx = (py + 0.5) / scale - 0.5, (px + 0.5) / scale - 0.5

@@ -104,12 +104,7 @@ def crop_base(bordered, aux, logits, config):
     if config.base != "guided":
         return pipeline.bicubic(bordered, scale)[:, :, high, high]
     with torch.no_grad():
-        sigma = torch.ones(config.aux_width, 1, 1, device=aux.device)
-        for kind, width in (("albedo", pipeline.SIGMA_ALBEDO), ("normal", pipeline.SIGMA_NORMAL)):
-            if kind in config.aux_inputs:
-                first = 3 * config.aux_inputs.index(kind)
-                sigma[first:first + 3] = width
-        guides = aux / sigma
+        guides = pipeline.guides_of(aux, config)
         means = pipeline.inner_neighbours(pipeline.box_mean(guides, scale))
         log_weights = pipeline.bilateral_log_weights(guides[:, :, high, high].contiguous(), means, scale)
     return pipeline.kernel_average(pipeline.inner_neighbours(bordered), pipeline.with_learned(log_weights, logits))
@@ -250,7 +245,7 @@ def validation_line(network, options):
     def rows_of(aux_spp, colour_spp):
         rows = []
         for _, colour, aux, target in evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp):
-            aux = dataset.own_aux(aux, config)[None].to(options.device) if config.aux_inputs else None
+            aux = pipeline.own_aux(aux, config)[None].to(options.device) if config.aux_inputs else None
             result, _, _ = pipeline.upscale(network, colour[None].to(options.device), aux)
             rows.append(metrics.all_metrics(result[0].cpu(), target))
         return rows
