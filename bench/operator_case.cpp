@@ -1,0 +1,248 @@
+#include "bench/operator_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "bench/timing.h"
+#include "engine/half.h"
+#include "tests/harness.h"
+#include "xrds/error.h"
+
+namespace xrds::bench {
+namespace {
+
+// Sides of the low-resolution frame on which kernels are checked: with padding, and with several windows.
+constexpr FrameShape kSmallFrame{13, 15};
+
+/// What an operator reads and writes. A new operator's fields are added here, unless they have names that others have.
+struct OperatorViews {
+  std::vector<TensorView> inputs;
+  TensorView output;
+};
+
+OperatorViews viewsOf(const Node& node) {
+  OperatorViews views;
+  const auto add = [&](const TensorView& view) {
+    if (view.exists()) views.inputs.push_back(view);
+  };
+  std::visit(
+      [&](const auto& op) {
+        views.output = op.output;
+        if constexpr (requires { op.input; }) add(op.input);
+        if constexpr (requires { op.colour; }) add(op.colour);
+        if constexpr (requires { op.aux; }) add(op.aux);
+        if constexpr (requires { op.auxMean; }) add(op.auxMean);
+        if constexpr (requires { op.network; }) add(op.network);
+        if constexpr (requires { op.base; }) add(op.base);
+        if constexpr (requires { op.exposure; }) add(op.exposure);
+        if constexpr (requires { op.residual; }) add(op.residual);
+        if constexpr (requires { op.queries; }) add(op.queries), add(op.keys), add(op.values);
+      },
+      node.op);
+  return views;
+}
+
+std::string shapeText(const TensorView& view) {
+  return std::to_string(view.height) + "x" + std::to_string(view.width) + "x" + std::to_string(view.channels);
+}
+
+std::string shapesText(const OperatorViews& views) {
+  std::string text;
+  for (const TensorView& view : views.inputs) text += (text.empty() ? "" : ", ") + shapeText(view);
+  return text + " -> " + shapeText(views.output);
+}
+
+// "conv3x3" of "conv3x3_lane_f32".
+std::string operatorName(const std::string& program) {
+  return program.substr(0, program.rfind('_', program.rfind('_') - 1));
+}
+
+Graph single(const Graph& graph, const Node& node) {
+  Graph one{.values = graph.values, .exposure = graph.exposure};
+  one.nodes.push_back(node);
+  return one;
+}
+
+using Signature = std::tuple<std::string, std::vector<uint32_t>, std::string, std::vector<uint32_t>>;
+
+// Equal for nodes that run the same kernels on tensors of the same sizes and strides.
+Signature signatureOf(const Graph& one, const Dispatch& first) {
+  const OperatorViews views = viewsOf(one.nodes.front());
+  std::vector<uint32_t> strides{views.output.channelStride};
+  for (const TensorView& view : views.inputs) strides.push_back(view.channelStride);
+  return {first.program, first.specialization, shapesText(views), strides};
+}
+
+std::vector<std::byte> stored(std::span<const float> numbers, DataType type) {
+  std::vector<std::byte> bytes(numbers.size() * byteSize(type));
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    const uint16_t half = toHalf(numbers[i]);
+    if (type == DataType::f32)
+      std::memcpy(&bytes[4 * i], &numbers[i], 4);
+    else
+      std::memcpy(&bytes[2 * i], &half, 2);
+  }
+  return bytes;
+}
+
+// Positive, as exposures, albedos and radiance are; the same on every machine.
+std::vector<float> inputNumbers(size_t count, uint32_t seed, DataType type) {
+  std::mt19937 bits(seed);
+  std::vector<float> numbers(count);
+  for (float& number : numbers) {
+    number = static_cast<float>(bits() >> 8) * 0x1p-24F + 0.1F;
+    if (type == DataType::f16) number = fromHalf(toHalf(number));
+  }
+  return numbers;
+}
+
+uint64_t bufferSize(uint64_t byteSize) {
+  return std::max<uint64_t>(1, ceilDivide(byteSize, kBindingAlignment)) * kBindingAlignment;
+}
+
+}  // namespace
+
+std::vector<OperatorCase> distinctOperators(const std::string& network, const ModelWeights& model, uint32_t side,
+                                            Precision precision, const DeviceTraits& device) {
+  const uint32_t scale = model.config().scale;
+  if (side == 0 || side % scale != 0)
+    throw Error("A side of " + std::to_string(side) + " pixels is no multiple of the scale " + std::to_string(scale) +
+                " of network '" + network + "'.");
+  const Graph full = buildGraph(model.config(), {side / scale, side / scale}, model.lookup(), {precision});
+  const Graph small = buildGraph(model.config(), kSmallFrame, model.lookup(), {precision});
+  std::vector<OperatorCase> cases;
+  std::map<Signature, size_t> known;
+  for (size_t i = 0; i < full.nodes.size(); ++i) {
+    Graph one = single(full, full.nodes[i]);
+    const Dispatch first = lower(one, device).front().dispatch;
+    const auto [at, added] = known.try_emplace(signatureOf(one, first), cases.size());
+    if (added)
+      cases.push_back({.name = operatorName(first.program) + "/" + network +
+                               (precision == Precision::fp16 ? "/fp16/" : "/fp32/") + full.nodes[i].name,
+                       .shapes = shapesText(viewsOf(full.nodes[i])),
+                       .graph = std::move(one),
+                       .smallGraph = single(small, small.nodes[i])});
+    ++cases[at->second].nodesPerFrame;
+  }
+  return cases;
+}
+
+OperatorWork workOf(const OperatorCase& operatorCase, const DeviceTraits& device) {
+  const OperatorViews views = viewsOf(operatorCase.node());
+  OperatorWork work;
+  std::set<ValueId> named;
+  std::set<std::tuple<ValueId, uint32_t, uint32_t>> counted;
+  const auto count = [&](const TensorView& view) {
+    named.insert(view.value);
+    if (counted.emplace(view.value, view.channelOffset, view.channels).second)
+      work.byteSize += view.pixelCount() * view.channels * byteSize(view.type);
+  };
+  for (const TensorView& view : views.inputs) count(view);
+  count(views.output);
+  DataType weightType = DataType::f32;
+  for (const LoweredDispatch& lowered : lower(operatorCase.graph, device)) {
+    work.multiplyAdds += lowered.dispatch.multiplyAdds;
+    for (const Binding& binding : lowered.dispatch.bindings) {
+      if (binding.value == kWeights)
+        weightType = binding.type;
+      else
+        XRDS_CHECK(named.contains(binding.value));  // else a field is missing in viewsOf()
+    }
+  }
+  std::visit([&](const auto& op) { work.byteSize += packedWeights(op, device).size() * byteSize(weightType); },
+             operatorCase.node().op);
+  return work;
+}
+
+PlacedOperator::PlacedOperator(Gpu& gpu, const Graph& graph)
+    : gpu_(gpu), exposure_(graph.exposure.value), buffers_(graph.values.size()), inputs_(graph.values.size()) {
+  const auto lowered = lower(graph, gpu.traits());
+  std::set<ValueId> read;
+  for (const LoweredDispatch& step : lowered)
+    for (const Binding& binding : step.dispatch.bindings)
+      if (binding.access == Access::read) read.insert(binding.value);
+  const auto rangeOf = [&](const Binding& binding) -> ByteRange {
+    if (binding.value != kWeights) {
+      const Value& value = graph.values[binding.value];
+      if (!buffers_[binding.value])
+        fill(binding.value, value.type, value.byteSize() / byteSize(value.type), read.contains(binding.value));
+      return {buffers_[binding.value].get(), binding.byteOffset, binding.byteSize};
+    }
+    const auto weights =
+        std::visit([&](const auto& op) { return packedWeights(op, gpu.traits()); }, graph.nodes.front().op);
+    const auto bytes = stored(weights, binding.type);
+    if (!weights_) {
+      weights_ = std::make_unique<Buffer>(gpu, bufferSize(bytes.size()));
+      weights_->upload(0, bytes);
+    }
+    return {weights_.get(), 0, bytes.size()};
+  };
+  for (const LoweredDispatch& step : lowered) {
+    PlacedDispatch& placed = dispatches_.emplace_back(PlacedDispatch{step.dispatch, {}});
+    for (const Binding& binding : step.dispatch.bindings) placed.ranges.push_back(rangeOf(binding));
+  }
+}
+
+void PlacedOperator::fill(ValueId value, DataType type, size_t elementCount, bool isRead) {
+  buffers_[value] = std::make_unique<Buffer>(gpu_, bufferSize(elementCount * byteSize(type)));
+  if (!isRead) return buffers_[value]->fill(~0U);  // NaN in both types
+  inputs_[value] = inputNumbers(elementCount, value + 1, type);
+  if (value == exposure_) inputs_[value] = {0.5F, 2, 0, 0};  // e and 1 / e
+  buffers_[value]->upload(0, stored(inputs_[value], type));
+}
+
+std::vector<float> PlacedOperator::read(const TensorView& view) const {
+  std::vector<std::byte> bytes(view.storedByteSize());
+  buffers_[view.value]->download(0, bytes);
+  std::vector<float> numbers(bytes.size() / byteSize(view.type));
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    uint16_t half = 0;
+    if (view.type == DataType::f32)
+      std::memcpy(&numbers[i], &bytes[4 * i], 4);
+    else
+      std::memcpy(&half, &bytes[2 * i], 2), numbers[i] = fromHalf(half);
+  }
+  return numbers;
+}
+
+OperatorError compareWithReference(Gpu& gpu, const OperatorCase& operatorCase) {
+  const Graph& graph = operatorCase.smallGraph;
+  const PlacedOperator placed(gpu, graph);
+  const Dispatch small = placed.dispatches().front().dispatch;
+  const Dispatch full = lower(operatorCase.graph, gpu.traits()).front().dispatch;
+  XRDS_CHECK(small.program == full.program && small.specialization == full.specialization);
+  TimedRecording(gpu, placed.dispatches()).run();
+  const TensorView view = viewsOf(graph.nodes.front()).output;
+  const std::vector<float> found = placed.read(view);
+
+  HostMemory host;
+  for (ValueId value = 0; value < placed.inputs().size(); ++value)
+    if (const auto& numbers = placed.inputs()[value]; !numbers.empty())
+      std::copy(numbers.begin(), numbers.end(), host.storage(value, numbers.size()).begin());
+  std::visit([&](const auto& op) { reference(op, host); }, graph.nodes.front().op);
+
+  OperatorError error;
+  double squares = 0, power = 0;
+  bool finite = true;
+  for (uint64_t p = 0; p < view.pixelCount(); ++p)
+    for (uint32_t c = 0; c < view.channels; ++c) {
+      const uint64_t at = p * view.channelStride + view.channelOffset + c;
+      const double expected = host.storage(view)[at], difference = std::abs(found[at] - expected);
+      finite = finite && std::isfinite(found[at]);
+      squares += difference * difference;
+      power += expected * expected;
+      error.max = std::max(error.max, difference);
+    }
+  const double referenceRms = std::sqrt(power / static_cast<double>(view.pixelCount() * view.channels));
+  error.rms = std::sqrt(squares / power);
+  error.max /= referenceRms;
+  const test::Tolerance tolerance = test::toleranceOf(view.type);
+  error.withinTolerance = finite && error.rms <= tolerance.rms && error.max <= tolerance.max;
+  return error;
+}
+
+}  // namespace xrds::bench
