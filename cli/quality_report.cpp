@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/table.h"
+
 namespace xrds {
 namespace {
-
-using Row = std::vector<std::string>;
 
 /// The metrics in the order and under the names of the tables and of the JSON file.
 struct Column {
@@ -24,12 +24,6 @@ constexpr Column kColumns[] = {
     {"99.9 %", "relMsePercentile999", &Metrics::relMsePercentile999, "%.3f"},
     {"FLIP", "flip", &Metrics::flip, "%.4f"},
 };
-
-std::string text(const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
 
 /// The scenes on which a method gains most and least PSNR over guided.
 struct Extremes {
@@ -101,31 +95,6 @@ std::vector<Row> meanRows(const QualityReport& report) {
     rows.push_back(std::move(row));
   }
   return rows;
-}
-
-std::string aligned(const std::vector<Row>& rows) {
-  std::vector<size_t> widths(rows[0].size());
-  for (const Row& row : rows)
-    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  std::string lines;
-  for (const Row& row : rows) {
-    lines += row[0] + std::string(widths[0] - row[0].size(), ' ');
-    for (size_t i = 1; i < row.size(); ++i) lines += "  " + std::string(widths[i] - row[i].size(), ' ') + row[i];
-    lines += '\n';
-  }
-  return lines;
-}
-
-std::string markdown(const std::vector<Row>& rows) {
-  std::string lines;
-  for (size_t i = 0; i < rows.size(); ++i) {
-    for (const std::string& cell : rows[i]) lines += "| " + cell + " ";
-    lines += "|\n";
-    if (i > 0) continue;
-    for (size_t c = 0; c < rows[i].size(); ++c) lines += "|---";
-    lines += "|\n";
-  }
-  return lines;
 }
 
 nlohmann::ordered_json jsonOf(const Metrics& metrics) {
