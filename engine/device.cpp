@@ -56,8 +56,9 @@ void probe(Gpu::Handles& gpu) {
   VkPhysicalDeviceVulkan11Properties version11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &version11};
   vkGetPhysicalDeviceProperties2(gpu.physicalDevice, &properties);
-  VkPhysicalDeviceFeatures features;
-  vkGetPhysicalDeviceFeatures(gpu.physicalDevice, &features);
+  VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
+  vkGetPhysicalDeviceFeatures2(gpu.physicalDevice, &features);
   vkGetPhysicalDeviceMemoryProperties(gpu.physicalDevice, &gpu.memory);
   gpu.limits = properties.properties.limits;
   gpu.maxAllocationBytes = version11.maxMemoryAllocationSize;
@@ -67,7 +68,7 @@ void probe(Gpu::Handles& gpu) {
                 .maxTexelBufferElements = gpu.limits.maxTexelBufferElements,
                 .maxSharedBytes = gpu.limits.maxComputeSharedMemorySize,
                 .maxGroupInvocations = gpu.limits.maxComputeWorkGroupInvocations,
-                .shaderInt64 = features.shaderInt64 == VK_TRUE};
+                .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes};
   gpu.pipelineCacheKey = hexadecimal(properties.properties.pipelineCacheUUID) + "-" +
                          hexadecimal(version11.driverUUID) + "-" + std::to_string(properties.properties.driverVersion);
   gpu.pipelineCacheFile = gpu.options.cacheFolder / ("pipelines-" + gpu.pipelineCacheKey + ".bin");
@@ -79,14 +80,14 @@ void openDevice(Gpu::Handles& gpu) {
   queue.queueFamilyIndex = gpu.queueFamily;
   queue.queueCount = 1;
   queue.pQueuePriorities = &priority;
-  VkPhysicalDeviceFeatures features{};
-  features.shaderInt64 = gpu.traits.shaderInt64;
+  VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
+  features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
   const char* portability = "VK_KHR_portability_subset";
-  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  info.pEnabledFeatures = &features;
   info.enabledExtensionCount = hasDeviceExtension(gpu.physicalDevice, portability) ? 1 : 0;
   info.ppEnabledExtensionNames = &portability;
   checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");

@@ -22,7 +22,7 @@ struct DeviceTraits {
   uint64_t maxTexelBufferElements = uint64_t{1} << 27;
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
-  bool shaderInt64 = false;
+  bool shaderInt64 = false;  // also in subgroup operations
 };
 
 enum class Access : uint8_t { read, write };

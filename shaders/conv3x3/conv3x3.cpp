@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shaders/common/groups.h"
+#include "shaders/common/uniform_store.h"
 
 namespace xrds {
 namespace {
@@ -31,9 +32,10 @@ double weightAt(const Conv3x3& op, uint32_t output, uint32_t input, uint32_t tap
 
 // What a workgroup of the lane kernel computes. Its compiled body grows with outputs * rows; larger ones spread the
 // fetched inputs (outputs) and weights (rows) over more products.
+constexpr uint32_t kMaxSubgroups = 4;  // of a workgroup, one above the other
 struct LaneTile {
   uint32_t outputs = 0;  // 0: the device takes the plain kernel
-  uint32_t rows = 0;     // of a lane
+  uint32_t maxRows = 0;  // of a lane
 };
 
 // The largest multiple of `step` that divides `channels` and is at most `limit`.
@@ -46,13 +48,11 @@ uint32_t largestDivisor(uint32_t channels, uint32_t step, uint32_t limit) {
 LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
   const uint32_t outputs = kernelOutputs(op), step = outputShape(op).channels % 8 ? 4 : 8;
   if (device.family != KernelFamily::lane || !device.shaderInt64 || (op.shuffleOutput && step == 4) ||
-      device.subgroupSize * shader::kConv3x3LaneGroups > device.maxGroupInvocations)
+      convolutionShape(op).width % 2 != 0 || device.subgroupSize * kMaxSubgroups > device.maxGroupInvocations)
     return {};
   if (const uint32_t tile = largestDivisor(outputs, step, 16); tile >= 8 || outputs < 8) return {tile, 4};
   return {largestDivisor(outputs, step, 32), 3};
 }
-
-bool startsAtEights(const TensorView& view) { return (view.channelOffset | view.channelStride) % 8 == 0; }
 
 // The weights between kernel channels; zero where either is padding.
 class KernelWeights {
@@ -157,12 +157,13 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                                writeRows(op.output, {rows.begin * f, rows.end * f})},
                   .pushConstants = pushBytes(paramsOf(op, rows, residual)),
                   .multiplyAdds = uint64_t{rowCount} * shape.width * 9 * op.inputChannels * op.outputChannels};
-  if (const auto [tile, tileRows] = laneTile(op, device); tile) {
-    const bool wide = tile % 8 == 0 && startsAtEights(op.output);
+  if (const auto [tile, maxRows] = laneTile(op, device); tile) {
+    const uint32_t tileRows = evenShare(rowCount, maxRows), subgroups = evenShare(rowCount / tileRows, kMaxSubgroups);
     launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, wide};
+    launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, subgroups};
+    launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(shape.width, 2 * device.subgroupSize),
-                         ceilDivide(rowCount, shader::kConv3x3LaneGroups * tileRows)};
+                         rowCount / tileRows / subgroups};
   } else {
     launch.program = programName("conv3x3", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};

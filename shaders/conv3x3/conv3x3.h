@@ -12,8 +12,7 @@ struct Conv3x3Params {
   uint unshuffle, shuffle;  // 2, or 1 for none
   uint storeOrigin;         // vec4 index at which the target binding starts
 };
-const uint kConv3x3Pixels = 4;      // pixels of an invocation of the plain kernel, side by side
-const uint kConv3x3LaneGroups = 4;  // subgroups in a workgroup of the lane kernel, one above the other
+const uint kConv3x3Pixels = 4;  // pixels of an invocation of the plain kernel, side by side
 XRDS_SHARED_END
 
 #ifdef __cplusplus

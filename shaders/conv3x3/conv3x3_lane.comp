@@ -1,5 +1,5 @@
 // y = activation(x * w + b) + residual as in conv3x3.comp, for CPU devices.
-// A lane computes kRows rows of two pixels by Winograd's F(2, 3) along x: four products where the sum over three taps
+// A lane computes kRows rows of two pixels (lanes behind the last pair repeat it) by Winograd's F(2, 3) along x: four products where the sum over three taps
 // takes six. kTile outputs a workgroup (gl_WorkGroupID.x). The loop runs over channel quads of the input. Weights of a
 // step, [4][3 ky][4][kTile] after the transform, are spread over the lanes and handed to all of them by a shuffle with a
 // constant lane; padded to whole subgroups; bias[kTile] last. fp32.
@@ -8,23 +8,21 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/activation.glsl"
-#include "shaders/common/wide_storage.glsl"
 #include "shaders/conv3x3/conv3x3.h"
-layout(local_size_x_id = 0, local_size_y = kConv3x3LaneGroups) in;  // x = subgroup size
+#define PARAMS Conv3x3Params
+#define TARGET_BINDING 3
+#include "shaders/common/uniform_store.glsl"
+layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size; y: subgroups one above the other
 layout(constant_id = 1) const uint kRows = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
-layout(constant_id = 5) const bool kWide = false;  // eight channels begin at a multiple of eight
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kTileQuads = kTile / 4;
 const uint kRegisters = (12 * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
-layout(binding = 3, std430) writeonly buffer Target4 { WIDE4 target4[]; };
-layout(binding = 3, std430) writeonly buffer Target8 { WIDE8 target8[]; };
-layout(push_constant) uniform Push { Conv3x3Params p; };
 
 vec4 finished(vec4 sum, uint pixel, uint quad) {
   vec4 y = activate(kActivation, sum);
@@ -33,9 +31,9 @@ vec4 finished(vec4 sum, uint pixel, uint quad) {
 }
 
 void main() {
-  const uint column = 2 * (gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x);
-  const uint row = p.rowBegin + (gl_WorkGroupID.z * kConv3x3LaneGroups + gl_LocalInvocationID.y) * kRows;
-  if (row >= p.rowEnd) return;
+  const uint column = min(2 * (gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x), p.width - 2);
+  const uint rowOfLanes = gl_WorkGroupID.z * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
+  const uint row = p.rowBegin + rowOfLanes * kRows;
   const uint steps = p.inputChannels / 4 * p.unshuffle * p.unshuffle;
   const uint firstWeight = gl_WorkGroupID.x * (steps * kRegisters * kLanes + kTileQuads);
 
@@ -59,12 +57,12 @@ void main() {
     [[unroll]] for (uint i = 0; i < kRows; i++)
       [[unroll]] for (uint e = 0; e < 4; e++) product[i][e][n] = e == 1 ? bias : vec4(0);
   }
-  uint quad = 0, part = 0;
+  uint inputQuad = 0, inputPart = 0;
   [[dont_unroll]] for (uint step = 0; step < steps; step++) {
     vec4 w[kRegisters];
     [[unroll]] for (uint j = 0; j < kRegisters; j++)
       w[j] = texelFetch(weights, int(firstWeight + (step * kRegisters + j) * kLanes + gl_LocalInvocationID.x));
-    const int shift = int((part / 2 * p.width * p.unshuffle + part % 2) * p.source.stride + quad);
+    const int shift = int((inputPart / 2 * p.width * p.unshuffle + inputPart % 2) * p.source.stride + inputQuad);
     vec4 x[kRows + 2][4];
     [[unroll]] for (uint i = 0; i < kRows + 2; i++) {
       vec4 d[4];
@@ -82,37 +80,30 @@ void main() {
             const vec4 weight = subgroupShuffle(w[texel / kLanes], texel % kLanes);
             [[unroll]] for (uint i = 0; i < kRows; i++) product[i][e][n] += x[i + ky][e][c] * weight;
           }
-    quad++;
-    if (quad == p.inputChannels / 4) {
-      quad = 0;
-      part++;
+    inputQuad++;
+    if (inputQuad == p.inputChannels / 4) {
+      inputQuad = 0;
+      inputPart++;
     }
   }
 
-  const uint targetQuads = p.outputChannels / 4;
+  const uint targetQuads = p.outputChannels / 4, firstQuad = uniformOf(gl_WorkGroupID.x, 2) * kTileQuads;
+  const uvec2 corner = uvec2(2 * kLanes * uniformOf(gl_WorkGroupID.y, 4), p.rowBegin + uniformOf(rowOfLanes, 4) * kRows);
   [[unroll]] for (uint i = 0; i < kRows; i++)
-    [[unroll]] for (uint h = 0; h < 2; h++) {
-      if (row + i >= p.rowEnd || column + h >= p.width) continue;
-      vec4 sum[kTileQuads];
-      [[unroll]] for (uint n = 0; n < kTileQuads; n++)
-        sum[n] = h == 0 ? product[i][0][n] + product[i][1][n] + product[i][2][n]
-                        : product[i][1][n] - product[i][2][n] - product[i][3][n];
-      [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
-        const uint n = 2 * m;  // a step of 2 past a bound of 1 would not be unrolled
-        const bool pair = n + 1 < kTileQuads;
-        const uint output4 = gl_WorkGroupID.x * kTileQuads + n;
-        const uint part = output4 / targetQuads, quad = output4 % targetQuads;
-        const uvec2 to = uvec2(column + h, row + i) * p.shuffle + uvec2(part % 2, part / 2);
-        const uint pixel = to.y * p.width * p.shuffle + to.x;
-        const uint texel = pixel * p.target.stride + p.target.offset + quad - p.storeOrigin;
-        const vec4 a = finished(sum[n], pixel, quad);
-        const vec4 b = pair ? finished(sum[min(n + 1, kTileQuads - 1)], pixel, quad + 1) : vec4(0);
-        if (kWide) {
-          target8[texel / 2] = wide8(a, b);
-        } else {
-          target4[texel] = wide4(a);
-          if (pair) target4[texel + 1] = wide4(b);
+    [[unroll]] for (uint h = 0; h < 2; h++)
+      [[unroll]] for (uint n = 0; n < kTileQuads; n++) {
+        const vec4 sum = h == 0 ? product[i][0][n] + product[i][1][n] + product[i][2][n]
+                                : product[i][1][n] - product[i][2][n] - product[i][3][n];
+        // Of a shuffled output, the pixel of four that the channels belong to; a division would be done lane by lane.
+        const uint part = uint(firstQuad + n >= targetQuads) + uint(firstQuad + n >= 2 * targetQuads) +
+                          uint(firstQuad + n >= 3 * targetQuads);
+        const uint quad = firstQuad + n - part * targetQuads, targetWidth = p.width * p.shuffle;
+        const uvec2 partOffset = uvec2(part % 2, part / 2);
+        const uvec2 own = uvec2(column + h, row + i) * p.shuffle + partOffset;
+        const WIDE4 y = wide4(finished(sum, own.y * targetWidth + own.x, quad));
+        [[unroll]] for (uint l = 0; l < kLanes; l++) {
+          const uvec2 to = uvec2(min(corner.x + 2 * l, p.width - 2) + h, corner.y + i) * p.shuffle + partOffset;
+          storeLane((to.y * targetWidth + to.x) * p.target.stride + p.target.offset + quad - p.storeOrigin, y, l);
         }
       }
-    }
 }

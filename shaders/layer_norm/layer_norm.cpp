@@ -2,15 +2,19 @@
 
 #include <cmath>
 
+#include "shaders/common/groups.h"
+#include "shaders/common/uniform_store.h"
+
 namespace xrds {
 namespace {
 
 // A wider token does not stay in the lane's registers and close memory, and takes seconds to compile.
 constexpr uint32_t kMaxLaneChannels = 512;
+constexpr uint32_t kMaxRows = 16;  // subgroups of a workgroup of the lane kernel
 
 bool laneFits(const LayerNorm& op, const DeviceTraits& device) {
   return device.family == KernelFamily::lane && device.shaderInt64 && op.input.channels <= kMaxLaneChannels &&
-         device.subgroupSize * shader::kLayerNormLaneRows <= device.maxGroupInvocations;
+         device.subgroupSize * kMaxRows <= device.maxGroupInvocations;
 }
 
 }  // namespace
@@ -36,10 +40,11 @@ Dispatch dispatch(const LayerNorm& op, const DeviceTraits& device) {
   Dispatch launch{.bindings = {readTexels(op.input), readWeights(DataType::f32), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params)};
   if (laneFits(op, device)) {
-    const bool wide = (op.output.channels | op.output.channelOffset | op.output.channelStride) % 8 == 0;
+    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = evenShare(subgroups, kMaxRows);
     launch.program = programName("layer_norm", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, channels, wide};
-    launch.groupCount = {ceilDivide(tokens, device.subgroupSize * shader::kLayerNormLaneRows), 1, 1};
+    launch.specialization = {device.subgroupSize, channels, rows};
+    launch.pushConstants = pushBytesWithDigits(params);
+    launch.groupCount = {subgroups / rows, 1, 1};
   } else {
     launch.program = programName("layer_norm", KernelFamily::plain, op.output.type);
     launch.specialization = {channels};

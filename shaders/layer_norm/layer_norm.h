@@ -3,7 +3,6 @@
 #include "shaders/common/shared.h"
 
 XRDS_SHARED_BEGIN
-const uint kLayerNormLaneRows = 16;  // subgroups of a workgroup of the lane kernel
 struct LayerNormParams {
   Slice source, target;
   uint tokenBegin;  // first token of this dispatch

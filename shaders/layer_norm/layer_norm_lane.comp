@@ -3,16 +3,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shaders/common/wide_storage.glsl"
 #include "shaders/layer_norm/layer_norm.h"
-layout(local_size_x_id = 0, local_size_y = kLayerNormLaneRows) in;  // x = subgroup size
+#define PARAMS LayerNormParams
+#define TARGET_BINDING 2
+#include "shaders/common/uniform_store.glsl"
+layout(local_size_x_id = 0, local_size_y_id = 2) in;  // x = subgroup size
 layout(constant_id = 1) const uint kChannels = 4;
-layout(constant_id = 2) const bool kWide = false;  // eight channels begin at a multiple of eight
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
-layout(binding = 2, std430) writeonly buffer Target4 { WIDE4 target4[]; };
-layout(binding = 2, std430) writeonly buffer Target8 { WIDE8 target8[]; };
-layout(push_constant) uniform Push { LayerNormParams p; };
+const uint kLanes = gl_WorkGroupSize.x;
 const uint kQuads = kChannels / 4;
 shared vec4 affine[2 * kQuads];  // weight, then bias
 
@@ -22,9 +21,8 @@ void main() {
   barrier();
 
   const uint row = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
-  const uint lane = p.tokenBegin + row * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
-  const bool exists = lane < p.tokenEnd;
-  const uint token = min(lane, p.tokenEnd - 1);
+  const uint token = min(p.tokenBegin + row * kLanes + gl_LocalInvocationID.x, p.tokenEnd - 1);
+  const uint firstToken = p.tokenBegin + uniformOf(row, 6) * kLanes;
   const uint from = token * p.source.stride + p.source.offset;
   vec4 x[kQuads], sum = vec4(0), squares = vec4(0);
   [[unroll]] for (uint q = 0; q < kQuads; q++) sum += x[q] = texelFetch(source, int(from + q));
@@ -35,11 +33,9 @@ void main() {
   }
   const float scale = inversesqrt(dot(squares, vec4(1)) / float(kChannels) + p.epsilon);
 
-  [[unroll]] for (uint q = 0; q < kQuads; q++) x[q] = x[q] * scale * affine[q] + affine[kQuads + q];
-  const uint to = token * p.target.stride + p.target.offset - p.storeOrigin;
-  if (exists && kWide) {
-    [[unroll]] for (uint n = 0; n < kQuads / 2; n++) target8[to / 2 + n] = wide8(x[2 * n], x[2 * n + 1]);
-  } else if (exists) {
-    [[unroll]] for (uint q = 0; q < kQuads; q++) target4[to + q] = wide4(x[q]);
+  [[unroll]] for (uint q = 0; q < kQuads; q++) {
+    const WIDE4 y = wide4(x[q] * scale * affine[q] + affine[kQuads + q]);
+    [[unroll]] for (uint l = 0; l < kLanes; l++)
+      storeLane(min(firstToken + l, p.tokenEnd - 1) * p.target.stride + p.target.offset + q - p.storeOrigin, y, l);
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shaders/common/groups.h"
+#include "shaders/common/uniform_store.h"
 
 namespace xrds {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 // instruction cache and takes seconds to compile; below it too few outputs share a fetched input.
 constexpr uint32_t kMaxBody = 6144;
 constexpr uint32_t kMaxTile = 64;
+constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kernel
 
 uint32_t inputChannels(const Linear& op) { return op.input.channels; }
 uint32_t outputChannels(const Linear& op) { return static_cast<uint32_t>(op.bias.size()); }
@@ -19,9 +21,10 @@ uint32_t outputChannels(const Linear& op) { return static_cast<uint32_t>(op.bias
 // fits.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
   const uint32_t inputs = inputChannels(op), outputs = outputChannels(op);
-  const uint64_t lanes = uint64_t{device.subgroupSize} * shader::kLinearLaneRows;
-  if (device.family != KernelFamily::lane || !device.shaderInt64 || lanes > device.maxGroupInvocations ||
-      ceilDivide(op.output.pixelCount(), lanes) > kMaxGroupCount)
+  const uint32_t subgroups = ceilDivide(op.output.pixelCount(), device.subgroupSize);
+  if (device.family != KernelFamily::lane || !device.shaderInt64 ||
+      device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
+      subgroups / evenShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
   const uint32_t step = outputs % 8 ? 4 : 8;
   for (uint32_t tile = std::min(kMaxTile, outputs) / step * step; tile > 0; tile -= step)
@@ -29,8 +32,6 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       return tile;
   return 0;
 }
-
-bool startsAtEights(const TensorView& view) { return (view.channelOffset | view.channelStride) % 8 == 0; }
 
 }  // namespace
 
@@ -62,11 +63,11 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
       .pushConstants = pushBytes(params),
       .multiplyAdds = tokens * params.inputChannels * params.outputChannels};
   if (const uint32_t tile = laneTile(op, device)) {
-    const bool wide = tile % 8 == 0 && startsAtEights(op.output);
+    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = evenShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, wide};
-    launch.groupCount = {params.outputChannels / tile,
-                         ceilDivide(tokens, uint64_t{device.subgroupSize} * shader::kLinearLaneRows), 1};
+    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows};
+    launch.pushConstants = pushBytesWithDigits(params);
+    launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
   } else {
     launch.program = programName("linear", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};

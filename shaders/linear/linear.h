@@ -10,8 +10,7 @@ struct LinearParams {
   uint tokenEnd;
   uint storeOrigin;  // vec4 index at which the target binding starts
 };
-const uint kLinearTokens = 4;     // tokens of an invocation of the plain kernel
-const uint kLinearLaneRows = 32;  // subgroups in a workgroup of the lane kernel
+const uint kLinearTokens = 4;  // tokens of an invocation of the plain kernel
 XRDS_SHARED_END
 
 #ifdef __cplusplus

@@ -1,25 +1,24 @@
 // y = activation(x W^T + b) + residual as in linear.comp, for CPU devices.
 // A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Weights of the tile, [K][kTile] then bias[kTile], lie in
 // shared memory and are read at constant offsets, outside of any branch or loop that survives compilation: only then is
-// a read a broadcast operand of the multiplication. Eight outputs at a time. fp32.
+// a read a broadcast operand of the multiplication. Eight outputs at a time. Lanes behind the last token repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/common/activation.glsl"
-#include "shaders/common/wide_storage.glsl"
 #include "shaders/linear/linear.h"
-layout(local_size_x_id = 0, local_size_y = kLinearLaneRows) in;  // x = subgroup size
+#define PARAMS LinearParams
+#define TARGET_BINDING 3
+#include "shaders/common/uniform_store.glsl"
+layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size
 layout(constant_id = 1) const uint kInputs = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
-layout(constant_id = 5) const bool kWide = false;  // eight channels begin at a multiple of eight
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
-layout(binding = 3, std430) writeonly buffer Target4 { WIDE4 target4[]; };
-layout(binding = 3, std430) writeonly buffer Target8 { WIDE8 target8[]; };
-layout(push_constant) uniform Push { LinearParams p; };
+const uint kLanes = gl_WorkGroupSize.x;
 const uint kTileQuads = kTile / 4;
 const uint kTexels = (kInputs + 1) * kTileQuads;
 shared vec4 tile[kTexels];
@@ -36,9 +35,9 @@ void main() {
   barrier();
 
   const uint row = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
-  const uint lane = p.tokenBegin + row * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
-  const bool exists = lane < p.tokenEnd;
-  const uint token = min(lane, p.tokenEnd - 1);
+  const uint token = min(p.tokenBegin + row * kLanes + gl_LocalInvocationID.x, p.tokenEnd - 1);
+  const uint firstToken = p.tokenBegin + uniformOf(row, 6) * kLanes;
+  const uint firstTarget = p.target.offset + uniformOf(gl_WorkGroupID.x, 3) * kTileQuads - p.storeOrigin;
   vec4 x[kInputs / 4];
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
     x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
@@ -53,16 +52,11 @@ void main() {
       if (pair) b += x[k / 4][k % 4] * tile[k * kTileQuads + n + 1];
     }
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
-    const uint to = token * p.target.stride + p.target.offset + quad - p.storeOrigin;
-    a = finished(a, token, quad);
-    if (pair) b = finished(b, token, quad + 1);
-    if (exists) {
-      if (kWide) {
-        target8[to / 2] = wide8(a, b);
-      } else {
-        target4[to] = wide4(a);
-        if (pair) target4[to + 1] = wide4(b);
-      }
+    const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(pair ? finished(b, token, quad + 1) : b);
+    [[unroll]] for (uint l = 0; l < kLanes; l++) {
+      const uint to = min(firstToken + l, p.tokenEnd - 1) * p.target.stride + firstTarget + n;
+      storeLane(to, first, l);
+      if (pair) storeLane(to + 1, second, l);
     }
   }
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/uniform_store.h"
+
 namespace xrds {
 namespace {
 
@@ -111,8 +113,7 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
                                        .shift = op.shift,
                                        .firstWindowRow = shiftedBegin / op.window,
                                        .headCount = headCount(op),
-                                       .storeOrigin = storeOrigin(op.output, rows),
-                                       .queriesApart = op.queries.value != op.keys.value};
+                                       .storeOrigin = storeOrigin(op.output, rows)};
   Dispatch result{.bindings = {readTexels(op.queries), readTexels(op.keys), readTexels(op.values),
                                readWeights(DataType::f32), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params)};
@@ -122,9 +123,11 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
     const LaneShares shares = laneShares(op, device.subgroupSize);
     result.program = programName("window_attention", KernelFamily::lane, op.output.type);
     const bool oneTensor = op.keys.value == op.values.value && op.keys.type == op.values.type;
-    const bool wide = (op.output.channelOffset | op.output.channelStride | op.headChannels) % 8 == 0;
-    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries, shares.keys,
-                             oneTensor,           wide};
+    const bool queriesApart = op.queries.value != op.keys.value;
+    const bool allRows = rows.begin == 0 && rows.end == shape.height;
+    result.specialization = {device.subgroupSize, op.window,    op.headChannels, shares.queries, shares.keys,
+                             oneTensor,           queriesApart, allRows};
+    result.pushConstants = pushBytesWithDigits(params);
     result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
   } else {
     result.program = programName("window_attention", KernelFamily::plain, op.output.type);

@@ -10,8 +10,7 @@ struct WindowAttentionParams {
   uint shift;             // position (y, x) of the shifted image is pixel (y + shift, x + shift), cyclic
   uint firstWindowRow;    // of this dispatch, in the shifted image; window rows are cyclic too
   uint headCount;
-  uint storeOrigin;   // vec4 index at which the target binding starts
-  uint queriesApart;  // 1 if the queries lie in another tensor than the keys
+  uint storeOrigin;  // vec4 index at which the target binding starts
 };
 XRDS_SHARED_END
 

@@ -8,15 +8,18 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#include "shaders/common/wide_storage.glsl"
 #include "shaders/window_attention/window_attention.h"
+#define PARAMS WindowAttentionParams
+#define TARGET_BINDING 4
+#include "shaders/common/uniform_store.glsl"
 layout(local_size_x_id = 0, local_size_y = 4) in;  // x = subgroup size
 layout(constant_id = 1) const uint kWindow = 8;
 layout(constant_id = 2) const uint kHeadChannels = 32;
 layout(constant_id = 3) const uint kQueries = 4;
 layout(constant_id = 4) const uint kKeys = 4;
 layout(constant_id = 5) const bool kOneTensor = true;  // keys and values are slices of the same
-layout(constant_id = 6) const bool kWide = true;  // eight channels begin at a multiple of eight
+layout(constant_id = 6) const bool kQueriesApart = false;  // they lie in another tensor than the keys
+layout(constant_id = 7) const bool kAllRows = true;  // every row of the image is stored
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kTokens = kWindow * kWindow;
 const uint kQuads = kHeadChannels / 4;
@@ -29,10 +32,6 @@ layout(binding = 0) uniform samplerBuffer queries;
 layout(binding = 1) uniform samplerBuffer keys;
 layout(binding = 2) uniform samplerBuffer values;
 layout(binding = 3) uniform samplerBuffer bias;
-layout(push_constant) uniform Push { WindowAttentionParams p; };
-
-layout(binding = 4, std430) writeonly buffer Target4 { WIDE4 target4[]; };
-layout(binding = 4, std430) writeonly buffer Target8 { WIDE8 target8[]; };
 
 // Pixel of a token of the window whose first token lies at `corner` of the shifted image.
 uvec2 pixelOf(uvec2 corner, uint token) {
@@ -84,8 +83,8 @@ void main() {
   const bool isFirst = head == 0 && block == 0;
   float touched = touchRows(keys, p.keys.stride, corner, isFirst);
   if (!kOneTensor) touched += touchRows(values, p.values.stride, corner, isFirst);
-  touched += touchRows(queries, p.queries.stride, corner, isFirst && p.queriesApart != 0);
-  if (p.height == 0) target4[lane] = wide4(vec4(touched));  // never: keeps the reads alive
+  touched += touchRows(queries, p.queries.stride, corner, isFirst && kQueriesApart);
+  if (p.height == 0) storeLane(0, wide4(vec4(touched)), 0);  // never: keeps the reads alive
   vec4 q[kQueries][kQuads], result[kQueries][kQuads];
   float highest[kQueries], sum[kQueries];
   [[unroll]] for (uint i = 0; i < kQueries; i++) {
@@ -146,16 +145,20 @@ void main() {
       }
   }
 
+  const uvec2 sameCorner = uvec2(uniformOf(corner.x, 4), uniformOf(corner.y, 4));
+  const uint sameBlock = uniformOf(block, 2), sameHead = uniformOf(head, 2);
   [[unroll]] for (uint i = 0; i < kQueries; i++) {
-    const uvec2 pixel = pixelOf(corner, min(firstQuery + i, kTokens - 1));
-    const uint to = texelOf(p.target, pixel, head) - p.storeOrigin;
     const float scale = 1.0 / sum[i];
-    const bool stored = pixel.y >= p.rowBegin && pixel.y < p.rowEnd;
-    if (stored && kWide) {
-      [[unroll]] for (uint c = 0; c < kQuads / 2; c++)
-        target8[to / 2 + c] = wide8(result[i][2 * c] * scale, result[i][2 * c + 1] * scale);
-    } else if (stored) {
-      [[unroll]] for (uint c = 0; c < kQuads; c++) target4[to + c] = wide4(result[i][c] * scale);
+    [[unroll]] for (uint c = 0; c < kQuads; c++) {
+      const WIDE4 y = wide4(result[i][c] * scale);
+      [[unroll]] for (uint l = 0; l < kLanes; l++) {
+        const uvec2 pixel = pixelOf(sameCorner, min((sameBlock * kLanes + l) * kQueries + i, kTokens - 1));
+        const uint to = texelOf(p.target, pixel, sameHead) - p.storeOrigin + c;
+        if (kAllRows)
+          storeLane(to, y, l);
+        else if (pixel.y >= p.rowBegin && pixel.y < p.rowEnd)
+          storeLane(to, y, l);
+      }
     }
   }
 }

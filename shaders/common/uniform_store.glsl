@@ -1,0 +1,31 @@
+// Stores of lane kernels, lane after lane, at addresses that a CPU driver sees to be uniform. lavapipe makes of any other
+// store a loop over the lanes that spills the stored vectors in every round (two thirds of the time of a linear layer of
+// 64 channels); a store at a uniform address, outside of control flow, is one move of the first lane's value. It takes for
+// uniform: constants, push constants at any index, and what is computed of these. So a number becomes uniform when its
+// digits are looked up in the push constants. The including kernel defines PARAMS and TARGET_BINDING.
+#ifndef XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
+#define XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
+#extension GL_EXT_shader_subgroup_extended_types_int64 : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#include "shaders/common/wide_storage.glsl"
+layout(binding = TARGET_BINDING, std430) writeonly buffer Target { uint64_t target[]; };
+layout(push_constant) uniform Push { PARAMS p; uint digit[16]; };  // digit: 0 to 15
+
+// The value, which is the same in all lanes of the subgroup and below 16^digits.
+uint uniformOf(uint value, const uint digits) {
+  uint sum = 0;
+  [[unroll]] for (uint i = 0; i < digits; i++) sum += digit[value >> 4 * i & 15u] << 4 * i;
+  return sum;
+}
+
+// Four channels of one lane, at a vec4 index of the target. Index and lane are uniform.
+void storeLane(uint at, WIDE4 channels, const uint lane) {
+#ifdef XRDS_F16
+  target[at] = subgroupShuffle(channels, lane);
+#else
+  target[2 * at] = subgroupShuffle(channels.x, lane);
+  target[2 * at + 1] = subgroupShuffle(channels.y, lane);
+#endif
+}
+
+#endif

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <numeric>
+
+#include "engine/dispatch.h"
+
+namespace xrds {
+
+/// Push constants of a kernel that includes uniform_store.glsl: the parameters, then its table of digits.
+template <class T>
+std::vector<std::byte> pushBytesWithDigits(const T& parameters) {
+  struct {
+    T parameters;
+    std::array<uint32_t, 16> digits;
+  } push{parameters, {}};
+  std::iota(push.digits.begin(), push.digits.end(), 0u);
+  return pushBytes(push);
+}
+
+/// Subgroups of a workgroup when `count` of them are shared out evenly: the largest divisor of it up to `limit`.
+inline uint32_t evenShare(uint64_t count, uint32_t limit) {
+  while (count % limit != 0) --limit;
+  return limit;
+}
+
+}  // namespace xrds
