@@ -1,6 +1,7 @@
 #include "engine/buffer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "engine/handles.h"
@@ -44,7 +45,7 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (buffer.byteSize > gpu.maxAllocationBytes)
-    throw Error("a buffer of " + mebibytes(buffer.byteSize) + " is needed, but " + gpu.description.name +
+    throw Error("a buffer of " + mebibytes(buffer.askedByteSize) + " is needed, but " + gpu.description.name +
                 " allows at most " + mebibytes(gpu.maxAllocationBytes) + " at once; use smaller tiles or images");
   checkResult(gpu.vk.vkCreateBuffer(gpu.device, &info, nullptr, &buffer.buffer), "vkCreateBuffer");
 
@@ -72,11 +73,18 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   buffer.mapped = static_cast<std::byte*>(mapped);
 }
 
+// A multiple of kBindingAlignment with one to spare behind what was asked for, and no power of two: llvmpipe
+// (Mesa 22.3) compiles every program that reads texels anew for buffers of 2^n bytes.
+uint64_t allocatedByteSize(uint64_t asked) {
+  const uint64_t needed = (asked + 2 * kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment;
+  return std::has_single_bit(needed) ? needed + kBindingAlignment : needed;
+}
+
 std::unique_ptr<Buffer::Handles> makeBuffer(Gpu::Handles& gpu, uint64_t byteSize, bool forStaging) {
   XRDS_CHECK_LT(0u, byteSize);
   auto made = std::make_unique<Buffer::Handles>(gpu);
   made->askedByteSize = byteSize;
-  made->byteSize = (byteSize + kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment;
+  made->byteSize = allocatedByteSize(byteSize);
   allocate(*made, forStaging);
   return made;
 }

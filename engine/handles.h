@@ -69,7 +69,7 @@ struct Buffer::Handles {
   Handles& operator=(const Handles&) = delete;
 
   Gpu::Handles& gpu;
-  uint64_t byteSize = 0;  // of the allocation, a multiple of kBindingAlignment
+  uint64_t byteSize = 0;  // of the allocation, more than was asked for
   uint64_t askedByteSize = 0;
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;

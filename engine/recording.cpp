@@ -62,6 +62,23 @@ void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
   for (size_t i = 0; i < placed.ranges.size(); ++i) checkBinding(gpu, dispatch.bindings[i], placed.ranges[i]);
 }
 
+// llvmpipe (Mesa 22.3) takes bits 8 to 15 of a texel buffer's size for a mip level, and compiles a program anew
+// whenever they turn from zero to something else: with every other frame size. A longer range, into the bytes that
+// every buffer has to spare, keeps them from zero.
+uint64_t byteSizeOfOneVariant(uint64_t byteSize) {
+  constexpr uint64_t kRound = 65536;
+  return std::max(byteSize, byteSize / kRound * kRound + kBindingAlignment);
+}
+
+void keepToOneVariant(const Gpu::Handles& gpu, PlacedDispatch& placed) {
+  for (size_t i = 0; i < placed.ranges.size(); ++i) {
+    const Binding& binding = placed.dispatch.bindings[i];
+    const uint64_t longer = byteSizeOfOneVariant(placed.ranges[i].byteSize);
+    const bool allowed = longer / (4 * byteSize(binding.type)) <= gpu.limits.maxTexelBufferElements;
+    if (binding.kind == BindingKind::texel && allowed) placed.ranges[i].byteSize = longer;
+  }
+}
+
 std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
   std::vector<RangeAccess> accesses;
   for (size_t i = 0; i < placed.ranges.size(); ++i) {
@@ -279,12 +296,12 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
     : handles_(std::make_unique<Handles>(gpu.handles())) {
   XRDS_CHECK_LT(0u, asked.size());
   std::vector<PlacedDispatch> dispatches(asked.begin(), asked.end());
-  for (PlacedDispatch& placed : dispatches)
-    for (ByteRange& range : placed.ranges) range = resolve(range);
   std::vector<PipelineKey> keys;
   std::vector<std::vector<RangeAccess>> accesses;
-  for (const PlacedDispatch& placed : dispatches) {
+  for (PlacedDispatch& placed : dispatches) {
+    for (ByteRange& range : placed.ranges) range = resolve(range);
     checkLimits(gpu.handles(), placed);
+    if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu.handles(), placed);
     keys.push_back(keyOf(placed.dispatch));
     accesses.push_back(accessesOf(placed));
   }

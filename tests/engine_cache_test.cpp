@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <random>
 
@@ -79,14 +81,15 @@ TEST_F(CacheFile, AFolderThatCannotBeMadeIsNoError) {
   EXPECT_FALSE(writeCacheFile(file() / "inside a file" / "cache.bin", "device", content_));
 }
 
-// One dispatch on a device whose caches lie in the folder; the driver's own shader cache stays where it is.
-std::vector<float> runWithCache(const fs::path& folder) {
+// One dispatch on a device whose caches lie in the folder.
+std::vector<float> runWithCache(const fs::path& folder, uint32_t quads = 1) {
   Gpu gpu({.cacheFolder = folder, .programs = test::engineProgram});
-  Buffer buffer(gpu, 512);
+  const uint64_t target = uint64_t{ceilDivide(quads * 16, kBindingAlignment)} * kBindingAlignment;
+  Buffer buffer(gpu, target + quads * 16);
   test::uploadFloats(buffer, 0, std::vector<float>{1, 2, 3, 4});
-  const PlacedDispatch placed = test::twicePlus(buffer, 0, 256, 1, 1);
+  const PlacedDispatch placed = test::twicePlus(buffer, 0, target, quads, 1);
   Recording(gpu, {&placed, 1}).run();
-  return test::downloadFloats(buffer, 256, 4);
+  return test::downloadFloats(buffer, target, 4);
 }
 
 TEST_F(CacheFile, DamagedPipelineCacheIsReplacedAndHarmless) {
@@ -103,6 +106,26 @@ TEST_F(CacheFile, DamagedPipelineCacheIsReplacedAndHarmless) {
   EXPECT_EQ(runWithCache(folder_), expected);
   EXPECT_EQ(fs::file_size(pipelines), size);
 }
+
+#ifndef _WIN32
+// Texel ranges whose sizes, and buffers whose sizes, Mesa's cache key tells apart.
+TEST_F(CacheFile, AnotherSizeCompilesNothingAnew) {
+  if (test::gpu().description().kind != DeviceKind::cpu) GTEST_SKIP() << "not Mesa's CPU driver";
+  const char* variable = "MESA_SHADER_CACHE_DIR";
+  const char* present = std::getenv(variable);
+  const std::string before = present ? present : "";
+  const auto compiled = [&](uint32_t quads) {
+    setenv(variable, folder_.c_str(), 1);
+    EXPECT_EQ(runWithCache(folder_, quads), (std::vector<float>{3, 5, 7, 9}));
+    const fs::recursive_directory_iterator files(folder_);
+    return std::count_if(begin(files), end(files), [](const auto& entry) { return entry.is_regular_file(); });
+  };
+  const auto once = compiled(16);
+  EXPECT_GT(once, 1);
+  for (const uint32_t quads : {1, 17, 48, 4096, 4097, 8192}) EXPECT_EQ(compiled(quads), once) << quads << " quads";
+  present ? setenv(variable, before.c_str(), 1) : unsetenv(variable);
+}
+#endif
 
 }  // namespace
 }  // namespace xrds
