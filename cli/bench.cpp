@@ -6,6 +6,7 @@ void addBench(CLI::App& app) {
   CLI::App* group = app.add_subcommand("bench", "Measure the engine and its models");
   group->require_subcommand(1);
   addBenchQuality(*group);
+  addBenchNetwork(*group);
 }
 
 }  // namespace xrds

@@ -13,5 +13,6 @@ void addDevices(CLI::App& app);
 /// The group of the measuring verbs, and its members.
 void addBench(CLI::App& app);
 void addBenchQuality(CLI::App& group);
+void addBenchNetwork(CLI::App& group);
 
 }  // namespace xrds

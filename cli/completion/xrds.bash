@@ -9,7 +9,7 @@ _xrds() {
   local verbs=("$verb")
   if [ "$verb" = bench ]; then
     if [ "$COMP_CWORD" -eq 2 ]; then
-      mapfile -t COMPREPLY < <(compgen -W "quality --help" -- "$current")
+      mapfile -t COMPREPLY < <(compgen -W "network quality --help" -- "$current")
       return
     fi
     verbs+=("${COMP_WORDS[2]}")
@@ -20,7 +20,7 @@ _xrds() {
     --aux) mapfile -t COMPREPLY < <(compgen -W "converged" -- "$current"); return ;;
     --exposure) mapfile -t COMPREPLY < <(compgen -W "auto" -- "$current"); return ;;
     --model) mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current"); return ;;
-    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --heat-max | --min-psnr | --scale | --colour) return ;;
+    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --heat-max | --min-psnr | --scale | --colour | --runs) return ;;
   esac
   if [[ $current == -* ]]; then
     local options

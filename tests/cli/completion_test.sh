@@ -24,6 +24,8 @@ offers --heat-map compare --he
 offers --reference-layer compare --r
 offers --size info --
 offers quality bench q
+offers network bench n
+offers --scenes bench network --sc
 offers --markdown bench quality val --m
 offers fp16 bench quality val --precision f
 offers converged bench quality val --aux c
