@@ -75,8 +75,9 @@ inline Binding readWeights(DataType type) { return {kWeights, Access::read, Bind
 /// Writes the rows of the tensor behind the view. The binding starts at the aligned offset at or below the first row;
 /// the kernel subtracts storeOrigin() from its vec4 index.
 inline Binding writeRows(const TensorView& view, RowRange rows) {
-  const uint64_t begin = rows.begin * view.rowByteSize() / kBindingAlignment * kBindingAlignment;
-  return {view.value, Access::write, BindingKind::storage, view.type, begin, rows.end * view.rowByteSize() - begin};
+  const uint64_t begin = view.storedRow(rows.begin) * view.rowByteSize() / kBindingAlignment * kBindingAlignment;
+  const uint64_t end = view.storedRow(rows.end) * view.rowByteSize();
+  return {view.value, Access::write, BindingKind::storage, view.type, begin, end - begin};
 }
 
 /// The vec4 index, counted from the start of the tensor, at which the binding of writeRows() starts.

@@ -127,6 +127,10 @@ std::vector<std::byte> runOnDevice(const KernelCase& kernel, const Arena& arena)
   return bytes;
 }
 
+uint64_t elementOf(const TensorView& view, uint32_t y, uint32_t x, uint32_t c) {
+  return (view.storedRow(y) * view.width + x) * view.channelStride + view.channelOffset + c;
+}
+
 // Compares the rows and channels of the output and marks their bytes as seen.
 void compareOutput(const KernelCase& kernel, Arena& arena, std::span<const std::byte> found, Tolerance tolerance,
                    std::vector<bool>& mayChange) {
@@ -135,11 +139,11 @@ void compareOutput(const KernelCase& kernel, Arena& arena, std::span<const std::
   const RowRange rows = resolve(kernel.rows, view.height);
   double differences = 0, references = 0, worst = 0;
   uint64_t notFinite = 0, count = 0;
-  std::array<uint32_t, 3> worstAt{};
+  std::array<uint32_t, 3> worstAt{rows.begin, 0, 0};
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < view.width; ++x)
       for (uint32_t c = 0; c < view.channels; ++c, ++count) {
-        const uint64_t element = (uint64_t{y} * view.width + x) * view.channelStride + view.channelOffset + c;
+        const uint64_t element = elementOf(view, y, x, c);
         for (uint64_t byte = 0; byte < elementBytes; ++byte) mayChange[base + element * elementBytes + byte] = true;
         const double device = loaded(found.subspan(base), element, view.type);
         const double expected = arena.host.at(view, y, x, c), difference = std::abs(device - expected);
@@ -158,10 +162,7 @@ void compareOutput(const KernelCase& kernel, Arena& arena, std::span<const std::
       testing::Message() << kernel.dispatch.program << " " << view.height << "x" << view.width << "x" << view.channels
                          << ", worst at row " << worstAt[0] << " column " << worstAt[1] << " channel " << worstAt[2]
                          << ": " << arena.host.at(view, worstAt[0], worstAt[1], worstAt[2]) << " expected, "
-                         << loaded(found.subspan(base),
-                                   (uint64_t{worstAt[0]} * view.width + worstAt[1]) * view.channelStride +
-                                       view.channelOffset + worstAt[2],
-                                   view.type)
+                         << loaded(found.subspan(base), elementOf(view, worstAt[0], worstAt[1], worstAt[2]), view.type)
                          << " found, RMS of the reference " << rms;
   EXPECT_EQ(notFinite, 0u) << where;
   EXPECT_GT(rms, 0) << "the reference is all zero: nothing was compared. " << where;

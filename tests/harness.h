@@ -40,7 +40,7 @@ struct KernelCase {
   Dispatch dispatch;
   std::vector<float> weights;  // as packedWeights() gives them
   TensorView output;
-  RowRange rows;
+  RowRange rows;  // of the output
   std::function<void(HostMemory&)> reference;
 };
 
@@ -54,6 +54,8 @@ void expectMatchesReference(const Op& op, const DeviceTraits& traits, Tolerance 
   KernelCase kernel{.dispatch = dispatch(op, traits), .output = op.output};
   if constexpr (requires { packedWeights(op, traits); }) kernel.weights = packedWeights(op, traits);
   if constexpr (requires { op.rows; }) kernel.rows = op.rows;
+  if constexpr (requires { op.shuffleOutput; })
+    if (op.shuffleOutput) kernel.rows = {2 * op.rows.begin, 2 * op.rows.end};
   kernel.reference = [&op](HostMemory& memory) { reference(op, memory); };
   expectMatchesReference(kernel, tolerance, contents);
 }

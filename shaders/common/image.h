@@ -4,7 +4,8 @@
 #include "shaders/common/shared.h"
 
 XRDS_SHARED_BEGIN
-/// A TensorView as an image: pixel (x, y), channel quad q is texel (y * width + x) * stride + offset + q.
+/// A TensorView as an image: pixel (x, y), channel quad q is texel (y * width + x) * stride + offset + q. Of a band of
+/// rows the offset is negative.
 struct Image {
   int offset, stride, width, height;
 };
@@ -23,7 +24,7 @@ XRDS_SHARED_END
 namespace xrds {
 
 inline shader::Image imageOf(const TensorView& view) {
-  return {int(view.channelOffset / 4), int(view.channelStride / 4), int(view.width), int(view.height)};
+  return {int(view.firstTexel()), int(view.channelStride / 4), int(view.width), int(view.height)};
 }
 
 inline shader::TargetRows targetRows(const TensorView& view, RowRange rows) {

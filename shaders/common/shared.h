@@ -14,7 +14,8 @@
 #endif
 
 XRDS_SHARED_BEGIN
-/// A TensorView's channels in units of vec4: pixel p, channel quad q is texel p * stride + offset + q.
+/// A TensorView's channels in units of vec4: pixel p, channel quad q is texel p * stride + offset + q, modulo 2^32: of
+/// a band of rows the offset is negative.
 struct Slice {
   uint offset, stride;
 };
@@ -22,7 +23,7 @@ XRDS_SHARED_END
 
 #ifdef __cplusplus
 namespace xrds {
-inline shader::Slice sliceOf(const TensorView& view) { return {view.channelOffset / 4, view.channelStride / 4}; }
+inline shader::Slice sliceOf(const TensorView& view) { return {view.firstTexel(), view.channelStride / 4}; }
 }  // namespace xrds
 #endif
 #endif

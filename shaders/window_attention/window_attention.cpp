@@ -124,7 +124,8 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
     result.program = programName("window_attention", KernelFamily::lane, op.output.type);
     const bool oneTensor = op.keys.value == op.values.value && op.keys.type == op.values.type;
     const bool queriesApart = op.queries.value != op.keys.value;
-    const bool allRows = rows.begin == 0 && rows.end == shape.height;
+    const uint32_t rowCount = rows.end - rows.begin;
+    const bool allRows = rowCount == shape.height || (shiftedBegin % op.window == 0 && rowCount % op.window == 0);
     result.specialization = {device.subgroupSize, op.window,    op.headChannels, shares.queries, shares.keys,
                              oneTensor,           queriesApart, allRows};
     result.pushConstants = pushBytesWithDigits(params);

@@ -19,7 +19,7 @@ layout(constant_id = 3) const uint kQueries = 4;
 layout(constant_id = 4) const uint kKeys = 4;
 layout(constant_id = 5) const bool kOneTensor = true;  // keys and values are slices of the same
 layout(constant_id = 6) const bool kQueriesApart = false;  // they lie in another tensor than the keys
-layout(constant_id = 7) const bool kAllRows = true;  // every row of the image is stored
+layout(constant_id = 7) const bool kAllRows = true;  // every row of the windows is stored
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kTokens = kWindow * kWindow;
 const uint kQuads = kHeadChannels / 4;
@@ -44,24 +44,27 @@ uint texelOf(Slice slice, uvec2 pixel, uint head) {
   return (pixel.y * p.width + pixel.x) * slice.stride + slice.offset + head * kQuads;
 }
 
-// 2^x for x <= 0, relative error 2e-7. A comparison, as max() costs four instructions; this one hands NaN on.
+// 2^x for x <= 0, relative error 2e-7; 0 below 2^-80, as products with less may be denormal, which makes some CPUs a hundred
+// times slower. A comparison, as max() costs four instructions; this one hands NaN on.
 float power2(float x) {
-  x = x < -126.0 ? -126.0 : x;
+  const bool vanishes = x < -80.0;
+  x = vanishes ? 0.0 : x;
   const float whole = roundEven(x), f = x - whole;
   const float fraction =
       1.0 + f * (0.69314718 + f * (0.24022651 + f * (0.055503324 + f * (0.0096184374 + f * 0.0013398874))));
-  return intBitsToFloat(floatBitsToInt(fraction) + (int(whole) << 23));
+  return vanishes ? 0.0 : intBitsToFloat(floatBitsToInt(fraction) + (int(whole) << 23));
 }
 
 // Reads something of each cache line of the window's rows, for all heads, in the order of the memory, which a CPU
 // fetches ahead; the reads of single heads and lanes jump about. Worth a quarter of the time.
-float touchRows(samplerBuffer tensor, uint stride, uvec2 corner, bool wanted) {
-  const uint last = p.width * p.height * stride - 1;
+float touchRows(samplerBuffer tensor, Slice slice, uvec2 corner, bool wanted) {
   float touched = 0;
   for (uint row = 0; row < (wanted ? kWindow : 0); row++) {
     const uvec2 pixel = pixelOf(corner, row * kWindow);
-    const uint from = (pixel.y * p.width + pixel.x) * stride + gl_LocalInvocationID.x * 4;
-    for (uint n = 0; n < kWindow * stride; n += kLanes * 4) touched += texelFetch(tensor, int(min(from + n, last))).x;
+    const uint from = texelOf(slice, pixel, 0), lane = gl_LocalInvocationID.x * 4;
+    const uint last = (min(kWindow, p.width - pixel.x) - 1) * slice.stride + p.headCount * kQuads - 1;
+    for (uint n = 0; n < kWindow * slice.stride; n += kLanes * 4)
+      touched += texelFetch(tensor, int(from + min(n + lane, last))).x;
   }
   return touched;
 }
@@ -81,9 +84,9 @@ void main() {
   const uint firstQuery = (block * kLanes + lane) * kQueries;
 
   const bool isFirst = head == 0 && block == 0;
-  float touched = touchRows(keys, p.keys.stride, corner, isFirst);
-  if (!kOneTensor) touched += touchRows(values, p.values.stride, corner, isFirst);
-  touched += touchRows(queries, p.queries.stride, corner, isFirst && kQueriesApart);
+  float touched = touchRows(keys, p.keys, corner, isFirst);
+  if (!kOneTensor) touched += touchRows(values, p.values, corner, isFirst);
+  touched += touchRows(queries, p.queries, corner, isFirst && kQueriesApart);
   if (p.height == 0) storeLane(0, wide4(vec4(touched)), 0);  // never: keeps the reads alive
   vec4 q[kQueries][kQuads], result[kQueries][kQuads];
   float highest[kQueries], sum[kQueries];
