@@ -101,9 +101,11 @@ void main() {
         const uvec2 partOffset = uvec2(part % 2, part / 2);
         const uvec2 own = uvec2(column + h, row + i) * p.shuffle + partOffset;
         const WIDE4 y = wide4(finished(sum, own.y * targetWidth + own.x, quad));
+        const uvec2 first = uvec2(corner.x + h, corner.y + i) * p.shuffle + partOffset;
+        const uint firstTarget = (first.y * targetWidth + first.x) * p.target.stride + p.target.offset + quad;
         [[unroll]] for (uint l = 0; l < kLanes; l++) {
-          const uvec2 to = uvec2(min(corner.x + 2 * l, p.width - 2) + h, corner.y + i) * p.shuffle + partOffset;
-          storeLane((to.y * targetWidth + to.x) * p.target.stride + p.target.offset + quad - p.storeOrigin, y, l);
+          const uint laneColumn = min(corner.x + 2 * l, p.width - 2) - corner.x;
+          storeLane(firstTarget - p.storeOrigin + laneColumn * p.shuffle * p.target.stride, y, l);
         }
       }
 }

@@ -33,9 +33,10 @@ void main() {
   }
   const float scale = inversesqrt(dot(squares, vec4(1)) / float(kChannels) + p.epsilon);
 
+  const uint firstTarget = firstToken * p.target.stride + p.target.offset - p.storeOrigin;
   [[unroll]] for (uint q = 0; q < kQuads; q++) {
     const WIDE4 y = wide4(x[q] * scale * affine[q] + affine[kQuads + q]);
     [[unroll]] for (uint l = 0; l < kLanes; l++)
-      storeLane(min(firstToken + l, p.tokenEnd - 1) * p.target.stride + p.target.offset + q - p.storeOrigin, y, l);
+      storeLane(firstTarget + q + (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride, y, l);
   }
 }

@@ -37,7 +37,11 @@ void main() {
   const uint row = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
   const uint token = min(p.tokenBegin + row * kLanes + gl_LocalInvocationID.x, p.tokenEnd - 1);
   const uint firstToken = p.tokenBegin + uniformOf(row, 6) * kLanes;
-  const uint firstTarget = p.target.offset + uniformOf(gl_WorkGroupID.x, 3) * kTileQuads - p.storeOrigin;
+  const uint firstTarget = firstToken * p.target.stride + p.target.offset +
+                           uniformOf(gl_WorkGroupID.x, 3) * kTileQuads - p.storeOrigin;
+  uint laneOffset[kLanes];  // of a lane's token in the target
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
   vec4 x[kInputs / 4];
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
     x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
@@ -54,9 +58,8 @@ void main() {
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
     const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(pair ? finished(b, token, quad + 1) : b);
     [[unroll]] for (uint l = 0; l < kLanes; l++) {
-      const uint to = min(firstToken + l, p.tokenEnd - 1) * p.target.stride + firstTarget + n;
-      storeLane(to, first, l);
-      if (pair) storeLane(to + 1, second, l);
+      storeLane(firstTarget + n + laneOffset[l], first, l);
+      if (pair) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
     }
   }
 }
