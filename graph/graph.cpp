@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace xrds {
 namespace {
 
 constexpr uint64_t kMaxMultiplyAddsPerDispatch = uint64_t{8} << 30;
-// Bindings start at an aligned offset at or below the first row, so a band may exceed its rows by this much.
+// Bindings start at an aligned offset at or below the first row, so one may exceed its rows by this much.
 constexpr uint64_t kBindingSlack = kBindingAlignment;
 
 // The views of a node's bindings tell what it reads and writes; any traits will do for that.
@@ -15,36 +16,52 @@ std::vector<Binding> bindingsOf(const Node& node) {
   return std::visit([](const auto& op) { return dispatch(op, DeviceTraits{}).bindings; }, node.op);
 }
 
-// Rows that the operator's `rows` count: those of its output, before a pixel shuffle.
-template <class Op>
-uint32_t rowCount(const Op& op) {
-  if constexpr (requires { op.shuffleOutput; }) return op.output.height / (op.shuffleOutput ? 2 : 1);
-  return op.output.height;
+uint32_t shuffleFactor(const auto& op) {
+  if constexpr (requires { op.shuffleOutput; }) return op.shuffleOutput ? 2 : 1;
+  return 1;
 }
 
-// First rows of the bands, and the end: each band fits a binding and a dispatch's share of work.
+// The rows that the operator computes, before a pixel shuffle.
 template <class Op>
-std::vector<uint32_t> bandBounds(const Op& op, const DeviceTraits& device, uint64_t multiplyAdds) {
-  const uint32_t rows = rowCount(op);
-  const uint64_t rowBytes = std::max<uint64_t>(1, op.output.storedByteSize() / rows);
-  const uint64_t rowWork = std::max<uint64_t>(1, multiplyAdds / rows);
+RowRange computedRows(const Op& op) {
+  RowRange rows;
+  if constexpr (requires { op.rows; }) rows = op.rows;
+  return resolve(rows, op.output.height / shuffleFactor(op));
+}
+
+uint64_t computedPixels(const auto& op) {
+  const RowRange rows = computedRows(op);
+  return uint64_t{rows.end - rows.begin} * op.output.width / shuffleFactor(op);
+}
+
+// First rows of the dispatches, and the end: each fits a binding and a dispatch's share of work.
+template <class Op>
+std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, uint64_t multiplyAdds) {
+  const RowRange rows = computedRows(op);
+  const uint32_t count = rows.end - rows.begin;
+  const uint64_t rowBytes = std::max<uint64_t>(1, op.output.rowByteSize() * shuffleFactor(op));
+  const uint64_t rowWork = std::max<uint64_t>(1, multiplyAdds / count);
   uint64_t step =
       std::min((device.maxStorageBufferRange - kBindingSlack) / rowBytes, kMaxMultiplyAddsPerDispatch / rowWork);
-  step = std::clamp<uint64_t>(step, 1, rows);
-  uint32_t first = 0;
-  std::vector<uint32_t> bounds{0};
+  step = std::clamp<uint64_t>(step, 1, count);
+  uint32_t first = rows.begin;
+  std::vector<uint32_t> bounds{first};
   if constexpr (requires { op.shift; }) {  // whole windows: the rows above the shift belong to the wrapped ones
-    if (step < rows) step = std::max<uint64_t>(op.window, step / op.window * op.window), first = op.shift;
-    if (first > 0) bounds.push_back(first);
+    if (step < count) {
+      step = std::max<uint64_t>(op.window, step / op.window * op.window);
+      first += (op.window + op.shift - first % op.window) % op.window;
+    }
+    if (first > rows.begin) bounds.push_back(first);
   }
-  for (uint64_t row = first + step; row < rows; row += step) bounds.push_back(static_cast<uint32_t>(row));
-  bounds.push_back(rows);
+  for (uint64_t row = first + step; row < rows.end; row += step) bounds.push_back(static_cast<uint32_t>(row));
+  bounds.push_back(rows.end);
   return bounds;
 }
 
+// Whether the views put the same element at the same byte of values of the same size.
 bool sameBytes(const TensorView& a, const TensorView& b) {
-  return a.type == b.type && a.shape() == b.shape() && a.channelOffset == 0 && b.channelOffset == 0 &&
-         a.channelStride == a.channels && b.channelStride == b.channels;
+  return a.type == b.type && a.shape() == b.shape() && a.channelOffset == b.channelOffset &&
+         a.channelStride == b.channelStride && a.firstRow == b.firstRow && a.storedRows() == b.storedRows();
 }
 
 // The residual of the node and its output, if writing over the residual keeps every other value intact.
@@ -68,6 +85,11 @@ TensorView Graph::create(std::string name, DataType type, TensorShape shape) {
   return {id, type, shape.height, shape.width, shape.channels, 0, shape.channels};
 }
 
+TensorView Graph::createRows(std::string name, DataType type, TensorShape shape, RowRange rows) {
+  const uint32_t height = std::exchange(shape.height, rows.end - rows.begin);
+  return asRowsOf(create(std::move(name), type, shape), height, rows.begin);
+}
+
 bool Graph::computesExposure() const {
   return std::any_of(nodes.begin(), nodes.end(), [](const Node& n) { return std::holds_alternative<Exposure>(n.op); });
 }
@@ -79,15 +101,26 @@ std::vector<TensorView> Graph::inputs() const {
   return views;
 }
 
+TensorView outputOf(const Node& node) {
+  return std::visit([](const auto& op) { return op.output; }, node.op);
+}
+
+RowRange outputRows(const Node& node) {
+  return std::visit(
+      [](const auto& op) -> RowRange {
+        const RowRange rows = computedRows(op);
+        return {rows.begin * shuffleFactor(op), rows.end * shuffleFactor(op)};
+      },
+      node.op);
+}
+
 NodeCost cost(const Node& node) {
   if (const auto* op = std::get_if<Linear>(&node.op))
-    return {op->output.pixelCount() * op->input.channels * op->output.channels, 0};
-  if (const auto* op = std::get_if<Conv3x3>(&node.op)) {
-    const uint64_t pixels = op->output.pixelCount() / (op->shuffleOutput ? 4 : 1);
-    return {pixels * 9 * op->inputChannels * op->outputChannels, 0};
-  }
+    return {computedPixels(*op) * op->input.channels * op->output.channels, 0};
+  if (const auto* op = std::get_if<Conv3x3>(&node.op))
+    return {computedPixels(*op) * 9 * op->inputChannels * op->outputChannels, 0};
   if (const auto* op = std::get_if<WindowAttention>(&node.op))
-    return {0, 2 * op->output.pixelCount() * op->window * op->window * op->output.channels};
+    return {0, 2 * computedPixels(*op) * op->window * op->window * op->output.channels};
   return {};
 }
 
@@ -103,7 +136,7 @@ std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& devic
     std::visit(
         [&](auto op) {
           if constexpr (requires { op.rows; }) {
-            const auto bounds = bandBounds(op, device, work.multiplyAdds + work.attentionMultiplyAdds);
+            const auto bounds = dispatchBounds(op, device, work.multiplyAdds + work.attentionMultiplyAdds);
             for (size_t i = 0; i + 1 < bounds.size(); ++i) {
               op.rows = {bounds[i], bounds[i + 1]};
               add(op);
@@ -118,16 +151,21 @@ std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& devic
 }
 
 std::vector<ValueId> inPlaceStorage(const Graph& graph) {
-  std::vector<uint32_t> lastRead(graph.values.size(), 0);
-  for (uint32_t n = 0; n < graph.nodes.size(); ++n)
-    for (const Binding& binding : bindingsOf(graph.nodes[n]))
-      if (binding.value != kWeights && binding.access == Access::read) lastRead[binding.value] = n;
+  const auto count = static_cast<uint32_t>(graph.nodes.size());
+  std::vector<uint32_t> firstUse(graph.values.size(), count), lastUse(graph.values.size(), 0);
+  for (uint32_t n = 0; n < count; ++n)
+    for (const Binding& binding : bindingsOf(graph.nodes[n])) {
+      if (binding.value == kWeights) continue;
+      firstUse[binding.value] = std::min(firstUse[binding.value], n);
+      lastUse[binding.value] = n;
+    }
 
   std::vector<ValueId> storage(graph.values.size());
   std::iota(storage.begin(), storage.end(), ValueId{0});
-  for (uint32_t n = 0; n < graph.nodes.size(); ++n) {
+  for (uint32_t n = 0; n < count; ++n) {
     const auto [residual, output] = residualSum(graph.nodes[n]);
-    if (!residual.exists() || !sameBytes(residual, output) || lastRead[residual.value] != n) continue;
+    if (!residual.exists() || !sameBytes(residual, output) || residual.value == output.value) continue;
+    if (lastUse[residual.value] != n || firstUse[output.value] != n) continue;
     uint32_t readsOfResidual = 0;  // as the convolution's input, say: then neighbours would see the sum
     for (const Binding& binding : bindingsOf(graph.nodes[n])) readsOfResidual += binding.value == residual.value;
     if (readsOfResidual == 1) storage[output.value] = storage[residual.value];

@@ -51,9 +51,15 @@ struct Graph {
 
   /// Adds a value and returns the view of all of it.
   TensorView create(std::string name, DataType type, TensorShape shape);
+  /// Adds a value that stores these rows alone, and returns the view of the whole image.
+  TensorView createRows(std::string name, DataType type, TensorShape shape, RowRange rows);
   std::vector<TensorView> inputs() const;
   bool computesExposure() const;
 };
+
+/// The output view of a node, and the rows of it that the node computes.
+TensorView outputOf(const Node& node);
+RowRange outputRows(const Node& node);
 
 /// Multiplications of a node: of linear maps and convolutions, and of the token pairs in attention.
 struct NodeCost {
@@ -71,7 +77,7 @@ struct LoweredDispatch {
 std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device);
 
 /// Which storage each value uses: itself, or the value whose bytes it continues. A residual sum is written over its
-/// residual when nothing reads that afterwards. Pure.
+/// residual when nothing reads that afterwards and the value of the sum begins with it. Pure.
 std::vector<ValueId> inPlaceStorage(const Graph& graph);
 
 /// When each storage holds bytes: step 0 is the upload of inputs, step i + 1 is node i, the last step is the download

@@ -9,27 +9,48 @@ namespace {
 
 using Order = std::vector<uint32_t>;
 
-bool overlap(const Lifetime& a, const Lifetime& b) { return a.firstUse <= b.lastUse && b.firstUse <= a.lastUse; }
-
 uint64_t alignUp(uint64_t offset, uint64_t alignment) { return (offset + alignment - 1) / alignment * alignment; }
 
+// For each value those that live at the same time; values of no size left out.
+std::vector<Order> neighboursOf(std::span<const Lifetime> lifetimes) {
+  Order byStart(lifetimes.size());
+  std::iota(byStart.begin(), byStart.end(), 0u);
+  std::stable_sort(byStart.begin(), byStart.end(),
+                   [&](uint32_t a, uint32_t b) { return lifetimes[a].firstUse < lifetimes[b].firstUse; });
+  std::vector<Order> neighbours(lifetimes.size());
+  Order alive;
+  for (const uint32_t value : byStart) {
+    if (lifetimes[value].byteSize == 0) continue;
+    std::erase_if(alive, [&](uint32_t other) { return lifetimes[other].lastUse < lifetimes[value].firstUse; });
+    for (const uint32_t other : alive) {
+      neighbours[value].push_back(other);
+      neighbours[other].push_back(value);
+    }
+    alive.push_back(value);
+  }
+  return neighbours;
+}
+
 // Places the values in the given order, each at the lowest offset that is free over its lifetime.
-MemoryPlan placeInOrder(std::span<const Lifetime> lifetimes, const Order& order) {
+MemoryPlan placeInOrder(std::span<const Lifetime> lifetimes, const std::vector<Order>& neighbours, const Order& order) {
   MemoryPlan plan{std::vector<uint64_t>(lifetimes.size()), 0};
-  Order placed;  // by offset
+  std::vector<bool> placed(lifetimes.size());
+  Order taken;  // neighbours that have a place, by offset
   for (const uint32_t value : order) {
     const Lifetime& life = lifetimes[value];
     if (life.byteSize == 0) continue;
+    taken.clear();
+    for (const uint32_t other : neighbours[value])
+      if (placed[other]) taken.push_back(other);
+    std::sort(taken.begin(), taken.end(), [&](uint32_t a, uint32_t b) { return plan.offsets[a] < plan.offsets[b]; });
     uint64_t offset = 0;
-    for (const uint32_t other : placed) {
-      if (!overlap(life, lifetimes[other])) continue;
+    for (const uint32_t other : taken) {
       if (plan.offsets[other] >= offset + life.byteSize) break;
       offset = std::max(offset, alignUp(plan.offsets[other] + lifetimes[other].byteSize, life.alignment));
     }
     plan.offsets[value] = offset;
     plan.byteSize = std::max(plan.byteSize, offset + life.byteSize);
-    const auto byOffset = [&](uint32_t a, uint32_t b) { return plan.offsets[a] < plan.offsets[b]; };
-    placed.insert(std::upper_bound(placed.begin(), placed.end(), value, byOffset), value);
+    placed[value] = true;
   }
   return plan;
 }
@@ -52,11 +73,12 @@ MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
       ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return size(a) * span(a) > size(b) * span(b); }),
       ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return lifetimes[a].firstUse < lifetimes[b].firstUse; }),
   };
+  const std::vector<Order> neighbours = neighboursOf(lifetimes);
   const uint64_t bound = largestLiveSet(lifetimes);
   MemoryPlan best;
   Order bestOrder;
   const auto consider = [&](const Order& order) {
-    MemoryPlan plan = placeInOrder(lifetimes, order);
+    MemoryPlan plan = placeInOrder(lifetimes, neighbours, order);
     if (!bestOrder.empty() && plan.byteSize >= best.byteSize) return;
     best = std::move(plan);
     bestOrder = order;

@@ -9,7 +9,8 @@ Divergence compare(const Node& node, const std::vector<float>& found, HostMemory
   const TensorView view = outputOf(node);
   Divergence result{node.name};
   double difference = 0, power = 0;
-  for (uint64_t p = 0; p < view.pixelCount(); ++p)
+  const RowRange rows = outputRows(node);
+  for (uint64_t p = view.storedRow(rows.begin) * view.width; p < view.storedRow(rows.end) * view.width; ++p)
     for (uint32_t c = 0; c < view.channels; ++c) {
       const uint64_t at = p * view.channelStride + view.channelOffset + c;
       const double expected = memory.storage(view)[at];
@@ -22,10 +23,6 @@ Divergence compare(const Node& node, const std::vector<float>& found, HostMemory
 }
 
 }  // namespace
-
-TensorView outputOf(const Node& node) {
-  return std::visit([](const auto& op) { return op.output; }, node.op);
-}
 
 void runReference(const Graph& graph, HostMemory& memory, const std::function<bool(const Node&)>& visit) {
   for (const Node& node : graph.nodes) {

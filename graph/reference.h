@@ -14,9 +14,6 @@ void runReference(const Graph& graph, HostMemory& memory, const std::function<bo
 /// Puts a frame into the inputs of the graph, as Session::run does on the device.
 void setInputs(const Graph& graph, const FrameInput& input, HostMemory& memory);
 
-/// The output view of a node.
-TensorView outputOf(const Node& node);
-
 /// How far a device's values are from the reference at one node.
 struct Divergence {
   std::string node;

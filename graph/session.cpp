@@ -1,6 +1,7 @@
 #include "graph/session.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include "engine/half.h"
@@ -33,22 +34,33 @@ struct PackedModel {
   std::vector<std::byte> bytes;
 };
 
+const float* weightsOf(const Operator& op) {
+  return std::visit(
+      [](const auto& o) -> const float* {
+        if constexpr (requires { o.weight; }) return o.weight.data();
+        if constexpr (requires { o.biasTable; }) return o.biasTable.data();
+        return nullptr;
+      },
+      op);
+}
+
 PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
   PackedModel packed;
+  std::map<std::pair<std::string, const float*>, PackedModel::Range> known;  // bands of a layer share theirs
   for (const Node& node : graph.nodes) {
-    DataType type = DataType::f32;
-    std::vector<float> values;
-    std::visit(
-        [&](const auto& op) {
-          values = packedWeights(op, device);
-          for (const Binding& binding : dispatch(op, device).bindings)
-            if (binding.value == kWeights) type = binding.type;
-        },
-        node.op);
-    const std::vector<std::byte> bytes = encode(values, type);
-    packed.ranges.push_back({packed.bytes.size(), bytes.size()});
-    packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
-    packed.bytes.resize(alignUp(packed.bytes.size()));
+    const Dispatch launch = std::visit([&](const auto& op) { return dispatch(op, device); }, node.op);
+    const auto [range, isNew] = known.try_emplace({launch.program, weightsOf(node.op)});
+    if (isNew) {
+      DataType type = DataType::f32;
+      for (const Binding& binding : launch.bindings)
+        if (binding.value == kWeights) type = binding.type;
+      const auto values = std::visit([&](const auto& op) { return packedWeights(op, device); }, node.op);
+      const std::vector<std::byte> bytes = encode(values, type);
+      range->second = {packed.bytes.size(), bytes.size()};
+      packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
+      packed.bytes.resize(alignUp(packed.bytes.size()));
+    }
+    packed.ranges.push_back(range->second);
   }
   if (packed.bytes.empty()) packed.bytes.resize(kBindingAlignment);
   return packed;
