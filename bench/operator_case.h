@@ -45,7 +45,7 @@ OperatorError compareWithReference(Gpu& gpu, const OperatorCase& operatorCase);
 /// An operator placed in buffers of its own at full size, its inputs filled, ready to be run at will.
 class PlacedOperator {
  public:
-  /// Throws Error if the device has not the memory.
+  /// Throws Error if the operator's tensors take more than the device has.
   PlacedOperator(Gpu& gpu, const Graph& graph);
 
   const std::vector<PlacedDispatch>& dispatches() const { return dispatches_; }

@@ -131,7 +131,7 @@ NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs) {
   } catch (const std::bad_alloc&) {
     result.refusal = "The machine has not enough memory for this frame.";
   }
-  if (ownPeak) result.peakProcessBytes = peakMemory();
+  if (ownPeak && result.refusal.empty()) result.peakProcessBytes = peakMemory();
   return result;
 }
 
