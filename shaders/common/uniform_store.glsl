@@ -2,13 +2,14 @@
 // store a loop over the lanes that spills the stored vectors in every round (two thirds of the time of a linear layer of
 // 64 channels); a store at a uniform address, outside of control flow, is one move of the first lane's value. It takes for
 // uniform: constants, push constants at any index, and what is computed of these. So a number becomes uniform when its
-// digits are looked up in the push constants. The including kernel defines PARAMS and TARGET_BINDING.
+// digits are looked up in the push constants. Included after local_size; the kernel defines PARAMS and TARGET_BINDING.
 #ifndef XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #define XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #extension GL_EXT_shader_subgroup_extended_types_int64 : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/wide_storage.glsl"
 layout(binding = TARGET_BINDING, std430) writeonly buffer Target { uint64_t target[]; };
+const uint kLanes = gl_WorkGroupSize.x;  // the subgroup size
 layout(push_constant) uniform Push { PARAMS p; uint digit[16]; };  // digit: 0 to 15
 
 // The value, which is the same in all lanes of the subgroup and below 16^digits.
@@ -17,6 +18,16 @@ uint uniformOf(uint value, const uint digits) {
   [[unroll]] for (uint i = 0; i < digits; i++) sum += digit[value >> 4 * i & 15u] << 4 * i;
   return sum;
 }
+
+// Copies texels `first` and on of `weights` to the shared array `tile` of `count` vec4, all subgroups taking their part.
+#define STAGE_WEIGHTS(tile, weights, first, count)                                                                      \
+  [[unroll]] for (uint chunk = 0; chunk < (count + kLanes * gl_WorkGroupSize.y - 1) / (kLanes * gl_WorkGroupSize.y);    \
+                  chunk++) {                                                                                            \
+    const uint begin = (chunk * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2)) * kLanes;                    \
+    const vec4 fetched = texelFetch(weights, int(first + min(begin + gl_LocalInvocationID.x, count - 1)));              \
+    [[unroll]] for (uint l = 0; l < kLanes; l++) tile[min(begin + l, count - 1)] = subgroupShuffle(fetched, l);         \
+  }                                                                                                                     \
+  barrier()
 
 // Four channels of one lane, at a vec4 index of the target. Index and lane are uniform.
 void storeLane(uint at, WIDE4 channels, const uint lane) {

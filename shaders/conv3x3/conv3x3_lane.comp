@@ -9,15 +9,14 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/activation.glsl"
 #include "shaders/conv3x3/conv3x3.h"
+layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size; y: subgroups one above the other
 #define PARAMS Conv3x3Params
 #define TARGET_BINDING 3
 #include "shaders/common/uniform_store.glsl"
-layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size; y: subgroups one above the other
 layout(constant_id = 1) const uint kRows = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
-const uint kLanes = gl_WorkGroupSize.x;
 const uint kTileQuads = kTile / 4;
 const uint kRegisters = (12 * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
 layout(binding = 0) uniform samplerBuffer source;

@@ -4,21 +4,18 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/layer_norm/layer_norm.h"
+layout(local_size_x_id = 0, local_size_y_id = 2) in;  // x = subgroup size
 #define PARAMS LayerNormParams
 #define TARGET_BINDING 2
 #include "shaders/common/uniform_store.glsl"
-layout(local_size_x_id = 0, local_size_y_id = 2) in;  // x = subgroup size
 layout(constant_id = 1) const uint kChannels = 4;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
-const uint kLanes = gl_WorkGroupSize.x;
 const uint kQuads = kChannels / 4;
 shared vec4 affine[2 * kQuads];  // weight, then bias
 
 void main() {
-  for (uint i = gl_LocalInvocationIndex; i < 2 * kQuads; i += gl_WorkGroupSize.x * gl_WorkGroupSize.y)
-    affine[i] = texelFetch(weights, int(i));
-  barrier();
+  STAGE_WEIGHTS(affine, weights, 0, 2 * kQuads);
 
   const uint row = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
   const uint token = min(p.tokenBegin + row * kLanes + gl_LocalInvocationID.x, p.tokenEnd - 1);

@@ -7,10 +7,10 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/common/activation.glsl"
 #include "shaders/linear/linear.h"
+layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size
 #define PARAMS LinearParams
 #define TARGET_BINDING 3
 #include "shaders/common/uniform_store.glsl"
-layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size
 layout(constant_id = 1) const uint kInputs = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
@@ -18,7 +18,6 @@ layout(constant_id = 4) const bool kHasResidual = false;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
-const uint kLanes = gl_WorkGroupSize.x;
 const uint kTileQuads = kTile / 4;
 const uint kTexels = (kInputs + 1) * kTileQuads;
 shared vec4 tile[kTexels];
@@ -30,9 +29,7 @@ vec4 finished(vec4 sum, uint token, uint quad) {
 }
 
 void main() {
-  for (uint i = gl_LocalInvocationIndex; i < kTexels; i += gl_WorkGroupSize.x * gl_WorkGroupSize.y)
-    tile[i] = texelFetch(weights, int(gl_WorkGroupID.x * kTexels + i));
-  barrier();
+  STAGE_WEIGHTS(tile, weights, gl_WorkGroupID.x * kTexels, kTexels);
 
   const uint row = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
   const uint token = min(p.tokenBegin + row * kLanes + gl_LocalInvocationID.x, p.tokenEnd - 1);

@@ -9,10 +9,10 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/window_attention/window_attention.h"
+layout(local_size_x_id = 0, local_size_y = 4) in;  // x = subgroup size
 #define PARAMS WindowAttentionParams
 #define TARGET_BINDING 4
 #include "shaders/common/uniform_store.glsl"
-layout(local_size_x_id = 0, local_size_y = 4) in;  // x = subgroup size
 layout(constant_id = 1) const uint kWindow = 8;
 layout(constant_id = 2) const uint kHeadChannels = 32;
 layout(constant_id = 3) const uint kQueries = 4;
@@ -20,7 +20,6 @@ layout(constant_id = 4) const uint kKeys = 4;
 layout(constant_id = 5) const bool kOneTensor = true;  // keys and values are slices of the same
 layout(constant_id = 6) const bool kQueriesApart = false;  // they lie in another tensor than the keys
 layout(constant_id = 7) const bool kAllRows = true;  // every row of the windows is stored
-const uint kLanes = gl_WorkGroupSize.x;
 const uint kTokens = kWindow * kWindow;
 const uint kQuads = kHeadChannels / 4;
 const uint kParts = kLanes / (2 * kKeys);
