@@ -87,7 +87,7 @@ void run(const BenchOptions& options) {
               gpu.description().driver.c_str(), options.size, options.size, options.precision.c_str(),
               static_cast<double>(session->plan().byteSize) / 1e6,
               static_cast<double>(session->weightByteSize()) / 1e6);
-  std::printf("preparation %.3f s, first run %.3f s, steady median %.3f s (least %.3f, most %.3f, %d runs)\n",
+  std::printf("preparation %.3f s, first run %.3f s, steady median %.6f s (least %.6f, most %.6f, %d runs)\n",
               preparation, first, steady[steady.size() / 2], steady.front(), steady.back(), options.runs);
   printKernels(session->times());
 }

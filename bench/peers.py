@@ -1,15 +1,18 @@
-"""Times the engine beside ONNX Runtime and PyTorch on the CPU: the same weights, frame size and cores, in alternation.
+"""Times the engine beside ONNX Runtime and PyTorch: the same weights and frame size, on the CPU or a CUDA GPU, in alternation.
 
     python3 bench/peers.py build/release/bench/xrds_bench_network [--configs compact,paper] [--size 1024] [--rounds 5]
+    python3 bench/peers.py build/release/bench/xrds_bench_network --peers pytorch-cuda-fp16,pytorch-cuda-fp16-compile --precision fp16
 
 Needs training/requirements.txt, and `pip install onnx onnxruntime`. Random weights, written by the engine, are loaded
 by training/weights.py. Every peer is a process of its own with one thread a core; in each round each peer in turn runs
 one frame that is not timed and one that is. Peers run the bare network on resident tensors. The engine's time includes more:
-upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download.
+upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download. On a GPU a
+peer's output stays there, its fp32 is no TF32, and its memory is PyTorch's peak on the device.
 """
 import argparse
 import collections
 import importlib.metadata
+import importlib.util
 import json
 import os
 import pathlib
@@ -71,40 +74,64 @@ def onnxruntime_frame(model, size):
     return lambda: session.run(None, inputs)[0]
 
 
-def pytorch_frame(model, size, compiled=False):
+def pytorch_frame(model, size, compiled=False, device="cpu", half=False):
     torch, network = load_network(model)
-    network = network.to(memory_format=torch.channels_last)
-    inputs = [torch.from_numpy(x).contiguous(memory_format=torch.channels_last) for x in network_inputs(size)]
+    torch.backends.cudnn.allow_tf32 = False
+    place = dict(device=device, dtype=torch.float16 if half else torch.float32, memory_format=torch.channels_last)
+    network = network.to(**place)
+    inputs = [torch.from_numpy(x).to(**place) for x in network_inputs(size)]
     if compiled:
         import torch._inductor.config
         torch._inductor.config.freezing = True
-        network = torch.compile(network)
+        network = torch.compile(network, mode="max-autotune" if device == "cuda" else None)
 
     def frame():
         with torch.inference_mode() if not compiled else torch.no_grad():
-            return network(*inputs).numpy()
+            output = network(*inputs)
+        if device == "cuda":
+            torch.cuda.synchronize()
+            return output
+        return output.numpy()
     return frame
+
+
+def as_array(output):
+    return output if isinstance(output, numpy.ndarray) else output.float().cpu().numpy()
+
+
+def peak_mebibytes(peer):
+    if "cuda" in peer:
+        import torch
+        return torch.cuda.max_memory_allocated() / 2 ** 20
+    return int(re.search(r"VmHWM:\s+(\d+)", pathlib.Path("/proc/self/status").read_text())[1]) / 1024
+
+
+def cuda_frame(compiled, half):
+    return lambda model, size: pytorch_frame(model, size, compiled, "cuda", half)
 
 
 FRAMES = {
     "onnxruntime": onnxruntime_frame,
     "pytorch": pytorch_frame,
     "pytorch-compile": lambda model, size: pytorch_frame(model, size, compiled=True),
+    "pytorch-cuda": cuda_frame(False, False),
+    "pytorch-cuda-compile": cuda_frame(True, False),
+    "pytorch-cuda-fp16": cuda_frame(False, True),
+    "pytorch-cuda-fp16-compile": cuda_frame(True, True),
 }
 
 
 def serve(peer, model, size):
     """Loads, runs one frame into model.<peer>.npy, then times one frame for every line of standard input."""
     frame = FRAMES[peer](model, size)
-    numpy.save(f"{model}.{peer}.npy", frame())
+    numpy.save(f"{model}.{peer}.npy", as_array(frame()))
     print("ready", flush=True)
     for _ in sys.stdin:
         frame()
         start = time.perf_counter()
         frame()
         seconds = time.perf_counter() - start
-        peak = re.search(r"VmHWM:\s+(\d+)", pathlib.Path("/proc/self/status").read_text())[1]
-        print(json.dumps([seconds, int(peak) / 1024]), flush=True)
+        print(json.dumps([seconds, peak_mebibytes(peer)]), flush=True)
 
 
 # ---- in the process that alternates --------------------------------------------------------------------------------
@@ -136,8 +163,9 @@ class Peer:
 class Engine:
     """The engine's benchmark program: a process a round, its first frame not counted."""
 
-    def __init__(self, program, model, size):
-        self.name, self.command = "xrds", [program, "--model", model, "--size", str(size), "--runs", "1"]
+    def __init__(self, program, model, size, precision="fp32", device=""):
+        self.name, self.command = "xrds", [program, "--model", model, "--size", str(size), "--runs", "1", "--precision", precision]
+        self.command += ["--device", device] if device else []
 
     def frame(self):
         process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT)
@@ -171,9 +199,10 @@ def relative_rms(x, y):
 def measure(config, arguments, folder):
     model = str(folder / f"{config}.safetensors")
     write_model(arguments.program, config, model)
-    subprocess.run([sys.executable, __file__, "--export", model, str(arguments.size)], check=True,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT)
-    engine = Engine(arguments.program, model, arguments.size)
+    if "onnxruntime" in arguments.peers:
+        subprocess.run([sys.executable, __file__, "--export", model, str(arguments.size)], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT)
+    engine = Engine(arguments.program, model, arguments.size, arguments.precision, arguments.device)
     peers = [engine]
     try:
         for name in arguments.peers.split(","):
@@ -192,17 +221,18 @@ def measure(config, arguments, folder):
     outputs = [(peer.name, numpy.load(f"{model}.{peer.name}.npy")) for peer in peers[1:]]
     for (first, x), (second, y) in zip(outputs, outputs[1:]):
         error = relative_rms(x, y)
-        print(f"{first} against {second}: relative RMS {error:.1e}" + ("" if error < 1e-4 else "  DIFFERENT"))
+        bound = 1e-2 if "fp16" in first + second else 1e-4
+        print(f"{first} against {second}: relative RMS {error:.1e}" + ("" if error < bound else "  DIFFERENT"))
 
 
 def report(config, arguments, engine, samples):
-    print(f"\n{config}, {arguments.size} x {arguments.size}, scale 4, fp32, {arguments.rounds} rounds, {CORES} cores; "
+    print(f"\n{config}, {arguments.size} x {arguments.size}, scale 4, engine {arguments.precision}, {arguments.rounds} rounds, {CORES} cores; "
           f"{engine.device}; image pipeline {100 * engine.pipeline:.1f} % of the engine's kernel time")
-    print(f"{'':16} {'median s':>9} {'least':>8} {'most':>8} {'peak MiB':>9} {'engine/peer':>12}")
+    print(f"{'':25} {'median s':>9} {'least':>8} {'most':>8} {'peak MiB':>9} {'engine/peer':>12}")
     medians = {name: statistics.median(seconds for seconds, _ in rows) for name, rows in samples.items()}
     for name, rows in samples.items():
         seconds = [time for time, _ in rows]
-        print(f"{name:16} {medians[name]:9.3f} {min(seconds):8.3f} {max(seconds):8.3f} {max(peak for _, peak in rows):9.0f} "
+        print(f"{name:25} {medians[name]:9.5f} {min(seconds):8.5f} {max(seconds):8.5f} {max(peak for _, peak in rows):9.0f} "
               f"{medians['xrds'] / medians[name]:12.2f}", flush=True)
 
 
@@ -214,12 +244,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", help="xrds_bench_network of a release build")
     parser.add_argument("--configs", default="paper,compact,nano", help=f"comma list of {', '.join(CONFIGS)}")
-    parser.add_argument("--peers", default=",".join(FRAMES), help=f"comma list of {', '.join(FRAMES)}")
+    parser.add_argument("--peers", default=",".join(name for name in FRAMES if "cuda" not in name),
+                        help=f"comma list of {', '.join(FRAMES)}")
+    parser.add_argument("--precision", default="fp32", choices=("fp32", "fp16"), help="of the engine")
+    parser.add_argument("--device", default="", help="of the engine, as xrds --device")
     parser.add_argument("--size", type=int, default=1024, help="side of the output in pixels, a multiple of 32")
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
     print("Python " + platform.python_version() + "".join(
-        f", {package} {importlib.metadata.version(package)}" for package in ("numpy", "torch", "onnx", "onnxruntime")))
+        f", {package} {importlib.metadata.version(package)}" for package in ("numpy", "torch", "onnx", "onnxruntime")
+        if importlib.util.find_spec(package)))
     for config in arguments.configs.split(","):
         with tempfile.TemporaryDirectory() as folder:
             measure(config, arguments, pathlib.Path(folder))
