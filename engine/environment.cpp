@@ -32,6 +32,7 @@ constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
 
 // What this process has set itself; a value that differs from it is the user's.
 std::string ourWidth, ourShaderCache;
+bool ourShaderCacheIsInUsers = false;
 
 }  // namespace
 
@@ -55,11 +56,13 @@ void separateShaderCache(const std::filesystem::path& cacheFolder) {
   const bool usersCache = !present.empty() && present != ourShaderCache;
   // A user who chose both knows; a user who chose the folder alone did not expect another width in it.
   if (width.empty() || (usersCache && width != ourWidth)) return;
+  if (present == ourShaderCache && ourShaderCacheIsInUsers) return;
   const auto folder = (usersCache ? std::filesystem::path(present) : cacheFolder) / ("mesa-w" + width);
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   ourShaderCache = folder.string();
-  setVariable(kShaderCache, ourShaderCache);
+  ourShaderCacheIsInUsers = usersCache;
+  if (ourShaderCache != present) setVariable(kShaderCache, ourShaderCache);
 }
 
 }  // namespace xrds

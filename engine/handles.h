@@ -11,13 +11,14 @@ namespace xrds {
 
 /// What decides a compiled pipeline. Two dispatches with the same key share it.
 struct PipelineKey {
+  explicit PipelineKey(const Dispatch& dispatch);
   std::string program;
   std::vector<uint32_t> specialization;
-  std::vector<BindingKind> kinds;
+  std::vector<std::pair<BindingKind, DataType>> bindings;  // the type, because CPU drivers compile a texel's format in
   uint32_t pushConstantBytes = 0;
   bool operator<(const PipelineKey& other) const {
-    return std::tie(program, specialization, kinds, pushConstantBytes) <
-           std::tie(other.program, other.specialization, other.kinds, other.pushConstantBytes);
+    return std::tie(program, specialization, bindings, pushConstantBytes) <
+           std::tie(other.program, other.specialization, other.bindings, other.pushConstantBytes);
   }
 };
 
@@ -82,8 +83,21 @@ void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& reco
 /// Orders everything recorded or done by the host before against everything after.
 void fullBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands);
 
-/// Compiles what the keys name and the device has not compiled yet, in parallel if it is much.
-void compilePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys);
+VkDescriptorType descriptorTypeOf(BindingKind kind);
+/// Of the vec4 texels that hold a type.
+VkFormat texelFormatOf(DataType type);
+
+/// Records a dispatch of as many groups with its pipeline, which must have been made, and its push constants.
+void recordDispatch(const Gpu::Handles& gpu, VkCommandBuffer commands, const Dispatch& dispatch, VkDescriptorSet set,
+                    std::array<uint32_t, 3> groupCount);
+
+/// Makes the pipelines of the keys that the device has not made yet, in parallel if there are many. Throws the failure
+/// of the first that cannot be made, whichever thread met it.
+void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys);
+
+/// Compiles programs before their first dispatch, where the driver would otherwise do it one after the other: on CPU
+/// devices. The pipelines must have been made.
+void compileBeforeDispatch(Gpu& gpu, std::span<const Dispatch* const> dispatches);
 
 /// Writes the pipeline cache to its file if it has grown. Failing to write is no error: it is only a cache.
 void savePipelineCache(Gpu::Handles& gpu) noexcept;

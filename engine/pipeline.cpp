@@ -10,12 +10,11 @@
 namespace xrds {
 namespace {
 
-VkDescriptorSetLayout makeSetLayout(const Gpu::Handles& gpu, std::span<const BindingKind> kinds) {
+VkDescriptorSetLayout makeSetLayout(const Gpu::Handles& gpu, const PipelineKey& key) {
   std::vector<VkDescriptorSetLayoutBinding> bindings;
-  for (const BindingKind kind : kinds)
+  for (const auto& [kind, type] : key.bindings)
     bindings.push_back({.binding = static_cast<uint32_t>(bindings.size()),
-                        .descriptorType = kind == BindingKind::texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
-                                                                     : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                        .descriptorType = descriptorTypeOf(kind),
                         .descriptorCount = 1,
                         .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT});
   VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
@@ -67,7 +66,7 @@ VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipel
 
 // The members are filled as they are made, so that the owner destroys them if a later step throws.
 void compile(const Gpu::Handles& gpu, const PipelineKey& key, Pipeline& made) {
-  made.setLayout = makeSetLayout(gpu, key.kinds);
+  made.setLayout = makeSetLayout(gpu, key);
   made.layout = makeLayout(gpu, made.setLayout, key.pushConstantBytes);
   made.pipeline = makePipeline(gpu, key, made.layout);
 }
@@ -80,7 +79,33 @@ void destroy(const Gpu::Handles& gpu, const Pipeline& made) {
 
 }  // namespace
 
-void compilePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys) {
+PipelineKey::PipelineKey(const Dispatch& dispatch)
+    : program(dispatch.program),
+      specialization(dispatch.specialization),
+      pushConstantBytes(static_cast<uint32_t>(dispatch.pushConstants.size())) {
+  for (const Binding& binding : dispatch.bindings) bindings.emplace_back(binding.kind, binding.type);
+}
+
+VkDescriptorType descriptorTypeOf(BindingKind kind) {
+  return kind == BindingKind::texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+VkFormat texelFormatOf(DataType type) {
+  return type == DataType::f32 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+}
+
+void recordDispatch(const Gpu::Handles& gpu, VkCommandBuffer commands, const Dispatch& dispatch, VkDescriptorSet set,
+                    std::array<uint32_t, 3> groupCount) {
+  const Pipeline& made = gpu.pipelines.at(PipelineKey(dispatch));
+  gpu.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made.pipeline);
+  gpu.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made.layout, 0, 1, &set, 0, nullptr);
+  if (!dispatch.pushConstants.empty())
+    gpu.vk.vkCmdPushConstants(commands, made.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                              static_cast<uint32_t>(dispatch.pushConstants.size()), dispatch.pushConstants.data());
+  gpu.vk.vkCmdDispatch(commands, groupCount[0], groupCount[1], groupCount[2]);
+}
+
+void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys) {
   std::vector<std::pair<const PipelineKey, Pipeline>*> missing;
   for (const PipelineKey& key : keys)
     if (const auto [place, isNew] = gpu.pipelines.try_emplace(key); isNew) missing.push_back(&*place);

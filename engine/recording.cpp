@@ -20,14 +20,6 @@ struct Submission {
   VkFence fence = VK_NULL_HANDLE;
 };
 
-PipelineKey keyOf(const Dispatch& dispatch) {
-  PipelineKey key{.program = dispatch.program,
-                  .specialization = dispatch.specialization,
-                  .pushConstantBytes = static_cast<uint32_t>(dispatch.pushConstants.size())};
-  for (const Binding& binding : dispatch.bindings) key.kinds.push_back(binding.kind);
-  return key;
-}
-
 ByteRange resolve(ByteRange range) {
   XRDS_CHECK(range.buffer != nullptr);
   XRDS_CHECK_EQ(range.byteOffset % kBindingAlignment, 0u);
@@ -91,6 +83,17 @@ std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
   return accesses;
 }
 
+// One dispatch for each pipeline that is still to be made.
+std::vector<const Dispatch*> notMade(const Gpu::Handles& gpu, std::span<const PlacedDispatch> dispatches,
+                                     std::span<const PipelineKey> keys) {
+  std::map<PipelineKey, const Dispatch*> found;
+  for (size_t i = 0; i < keys.size(); ++i)
+    if (!gpu.pipelines.contains(keys[i])) found.try_emplace(keys[i], &dispatches[i].dispatch);
+  std::vector<const Dispatch*> fresh;
+  for (const auto& [key, dispatch] : found) fresh.push_back(dispatch);
+  return fresh;
+}
+
 std::vector<Submission> cut(std::span<const PlacedDispatch> dispatches, uint64_t multiplyAddsPerSubmission) {
   std::vector<Submission> submissions;
   uint64_t held = 0;
@@ -117,7 +120,6 @@ struct Recording::Handles {
   VkBufferView viewOf(const ByteRange& range, DataType type);
   VkDescriptorSet describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout);
   void record(Submission& submission, std::span<const PlacedDispatch> dispatches);
-  void recordDispatch(VkCommandBuffer commands, const PlacedDispatch& placed);
   uint32_t firstQuery(const Submission& submission) const;
   void readTimestamps();
   void submit(const Submission& submission);
@@ -173,7 +175,7 @@ VkBufferView Recording::Handles::viewOf(const ByteRange& range, DataType type) {
   if (view) return view;
   VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
   info.buffer = buffer;
-  info.format = type == DataType::f32 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+  info.format = texelFormatOf(type);
   info.offset = range.byteOffset;
   info.range = range.byteSize;
   checkResult(gpu.vk.vkCreateBufferView(gpu.device, &info, nullptr, &view), "vkCreateBufferView");
@@ -198,31 +200,17 @@ VkDescriptorSet Recording::Handles::describe(const PlacedDispatch& placed, VkDes
     writes[i].dstSet = set;
     writes[i].dstBinding = static_cast<uint32_t>(i);
     writes[i].descriptorCount = 1;
+    writes[i].descriptorType = descriptorTypeOf(binding.kind);
     if (binding.kind == BindingKind::texel) {
       texels[i] = viewOf(range, binding.type);
-      writes[i].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
       writes[i].pTexelBufferView = &texels[i];
     } else {
       buffers[i] = {range.buffer->handles().buffer, range.byteOffset, range.byteSize};
-      writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
       writes[i].pBufferInfo = &buffers[i];
     }
   }
   gpu.vk.vkUpdateDescriptorSets(gpu.device, static_cast<uint32_t>(count), writes.data(), 0, nullptr);
   return set;
-}
-
-void Recording::Handles::recordDispatch(VkCommandBuffer commands, const PlacedDispatch& placed) {
-  const Dispatch& dispatch = placed.dispatch;
-  const Pipeline& made = gpu.pipelines.at(keyOf(dispatch));
-  const VkDescriptorSet set = describe(placed, made.setLayout);
-  gpu.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made.pipeline);
-  gpu.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made.layout, 0, 1, &set, 0, nullptr);
-  if (!dispatch.pushConstants.empty())
-    gpu.vk.vkCmdPushConstants(commands, made.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                              static_cast<uint32_t>(dispatch.pushConstants.size()), dispatch.pushConstants.data());
-  const auto [x, y, z] = dispatch.groupCount;
-  gpu.vk.vkCmdDispatch(commands, x, y, z);
 }
 
 // Each submission has one timestamp before its first dispatch and one after each.
@@ -259,7 +247,9 @@ void Recording::Handles::record(Submission& submission, std::span<const PlacedDi
       gpu.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                                   0, 1, &barrier, 0, nullptr, 0, nullptr);
     }
-    recordDispatch(commands, dispatches[i]);
+    const Dispatch& dispatch = dispatches[i].dispatch;
+    const VkDescriptorSet set = describe(dispatches[i], gpu.pipelines.at(PipelineKey(dispatch)).setLayout);
+    recordDispatch(gpu, commands, dispatch, set, dispatch.groupCount);
     stamp(VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
   }
   fullBarrier(gpu, commands);
@@ -302,10 +292,12 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
     for (ByteRange& range : placed.ranges) range = resolve(range);
     checkLimits(gpu.handles(), placed);
     if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu.handles(), placed);
-    keys.push_back(keyOf(placed.dispatch));
+    keys.emplace_back(placed.dispatch);
     accesses.push_back(accessesOf(placed));
   }
-  compilePipelines(gpu.handles(), keys);
+  const std::vector<const Dispatch*> fresh = notMade(gpu.handles(), dispatches, keys);
+  makePipelines(gpu.handles(), keys);
+  if (gpu.description().kind == DeviceKind::cpu) compileBeforeDispatch(gpu, fresh);
   handles_->barriers = barriersBefore(accesses);
   handles_->submissions = cut(dispatches, options.multiplyAddsPerSubmission);
   handles_->makePools(dispatches, options.timestamps);

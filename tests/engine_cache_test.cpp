@@ -108,14 +108,20 @@ TEST_F(CacheFile, DamagedPipelineCacheIsReplacedAndHarmless) {
 }
 
 #ifndef _WIN32
+/// Mesa's shader cache as a user would place it, for as long as this lives.
+struct ShaderCacheFolder {
+  explicit ShaderCacheFolder(const fs::path& folder) { setenv(kVariable, folder.c_str(), 1); }
+  ~ShaderCacheFolder() { before.empty() ? unsetenv(kVariable) : setenv(kVariable, before.c_str(), 1); }
+
+  static constexpr const char* kVariable = "MESA_SHADER_CACHE_DIR";
+  std::string before = std::getenv(kVariable) ? std::getenv(kVariable) : "";
+};
+
 // Texel ranges whose sizes, and buffers whose sizes, Mesa's cache key tells apart.
 TEST_F(CacheFile, AnotherSizeCompilesNothingAnew) {
   if (test::gpu().description().kind != DeviceKind::cpu) GTEST_SKIP() << "not Mesa's CPU driver";
-  const char* variable = "MESA_SHADER_CACHE_DIR";
-  const char* present = std::getenv(variable);
-  const std::string before = present ? present : "";
   const auto compiled = [&](uint32_t quads) {
-    setenv(variable, folder_.c_str(), 1);
+    const ShaderCacheFolder mesa(folder_);
     EXPECT_EQ(runWithCache(folder_, quads), (std::vector<float>{3, 5, 7, 9}));
     const fs::recursive_directory_iterator files(folder_);
     return std::count_if(begin(files), end(files), [](const auto& entry) { return entry.is_regular_file(); });
@@ -123,7 +129,14 @@ TEST_F(CacheFile, AnotherSizeCompilesNothingAnew) {
   const auto once = compiled(16);
   EXPECT_GT(once, 1);
   for (const uint32_t quads : {1, 17, 48, 4096, 4097, 8192}) EXPECT_EQ(compiled(quads), once) << quads << " quads";
-  present ? setenv(variable, before.c_str(), 1) : unsetenv(variable);
+}
+
+TEST_F(CacheFile, ASecondDeviceKeepsTheUsersShaderCache) {
+  const ShaderCacheFolder mesa(folder_ / "users");
+  for (int device = 0; device < 2; ++device) {
+    EXPECT_EQ(runWithCache(folder_ / "ours"), (std::vector<float>{3, 5, 7, 9}));
+    EXPECT_EQ(std::string(std::getenv(ShaderCacheFolder::kVariable)).rfind(folder_ / "users", 0), 0u);
+  }
 }
 #endif
 

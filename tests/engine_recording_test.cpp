@@ -153,16 +153,6 @@ TEST(Recording, SizeZeroReachesToTheEndOfTheBuffer) {
   EXPECT_EQ(test::downloadFloats(target, 256, 64), std::vector<float>(64, 7));
 }
 
-TEST(Recording, CompilesManyProgramsAtOnce) {
-  Buffer buffer(gpu(), 33 * 256);
-  test::uploadFloats(buffer, 0, std::vector<float>(4, 0));
-  std::vector<PlacedDispatch> dispatches;
-  for (uint32_t i = 0; i < 32; ++i) dispatches.push_back(twicePlus(buffer, 0, (i + 1) * 256, 1, 1000 + i));
-  Recording(gpu(), dispatches).run();
-  for (uint32_t i = 0; i < 32; ++i)
-    EXPECT_EQ(test::downloadFloats(buffer, (i + 1) * 256, 1)[0], static_cast<float>(1000 + i));
-}
-
 TEST(Recording, RefusesWhatBreaksALimit) {
   Buffer buffer(gpu(), 2 * kRegion);
   const auto refused = [&buffer](const std::function<void(PlacedDispatch&)>& spoil) {

@@ -1,0 +1,162 @@
+// Compiles programs for drivers that do it at the first dispatch (llvmpipe: 0.1 to 1 s each, one after the other).
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <thread>
+
+#include "engine/handles.h"
+#include "engine/vulkan_result.h"
+
+namespace xrds {
+namespace {
+
+/// Dispatches without workgroups: they compute nothing, but make such a driver compile. Its program must not depend on
+/// the memory that is bound, and does not: see byteSizeOfOneVariant() in recording.cpp.
+class EmptyDispatches {
+ public:
+  explicit EmptyDispatches(Gpu& gpu) : gpu_(gpu.handles()), scratch_(gpu, kBindingAlignment) {}
+  ~EmptyDispatches() { reset(); }
+  EmptyDispatches(const EmptyDispatches&) = delete;
+  EmptyDispatches& operator=(const EmptyDispatches&) = delete;
+
+  /// Returns once the program is compiled.
+  void run(const Dispatch& dispatch);
+
+ private:
+  VkDescriptorSet describe(const Dispatch& dispatch, VkDescriptorSetLayout layout);
+  VkBufferView viewOf(DataType type);
+  void reset();
+
+  Gpu::Handles& gpu_;
+  Buffer scratch_;
+  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  std::vector<VkBufferView> views_;
+};
+
+void EmptyDispatches::reset() {
+  for (const VkBufferView view : views_) gpu_.vk.vkDestroyBufferView(gpu_.device, view, nullptr);
+  views_.clear();
+  gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
+  pool_ = VK_NULL_HANDLE;
+}
+
+VkBufferView EmptyDispatches::viewOf(DataType type) {
+  VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+  info.buffer = scratch_.handles().buffer;
+  info.format = texelFormatOf(type);
+  info.range = kBindingAlignment;
+  checkResult(gpu_.vk.vkCreateBufferView(gpu_.device, &info, nullptr, &views_.emplace_back()), "vkCreateBufferView");
+  return views_.back();
+}
+
+VkDescriptorSet EmptyDispatches::describe(const Dispatch& dispatch, VkDescriptorSetLayout layout) {
+  const auto count = static_cast<uint32_t>(dispatch.bindings.size());
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, count}};
+  VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool.maxSets = 1;
+  pool.poolSizeCount = 2;
+  pool.pPoolSizes = sizes;
+  checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
+  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  info.descriptorPool = pool_;
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  checkResult(gpu_.vk.vkAllocateDescriptorSets(gpu_.device, &info, &set), "vkAllocateDescriptorSets");
+  for (uint32_t i = 0; i < count; ++i) {
+    const Binding& binding = dispatch.bindings[i];
+    const VkDescriptorBufferInfo buffer{scratch_.handles().buffer, 0, kBindingAlignment};
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstSet = set;
+    write.dstBinding = i;
+    write.descriptorCount = 1;
+    write.descriptorType = descriptorTypeOf(binding.kind);
+    write.pBufferInfo = &buffer;
+    VkBufferView view = VK_NULL_HANDLE;
+    if (binding.kind == BindingKind::texel) view = viewOf(binding.type);
+    write.pTexelBufferView = &view;
+    gpu_.vk.vkUpdateDescriptorSets(gpu_.device, 1, &write, 0, nullptr);
+  }
+  return set;
+}
+
+void EmptyDispatches::run(const Dispatch& dispatch) {
+  const VkDescriptorSet set = describe(dispatch, gpu_.pipelines.at(PipelineKey(dispatch)).setLayout);
+  runOnce(gpu_, [&](VkCommandBuffer commands) { recordDispatch(gpu_, commands, dispatch, set, {0, 0, 0}); });
+  reset();
+}
+
+// Devices beside the first, each with a queue of its own; fewer if they cannot be opened.
+std::vector<Gpu> openMore(Gpu& gpu, size_t count) {
+  DeviceOptions options = gpu.handles().options;
+  options.select = gpu.description().uuid;
+  options.validation = false;
+  std::vector<Gpu> devices;
+  try {
+    while (devices.size() < count) devices.emplace_back(options);
+  } catch (const std::exception&) {  // then those that there are do it
+  }
+  return devices;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Programs to compile, of which each thread takes the next one.
+struct Programs {
+  std::span<const Dispatch* const> dispatches;
+  std::atomic<size_t> next = 0;
+
+  const Dispatch* take() {
+    const size_t i = next++;
+    return i < dispatches.size() ? dispatches[i] : nullptr;
+  }
+};
+
+struct Threads {
+  std::vector<std::thread> running;
+  ~Threads() {
+    for (std::thread& thread : running) thread.join();
+  }
+};
+
+void compileOnAnother(Gpu& gpu, Programs& programs) {
+  try {
+    EmptyDispatches empty(gpu);
+    while (const Dispatch* dispatch = programs.take()) {
+      const PipelineKey key(*dispatch);
+      makePipelines(gpu.handles(), {&key, 1});
+      empty.run(*dispatch);
+    }
+  } catch (const std::exception&) {  // then the first dispatch compiles it
+  }
+}
+
+}  // namespace
+
+// A queue compiles one program at a time, so further devices lend their queues. What they compile reaches the first
+// device through the driver's disk cache, which an instance completes before it is destroyed.
+void compileBeforeDispatch(Gpu& gpu, std::span<const Dispatch* const> dispatches) {
+  constexpr double kSecondsIfCached = 0.2;  // a program comes from the disk cache in 1 to 3 ms
+  constexpr size_t kMostDevices = 8;        // each takes 30 ms to open
+  if (dispatches.empty()) return;
+  const auto start = std::chrono::steady_clock::now();
+  Programs programs{dispatches};
+  EmptyDispatches empty(gpu);
+  while (secondsSince(start) < kSecondsIfCached) {
+    const Dispatch* dispatch = programs.take();
+    if (!dispatch) return;
+    empty.run(*dispatch);
+  }
+  const size_t left = dispatches.size() - std::min<size_t>(programs.next, dispatches.size());
+  const size_t wanted = std::min<size_t>({kMostDevices, std::thread::hardware_concurrency(), left});
+  std::vector<Gpu> more = openMore(gpu, wanted > 1 ? wanted - 1 : 0);
+  Threads threads;
+  for (Gpu& other : more) threads.running.emplace_back([&] { compileOnAnother(other, programs); });
+  while (const Dispatch* dispatch = programs.take()) empty.run(*dispatch);
+}
+
+}  // namespace xrds
