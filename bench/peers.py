@@ -1,13 +1,14 @@
-"""Times the engine beside ONNX Runtime and PyTorch: the same weights and frame size, on the CPU or a CUDA GPU, in alternation.
+"""Times the engine beside ONNX Runtime, PyTorch and ncnn: the same weights and frame size, on the CPU or a CUDA GPU, in alternation.
 
     python3 bench/peers.py build/release/bench/xrds_bench_network [--configs compact,paper] [--size 1024] [--rounds 5]
     python3 bench/peers.py build/release/bench/xrds_bench_network --peers pytorch-cuda-fp16,pytorch-cuda-fp16-compile --precision fp16
 
-Needs training/requirements.txt, and `pip install onnx onnxruntime`. Random weights, written by the engine, are loaded
+Needs `pip install -r bench/peers-requirements.txt`. Random weights, written by the engine, are loaded
 by training/weights.py. Every peer is a process of its own with one thread a core; in each round each peer in turn runs
 one frame that is not timed and one that is. Peers run the bare network on resident tensors. The engine's time includes more:
 upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download. On a GPU a
-peer's output stays there, its fp32 is no TF32, and its memory is PyTorch's peak on the device.
+peer's output stays there, its fp32 is no TF32, and its memory is PyTorch's peak on the device. ncnn's time on Vulkan
+includes the transfers (peers_ncnn.py has its network).
 """
 import argparse
 import collections
@@ -28,8 +29,9 @@ import numpy
 
 CONFIGS = {
     "paper": dict(channels=64, aux_channels=32, groups=3, blocks=5, head_channels=32),
-    "compact": dict(channels=32, aux_channels=16, groups=3, blocks=1, head_channels=32, kernels=5, aux_skip=True),
-    "nano": dict(channels=16, aux_channels=8, groups=2, blocks=1, head_channels=16, kernels=5, aux_skip=True),
+    "compact": dict(channels=32, aux_channels=16, groups=3, blocks=1, head_channels=32, kernels=5, aux_skip=True,
+                    aux_kernels=5),
+    "nano": dict(channels=16, aux_channels=8, groups=1, blocks=1, head_channels=16, aux_skip=True),
 }
 # Kernels of the engine that are not the network's.
 PIPELINE = ("box_mean", "decode_radiance", "encode_radiance", "exposure", "filter_auxiliary", "joint_bilateral", "pack_auxiliary")
@@ -95,6 +97,12 @@ def pytorch_frame(model, size, compiled=False, device="cpu", half=False):
     return frame
 
 
+def ncnn_frame(model, size, vulkan=False):
+    import peers_ncnn
+    torch, network = load_network(model)
+    return peers_ncnn.ncnn_frame(torch, network, model + (".vulkan" if vulkan else ".cpu"), network_inputs(size), CORES, vulkan)
+
+
 def as_array(output):
     return output if isinstance(output, numpy.ndarray) else output.float().cpu().numpy()
 
@@ -114,6 +122,8 @@ FRAMES = {
     "onnxruntime": onnxruntime_frame,
     "pytorch": pytorch_frame,
     "pytorch-compile": lambda model, size: pytorch_frame(model, size, compiled=True),
+    "ncnn": ncnn_frame,
+    "ncnn-vulkan": lambda model, size: ncnn_frame(model, size, vulkan=True),
     "pytorch-cuda": cuda_frame(False, False),
     "pytorch-cuda-compile": cuda_frame(True, False),
     "pytorch-cuda-fp16": cuda_frame(False, True),
@@ -252,7 +262,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
     print("Python " + platform.python_version() + "".join(
-        f", {package} {importlib.metadata.version(package)}" for package in ("numpy", "torch", "onnx", "onnxruntime")
+        f", {package} {importlib.metadata.version(package)}" for package in ("numpy", "torch", "onnx", "onnxruntime", "ncnn", "pnnx")
         if importlib.util.find_spec(package)))
     for config in arguments.configs.split(","):
         with tempfile.TemporaryDirectory() as folder:
