@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# Measures the engine on this machine, beside PyTorch on its NVIDIA GPU, and makes a page of it:
+#
+#     bench/gpu.sh OUT_FOLDER [SCENES]
+#
+# Writes operators.json and network.json with their texts, peers.txt, machine.txt and report.html. SCENES is a folder of
+# validation renders for the image error. BUILD is the build's folder (default build/release), DEVICE the engine's device
+# as xrds --device takes it (default: the best one), PYTHON a Python with training/requirements.txt and PyTorch
+# (default python3), PEERS what bench/peers.py shall run (default: those on the GPU), SIZES the sides of the outputs
+# (default 256,512,1024,2048,4096), SIDE that of operators and peers (default 1024), CONFIGS the peers' networks (default
+# paper,compact,nano), RUNS the frames or rounds that count (default 5). A part that fails is named; the others still run.
+set -euo pipefail
+[ $# -eq 1 ] || [ $# -eq 2 ] || { sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+out=$1 scenes=${2:-}
+here=$(cd "$(dirname "$0")" && pwd)
+build=${BUILD:-$here/../build/release}
+python=${PYTHON:-python3}
+side=${SIDE:-1024} runs=${RUNS:-5}
+mkdir -p "$out"
+device=()
+[ -z "${DEVICE:-}" ] || device=(--device "$DEVICE")
+failed=0
+
+# part NAME COMMAND...: runs the command, shows what it prints and keeps it in NAME.txt.
+part() {
+  echo "== $1" >&2
+  "${@:2}" 2> "$out/$1.log" | tee "$out/$1.txt" && return
+  echo "failed: $1, $(tail -1 "$out/$1.log")" >&2
+  failed=1
+}
+
+describe() {
+  "$build/cli/xrds" devices
+  lscpu | grep 'Model name' || true
+  nvidia-smi --query-gpu=name,driver_version,power.limit,clocks.max.sm --format=csv || echo "no nvidia-smi"
+}
+
+operators() {
+  "$build/bench/xrds_bench_operators" "${device[@]}" --size "$side" \
+    --benchmark_out="$out/operators.json" --benchmark_out_format=json
+}
+
+network() {
+  "$build/bench/xrds_bench_network" "${device[@]}" --size 64 --runs 1 --write-model "$out/paper-size.safetensors" > /dev/null
+  local options=()
+  [ -z "$scenes" ] || options=(--scenes "$scenes")
+  "$build/cli/xrds" bench network "${device[@]}" --model all --model "$out/paper-size.safetensors" \
+    --size "${SIZES:-256,512,1024,2048,4096}" --runs "$runs" --json "$out/network.json" "${options[@]}"
+}
+
+# peers PRECISION DEFAULT_PEERS
+peers() {
+  "$python" "$here/peers.py" "$build/bench/xrds_bench_network" "${device[@]}" --configs "${CONFIGS:-paper,compact,nano}" \
+    --size "$side" --rounds "$runs" --precision "$1" --peers "${PEERS:-$2}"
+}
+
+report() {
+  local options=()
+  [ ! -e "$out/operators.json" ] || options=(--operators "$out/operators.json")
+  "$python" "$here/report.py" "$out/network.json" "${options[@]}" -o "$out/report.html"
+}
+
+part machine describe
+part operators operators
+part network network
+part peers_fp32 peers fp32 pytorch-cuda,pytorch-cuda-compile
+part peers_fp16 peers fp16 pytorch-cuda-fp16,pytorch-cuda-fp16-compile
+part report report
+exit $failed
