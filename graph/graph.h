@@ -46,7 +46,7 @@ struct Graph {
   TensorView colour;     // input [h, w, 4] f32: linear radiance, 4th channel 0
   TensorView auxiliary;  // input [s h, s w, ceil4(A)] f32, AOVs packed in the model's order; absent without inputs
   TensorView exposure;   // input or computed [1, 1, 4] f32: (e, 1/e, count, 0)
-  TensorView network;    // the network's raw output, padded; absent in a model without network
+  TensorView network;    // the network's raw output, padded; absent without a network or where bands of it are made
   TensorView output;     // [s h, s w, 4] f32: linear radiance
 
   /// Adds a value and returns the view of all of it.

@@ -20,9 +20,15 @@ struct FrameShape {
 /// the shape that the network needs. The floats must outlive the graph.
 using WeightLookup = std::function<std::span<const float>(const std::string& name, std::span<const uint32_t> shape)>;
 
+/// GraphOptions::bandRows for a frame in one piece.
+inline constexpr uint32_t kWholeFrame = 65536;
+
 struct GraphOptions {
   Precision precision = Precision::fp32;
   bool autoExposure = true;  // else the exposure is an input of the graph
+  /// Low-resolution rows of the bands, of whole windows, in which wide tensors are computed; 0: chosen by the frame's
+  /// size, small frames in one piece. Bands take less memory and give the same output bit for bit.
+  uint32_t bandRows = 0;
 };
 
 /// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).

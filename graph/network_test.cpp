@@ -24,7 +24,7 @@ TEST_P(PaperTable, CostsMatchToEveryPrintedDigit) {
   config.blocks = GetParam().blocks;
   const ModelWeights model = ModelWeights::random(config, 1);
   uint64_t multiplyAdds = 0;
-  for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {}).nodes)
+  for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {.bandRows = kWholeFrame}).nodes)
     multiplyAdds += cost(node).multiplyAdds;
   EXPECT_NEAR(static_cast<double>(multiplyAdds) / 1e9, GetParam().gigaMultiplyAdds, 0.005);
   EXPECT_NEAR(static_cast<double>(model.parameterCount()) / 1e6, GetParam().millionParameters,
@@ -41,7 +41,7 @@ TEST(Network, CostsOfTheOtherFormsMatchTraining) {
     config.base = config.auxInputs.empty() ? BaseImage::bicubic : BaseImage::guided;
     const ModelWeights model = ModelWeights::random(config, 1);
     uint64_t multiplyAdds = 0;
-    for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {}).nodes)
+    for (const Node& node : buildGraph(config, {256, 256}, model.lookup(), {.bandRows = kWholeFrame}).nodes)
       multiplyAdds += cost(node).multiplyAdds;
     EXPECT_NEAR(static_cast<double>(multiplyAdds) / 1e9, gigaMultiplyAdds, 1e-6);
     EXPECT_NEAR(static_cast<double>(model.parameterCount()) / 1e6, millionParameters, 1e-6);
@@ -54,18 +54,50 @@ TEST(Network, CostsOfTheOtherFormsMatchTraining) {
   expectCosts({.block = BlockKind::rdb, .cross = CrossKind::concat, .auxKernels = 3}, 440.011850, 4.876268);
 }
 
-TEST(Network, PlanOfThePaperSizeIsTight) {
-  const NetworkConfig config;
+MemoryNeeds needsOf(const NetworkConfig& config, FrameShape frame, const GraphOptions& options) {
   const ModelWeights model = ModelWeights::random(config, 1);
-  const auto needs = [&](Precision precision) {
-    return memoryNeeds(buildGraph(config, {256, 256}, model.lookup(), {precision}), DeviceTraits{});
+  return memoryNeeds(buildGraph(config, frame, model.lookup(), options), DeviceTraits{});
+}
+
+// As the model xrds-x4-compact.
+const NetworkConfig kCompact{
+    .channels = 32, .auxChannels = 16, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5};
+
+TEST(Network, PlanIsSmallAndTight) {
+  const auto expectPlan = [](const NetworkConfig& config, Precision precision, uint64_t most) {
+    for (const FrameShape frame : {FrameShape{256, 256}, FrameShape{270, 480}}) {
+      const MemoryNeeds needs = needsOf(config, frame, {precision});
+      EXPECT_LE(static_cast<double>(needs.planned), 1.05 * static_cast<double>(needs.lowerBound));
+      EXPECT_GT(needs.unaliased, 4 * needs.planned);
+      if (frame.height == 256) {
+        EXPECT_LE(needs.planned, most);
+      }
+    }
   };
-  const MemoryNeeds fp32 = needs(Precision::fp32), fp16 = needs(Precision::fp16);
-  EXPECT_LE(fp32.planned, 420'000'000u);
-  EXPECT_LE(fp16.planned, 230'000'000u);
-  EXPECT_LE(static_cast<double>(fp32.planned), 1.05 * static_cast<double>(fp32.lowerBound));
-  EXPECT_LE(static_cast<double>(fp16.planned), 1.05 * static_cast<double>(fp16.lowerBound));
-  EXPECT_GT(fp32.unaliased, 4 * fp32.planned);
+  expectPlan({}, Precision::fp32, 190'000'000);
+  expectPlan({}, Precision::fp16, 97'000'000);
+  expectPlan(kCompact, Precision::fp32, 182'000'000);
+  expectPlan(kCompact, Precision::fp16, 99'000'000);
+}
+
+TEST(Network, BandsTakeAboutHalfTheMemoryAndHardlyMoreWork) {
+  for (const NetworkConfig& config : {NetworkConfig{}, kCompact}) {
+    const ModelWeights model = ModelWeights::random(config, 1);
+    const auto graphOf = [&](uint32_t rows) {
+      return buildGraph(config, {256, 256}, model.lookup(), {.bandRows = rows});
+    };
+    const auto workOf = [](const Graph& graph) {
+      double sum = 0;
+      for (const Node& node : graph.nodes)
+        sum += static_cast<double>(cost(node).multiplyAdds + cost(node).attentionMultiplyAdds);
+      return sum;
+    };
+    const Graph whole = graphOf(kWholeFrame), banded = graphOf(0);
+    EXPECT_LT(memoryNeeds(banded, {}).planned, 0.51 * static_cast<double>(memoryNeeds(whole, {}).planned));
+    EXPECT_EQ(memoryNeeds(banded, {}).weights, memoryNeeds(whole, {}).weights);
+    EXPECT_GE(workOf(banded), workOf(whole));
+    EXPECT_LT(workOf(banded), 1.002 * workOf(whole));
+  }
 }
 
 TEST(Network, BandsFitTheBindingsOfTheDevice) {

@@ -9,6 +9,8 @@ namespace {
 
 using Order = std::vector<uint32_t>;
 
+constexpr uint64_t kLongLife = 8;  // steps: more than most bands live
+
 uint64_t alignUp(uint64_t offset, uint64_t alignment) { return (offset + alignment - 1) / alignment * alignment; }
 
 // For each value those that live at the same time; values of no size left out.
@@ -68,10 +70,22 @@ Order ordered(size_t count, Less less) {
 MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
   const auto size = [&](uint32_t v) { return lifetimes[v].byteSize; };
   const auto span = [&](uint32_t v) { return uint64_t{lifetimes[v].lastUse} - lifetimes[v].firstUse + 1; };
+  const auto longFirst = [&](auto less) {
+    return ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) {
+      const bool longA = span(a) > kLongLife, longB = span(b) > kLongLife;
+      if (longA != longB) return longA;
+      return longA ? less(a, b) : lifetimes[a].firstUse < lifetimes[b].firstUse;
+    });
+  };
   const std::vector<Order> starts = {
       ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return size(a) > size(b); }),
       ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return size(a) * span(a) > size(b) * span(b); }),
       ordered(lifetimes.size(), [&](uint32_t a, uint32_t b) { return lifetimes[a].firstUse < lifetimes[b].firstUse; }),
+      // Those that live long first, around them the others as they come: bands follow each other in few places.
+      longFirst([&](uint32_t a, uint32_t b) { return size(a) > size(b); }),
+      longFirst([&](uint32_t a, uint32_t b) { return span(a) > span(b); }),
+      longFirst([&](uint32_t a, uint32_t b) { return lifetimes[a].firstUse < lifetimes[b].firstUse; }),
+      longFirst([&](uint32_t a, uint32_t b) { return lifetimes[a].lastUse > lifetimes[b].lastUse; }),
   };
   const std::vector<Order> neighbours = neighboursOf(lifetimes);
   const uint64_t bound = largestLiveSet(lifetimes);
@@ -79,17 +93,25 @@ MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
   Order bestOrder;
   const auto consider = [&](const Order& order) {
     MemoryPlan plan = placeInOrder(lifetimes, neighbours, order);
-    if (!bestOrder.empty() && plan.byteSize >= best.byteSize) return;
+    if (!bestOrder.empty() && plan.byteSize > best.byteSize) return;
     best = std::move(plan);
     bestOrder = order;
   };
   for (const Order& order : starts) consider(order);
-  // Local search with a fixed seed: move one value to the front of the order while that helps.
+  // Local search with a fixed seed: one of the values that live long, or one that lies above the bound, takes another
+  // turn, while that does no harm.
+  const auto isLong = [&](uint32_t v) { return span(v) > kLongLife; };
   std::minstd_rand random(1);
-  for (int trial = 0; trial < 300 && best.byteSize > bound + bound / 100 && !lifetimes.empty(); ++trial) {
+  for (int trial = 0; trial < 600 && best.byteSize > bound + bound / 200; ++trial) {
+    Order above, early;
+    for (uint32_t v = 0; v < lifetimes.size(); ++v)
+      if (best.offsets[v] + size(v) > bound) above.push_back(v);
+    std::copy_if(bestOrder.begin(), bestOrder.end(), std::back_inserter(early), isLong);
+    const Order& candidates = early.empty() || random() % 2 ? above : early;
+    const uint32_t moved = candidates[random() % candidates.size()];
     Order order = bestOrder;
-    const auto from = order.begin() + static_cast<std::ptrdiff_t>(random() % order.size());
-    std::rotate(order.begin(), from, from + 1);
+    order.erase(std::find(order.begin(), order.end(), moved));
+    order.insert(order.begin() + static_cast<std::ptrdiff_t>(random() % std::max<size_t>(1, early.size())), moved);
     consider(order);
   }
   if (best.offsets.empty()) best.offsets.resize(lifetimes.size());

@@ -24,7 +24,8 @@ struct SessionOptions {
   Precision precision = Precision::fp32;
   bool autoExposure = true;
   bool timestamps = false;
-  bool aliasing = true;  // off: every value keeps its bytes, so that each can be looked at
+  uint32_t bandRows = 0;  // as in GraphOptions
+  bool aliasing = true;   // off: every value keeps its bytes, so that each can be looked at
 };
 
 /// One frame on the host. Pixels are row-major, `colourChannels` or three floats each.

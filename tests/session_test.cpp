@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "graph/reference.h"
 #include "tests/harness.h"
 #include "xrds/error.h"
 
@@ -89,6 +90,97 @@ INSTANTIATE_TEST_SUITE_P(Session, Aliasing,
                          testing::Combine(testing::Values(BlockKind::rdst, BlockKind::rdb, BlockKind::rstb),
                                           testing::Values(Precision::fp32, Precision::fp16),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane)));
+
+// Every scale, kind of block, way to join and full-resolution stage occurs.
+const NetworkConfig kBanded[] = {
+    {.scale = 2,
+     .channels = 16,
+     .auxChannels = 8,
+     .groups = 2,
+     .blocks = 2,
+     .window = 4,
+     .headChannels = 8,
+     .kernels = 5,
+     .auxSkip = true,
+     .auxKernels = 5},
+    {.scale = 4,
+     .channels = 8,
+     .auxChannels = 4,
+     .groups = 1,
+     .blocks = 2,
+     .window = 4,
+     .headChannels = 4,
+     .block = BlockKind::rdb,
+     .cross = CrossKind::concat,
+     .auxKernels = 3},
+    {.scale = 1,
+     .channels = 8,
+     .auxChannels = 8,
+     .groups = 2,
+     .blocks = 1,
+     .window = 4,
+     .headChannels = 8,
+     .base = BaseImage::none,
+     .block = BlockKind::rstb,
+     .auxSkip = true},
+    {.scale = 8,
+     .channels = 16,
+     .auxInputs = {},
+     .groups = 1,
+     .blocks = 1,
+     .window = 4,
+     .headChannels = 16,
+     .base = BaseImage::bicubic},
+};
+
+class Banding : public testing::TestWithParam<std::tuple<size_t, Precision, KernelFamily>> {};
+
+TEST_P(Banding, NeverChangesABit) {
+  const auto [which, precision, family] = GetParam();
+  const NetworkConfig& config = kBanded[which];
+  Gpu& gpu = test::gpu();
+  const DeviceTraits traits = gpu.traits();
+  DeviceTraits wanted = traits;
+  wanted.family = family;
+  gpu.setTraits(wanted);
+  const ModelWeights model = ModelWeights::random(config, 3);
+  const FrameShape shape{30, 13};
+  Frame frame(config, shape);
+  std::vector<float> expected(frame.output.size());
+  Session whole(gpu, model, shape, {.precision = precision, .bandRows = kWholeFrame});
+  ASSERT_TRUE(whole.run(frame.input(), expected));
+  EXPECT_TRUE(whole.graph().network.exists());
+  for (const uint32_t bandRows : {4u, 12u, 28u}) {
+    Session banded(gpu, model, shape, {.precision = precision, .bandRows = bandRows});
+    EXPECT_GT(banded.graph().nodes.size(), whole.graph().nodes.size());
+    banded.fillArena(0xffffffff);
+    for (int run = 0; run < 2; ++run) {
+      ASSERT_TRUE(banded.run(frame.input(), frame.output));
+      EXPECT_EQ(frame.output, expected) << bandRows << " rows, run " << run;
+    }
+  }
+  Session unaliased(gpu, model, shape, {.precision = precision, .bandRows = 8, .aliasing = false});
+  unaliased.fillArena(0xffffffff);
+  ASSERT_TRUE(unaliased.run(frame.input(), frame.output));
+  EXPECT_EQ(frame.output, expected);
+  gpu.setTraits(traits);
+}
+
+INSTANTIATE_TEST_SUITE_P(Session, Banding,
+                         testing::Combine(testing::Values(0, 1, 2, 3),
+                                          testing::Values(Precision::fp32, Precision::fp16),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+
+TEST(Session, BandsReadOnlyWhatTheyHold) {
+  for (const NetworkConfig& config : kBanded) {
+    const ModelWeights model = ModelWeights::random(config, 3);
+    const FrameShape shape{20, 6};
+    const Frame frame(config, shape);
+    const CheckResult check = checkAgainstReference(test::gpu(), model, shape, frame.input(), {.bandRows = 4});
+    EXPECT_EQ(check.firstDivergent, -1) << check.nodes[std::max(0, check.firstDivergent)].node;
+    EXPECT_GT(check.nodes.size(), 60u);
+  }
+}
 
 TEST(Session, TakesAGivenExposure) {
   const ModelWeights model = ModelWeights::random(kSmall, 3);

@@ -1,0 +1,101 @@
+#include "graph/layers.h"
+
+#include <algorithm>
+
+namespace xrds {
+namespace {
+
+// Of less work than this, the start of a dispatch shows: 16 rows of 256 pixels, 48 rows of 1024.
+constexpr uint32_t kLeastBandPixels = 4096, kLeastSweepPixels = 49152;
+constexpr uint32_t kSweepSteps = 24;  // of an image
+constexpr uint32_t kSweepUnit = 16;   // rows: whole pixels of the colour at any scale, whole strips of the kernels
+
+}  // namespace
+
+TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs, ConvOptions options) {
+  TensorShape shape{x.height, x.width, ceilDivide(outputs, 4) * 4};
+  if (options.unshuffle) shape = {x.height / 2, x.width / 2, shape.channels};
+  if (options.shuffle) shape = {2 * shape.height, 2 * shape.width, outputs / 4};
+  Conv3x3 op;
+  op.input = x;
+  op.output = options.into.exists() ? options.into : graph.create(name, stored(), shape);
+  op.residual = options.residual;
+  op.weight = weight(name + ".weight", {outputs, inputs, 3, 3});
+  op.bias = weight(name + ".bias", {outputs});
+  op.inputChannels = inputs;
+  op.outputChannels = outputs;
+  op.activation = options.activation;
+  op.unshuffleInput = options.unshuffle;
+  op.shuffleOutput = options.shuffle;
+  op.weightType = stored();
+  op.rows = options.rows;
+  graph.nodes.push_back({name, op});
+  return op.output;
+}
+
+TensorView Layers::addLinear(const std::string& name, Linear op) {
+  op.bias = weight(name + ".bias", {op.output.channels});
+  op.weightType = stored();
+  graph.nodes.push_back({name, op});
+  return op.output;
+}
+
+TensorView Layers::linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into, TensorView residual,
+                          Activation activation) {
+  return addLinear(name, {.input = x,
+                          .output = into.exists() ? into : create(name, x, outputs),
+                          .residual = residual,
+                          .weight = weight(name + ".weight", {outputs, x.channels}),
+                          .activation = activation});
+}
+
+// In NHWC a 1x1 convolution is a linear map of each pixel; only the weight's shape in the file differs.
+TensorView Layers::conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                           TensorView residual) {
+  return addLinear(name, {.input = x,
+                          .output = into.exists() ? into : create(name, x, outputs),
+                          .residual = residual,
+                          .weight = weight(name + ".weight", {outputs, x.channels, 1, 1})});
+}
+
+TensorView Layers::layerNorm(const std::string& name, TensorView x) {
+  LayerNorm op;
+  op.input = x;
+  op.output = create(name, x, x.channels);
+  op.weight = weight(name + ".weight", {x.channels});
+  op.bias = weight(name + ".bias", {x.channels});
+  graph.nodes.push_back({name, op});
+  return op.output;
+}
+
+TensorView Layers::attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
+                             const WindowBand& band) {
+  const uint32_t side = 2 * config.window - 1;
+  const TensorView heads = create(name, q, q.channels);
+  WindowAttention op{.queries = q, .keys = k, .values = v, .output = heads};
+  op.biasTable = weight(name + ".relative_position_bias_table", {side * side, q.channels / config.headChannels});
+  op.window = config.window;
+  op.headChannels = config.headChannels;
+  op.shift = shifted ? config.window / 2 : 0;
+  if (shifted && !band.isWhole() && band.endRows == 0) {  // in an image of its own, the shift would wrap its rows
+    for (TensorView* view : {&op.queries, &op.keys, &op.values, &op.output})
+      *view = asRowsOf(*view, band.height, band.rows.begin);
+    op.rows = band.rows;
+  }
+  graph.nodes.push_back({name, op});
+  return heads;
+}
+
+Sweep Layers::sweep(uint32_t height, uint32_t width) const {
+  uint64_t rows = std::max(ceilDivide(height, kSweepSteps), ceilDivide(kLeastSweepPixels, width));
+  if (options_.bandRows > 0) rows = uint64_t{options_.bandRows} * config.scale;
+  return {height, uint64_t{ceilDivide(rows, kSweepUnit)} * kSweepUnit};
+}
+
+std::vector<WindowBand> Layers::bands(const TensorView& image, bool shifted, uint32_t tensors) const {
+  uint64_t rows = std::max(image.height / tensors, ceilDivide(kLeastBandPixels, image.width));
+  if (options_.bandRows > 0) rows = options_.bandRows;
+  return windowBands(image.height, config.window, shifted ? config.window / 2 : 0, rows);
+}
+
+}  // namespace xrds

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "graph/bands.h"
+#include "graph/network.h"
+
+namespace xrds {
+
+/// Writes the layers of a network into a graph: each function adds a node and returns the view that it writes.
+/// `into` names the rows and channels to write, so that a concatenation is never copied; else a value is added.
+class Layers {
+ public:
+  Layers(const NetworkConfig& network, const WeightLookup& weights, Graph& target, const GraphOptions& options)
+      : config(network), graph(target), weights_(weights), options_(options) {}
+
+  struct ConvOptions {
+    TensorView into{}, residual{};
+    Activation activation = Activation::none;
+    bool unshuffle = false, shuffle = false;
+    RowRange rows{};  // of the convolution
+  };
+  TensorView conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs, ConvOptions options);
+  TensorView conv(const std::string& name, TensorView x, uint32_t outputs) {
+    return conv(name, x, x.channels, outputs, {});
+  }
+  TensorView linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into = {},
+                    TensorView residual = {}, Activation activation = Activation::none);
+  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                     TensorView residual = {});
+  TensorView layerNorm(const std::string& name, TensorView x);
+  /// Attention of the band's rows, of which the views are images of their own.
+  TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
+                       const WindowBand& band);
+
+  DataType stored() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
+  TensorView create(const std::string& name, const TensorView& like, uint32_t channels) {
+    return graph.create(name, stored(), {like.height, like.width, channels});
+  }
+
+  /// The steps over the high-resolution image.
+  Sweep sweep(uint32_t height, uint32_t width) const;
+  /// Rows between two stages of a sweep at high resolution: enough for a convolution at any of its resolutions, and
+  /// whole strips of the kernels.
+  uint32_t sweepDistance() const { return std::max(8u, config.scale); }
+  /// Bands for a chain of operators that holds at most `tensors` times the bytes of the branch's features for a row.
+  std::vector<WindowBand> bands(const TensorView& image, bool shifted, uint32_t tensors) const;
+
+  const NetworkConfig& config;
+  Graph& graph;
+
+ private:
+  TensorView addLinear(const std::string& name, Linear op);
+  std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
+    return weights_(name, std::span(shape.begin(), shape.size()));
+  }
+
+  const WeightLookup& weights_;
+  const GraphOptions& options_;
+};
+
+}  // namespace xrds
