@@ -155,6 +155,13 @@ Gpu& Gpu::operator=(Gpu&&) noexcept = default;
 
 const DeviceDescription& Gpu::description() const { return handles_->description; }
 const DeviceTraits& Gpu::traits() const { return handles_->traits; }
+void Gpu::addPrograms(ProgramSource source) {
+  handles_->options.programs = [first = std::move(handles_->options.programs),
+                                second = std::move(source)](std::string_view name) {
+    const auto words = first ? first(name) : std::span<const uint32_t>{};
+    return words.empty() ? second(name) : words;
+  };
+}
 void Gpu::setTraits(const DeviceTraits& traits) { handles_->traits = traits; }
 
 Gpu::Handles::~Handles() {

@@ -55,6 +55,8 @@ class Gpu {
 
   const DeviceDescription& description() const;
   const DeviceTraits& traits() const;
+  /// Lets programs that none of the sources so far has be found in one more.
+  void addPrograms(ProgramSource source);
   /// Overrides the kernel family or limits, for tests that compare families.
   void setTraits(const DeviceTraits& traits);
 
