@@ -16,6 +16,7 @@ namespace {
 
 struct BenchOptions {
   NetworkConfig config;
+  uint32_t bandRows = 0;
   std::string model, writeModel, device, precision = "fp32";
   uint32_t size = 1024;  // side of the output in pixels
   int runs = 5;
@@ -76,8 +77,9 @@ void run(const BenchOptions& options) {
   const Precision precision = options.precision == "fp16" ? Precision::fp16 : Precision::fp32;
   std::unique_ptr<Session> session;
   const double preparation = seconds([&] {
-    session = std::make_unique<Session>(gpu, model, FrameShape{side, side},
-                                        SessionOptions{.precision = precision, .timestamps = true});
+    session = std::make_unique<Session>(
+        gpu, model, FrameShape{side, side},
+        SessionOptions{.precision = precision, .timestamps = true, .bandRows = options.bandRows});
   });
   const double first = seconds([&] { session->run(input, output); });
   std::vector<double> steady;
@@ -114,6 +116,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--runs", options.runs, "Steady runs")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--device", options.device, "As xrds --device");
+  app.add_option("--band-rows", options.bandRows, "Low-resolution rows of a band; 0: chosen by size, 65536: none");
   app.add_flag("--plain", options.plain, "Plain kernels only");
   app.add_option("--write-model", options.writeModel, "Also write the model to this file, for xrds info");
   CLI11_PARSE(app, argc, argv);

@@ -10,15 +10,12 @@ TensorShape outputShape(const BoxMean& op) {
   return {op.input.height / op.scale, op.input.width / op.scale, op.input.channels};
 }
 
-Dispatch dispatch(const BoxMean& op, const DeviceTraits&) {
+Dispatch dispatch(const BoxMean& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   const shader::BoxMeanParams params{imageOf(op.input), imageOf(op.output), targetRows(op.output, rows)};
-  return {.program = programName("box_mean", KernelFamily::plain, op.output.type),
-          .specialization = {op.output.channels, op.scale},
-          .bindings = {readTexels(op.input), writeRows(op.output, rows)},
-          .pushConstants = pushBytes(params),
-          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+  return imageDispatch("box_mean", device, op.output, rows, 1, params, {op.output.channels, op.scale},
+                       {readTexels(op.input), writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const BoxMean&, const DeviceTraits&) { return {}; }

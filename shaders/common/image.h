@@ -2,6 +2,9 @@
 #ifndef XRDS_SHADERS_COMMON_IMAGE_H
 #define XRDS_SHADERS_COMMON_IMAGE_H
 #include "shaders/common/shared.h"
+#ifdef __cplusplus
+#include "shaders/common/uniform_store.h"
+#endif
 
 XRDS_SHARED_BEGIN
 /// A TensorView as an image: pixel (x, y), channel quad q is texel (y * width + x) * stride + offset + q. Of a band of
@@ -17,7 +20,8 @@ struct TargetRows {
 
 const uint kImageGroupWidth = 32;
 const uint kImageGroupHeight = 8;
-const float kLogitMax = 8.0f;  // learned logits of kernels are clamped to +- this
+const uint kImageLaneSubgroups = 8;  // of a workgroup of a lane kernel, side by side
+const float kLogitMax = 8.0f;        // learned logits of kernels are clamped to +- this
 XRDS_SHARED_END
 
 #ifdef __cplusplus
@@ -34,6 +38,28 @@ inline shader::TargetRows targetRows(const TensorView& view, RowRange rows) {
 /// Workgroups that cover `width` x `height` invocations.
 inline std::array<uint32_t, 3> imageGroups(uint32_t width, uint32_t height) {
   return {ceilDivide(width, shader::kImageGroupWidth), ceilDivide(height, shader::kImageGroupHeight), 1};
+}
+
+/// The launch of a kernel that includes image_kernel.glsl: `run` pixels of a column an invocation, rows of the output.
+template <class T>
+Dispatch imageDispatch(const char* op, const DeviceTraits& device, const TensorView& output, RowRange rows,
+                       uint32_t run, const T& parameters, std::vector<uint32_t> specialization,
+                       std::vector<Binding> bindings) {
+  Dispatch launch{.specialization = std::move(specialization), .bindings = std::move(bindings)};
+  const bool lane = device.family == KernelFamily::lane && device.shaderInt64 && rows.begin % run == 0 &&
+                    rows.end % run == 0 &&
+                    device.subgroupSize * shader::kImageLaneSubgroups <= device.maxGroupInvocations;
+  launch.program = programName(op, lane ? KernelFamily::lane : KernelFamily::plain, output.type);
+  const uint32_t runs = ceilDivide(rows.end, run) - rows.begin / run;
+  if (lane) {
+    launch.specialization.push_back(device.subgroupSize);
+    launch.pushConstants = pushBytesWithDigits<4>(parameters);
+    launch.groupCount = {ceilDivide(output.width, device.subgroupSize * shader::kImageLaneSubgroups), runs, 1};
+  } else {
+    launch.pushConstants = pushBytes(parameters);
+    launch.groupCount = imageGroups(output.width, runs);
+  }
+  return launch;
 }
 
 /// Checks the vec4 rule and that the view holds at least the shape.

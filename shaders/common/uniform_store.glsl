@@ -2,7 +2,8 @@
 // store a loop over the lanes that spills the stored vectors in every round (two thirds of the time of a linear layer of
 // 64 channels); a store at a uniform address, outside of control flow, is one move of the first lane's value. It takes for
 // uniform: constants, push constants at any index, and what is computed of these. So a number becomes uniform when its
-// digits are looked up in the push constants. Included after local_size; the kernel defines PARAMS and TARGET_BINDING.
+// digits are looked up in the push constants. Included after local_size; the kernel defines PARAMS and TARGET_BINDING,
+// and SMALL_DIGITS if its parameters leave room for a table of 4 digits only instead of 16.
 #ifndef XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #define XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #extension GL_EXT_shader_subgroup_extended_types_int64 : require
@@ -10,12 +11,18 @@
 #include "shaders/common/wide_storage.glsl"
 layout(binding = TARGET_BINDING, std430) writeonly buffer Target { uint64_t target[]; };
 const uint kLanes = gl_WorkGroupSize.x;  // the subgroup size
-layout(push_constant) uniform Push { PARAMS p; uint digit[16]; };  // digit: 0 to 15
+#ifdef SMALL_DIGITS
+const uint kDigitBits = 2;
+#else
+const uint kDigitBits = 4;
+#endif
+layout(push_constant) uniform Push { PARAMS p; uint digit[1 << kDigitBits]; };  // digit[i] = i
 
 // The value, which is the same in all lanes of the subgroup and below 16^digits.
 uint uniformOf(uint value, const uint digits) {
+  const uint mask = (1 << kDigitBits) - 1;
   uint sum = 0;
-  [[unroll]] for (uint i = 0; i < digits; i++) sum += digit[value >> 4 * i & 15u] << 4 * i;
+  [[unroll]] for (uint i = 0; i < 4 * digits; i += kDigitBits) sum += digit[value >> i & mask] << i;
   return sum;
 }
 

@@ -6,12 +6,13 @@
 
 namespace xrds {
 
-/// Push constants of a kernel that includes uniform_store.glsl: the parameters, then its table of digits.
-template <class T>
+/// Push constants of a kernel that includes uniform_store.glsl: the parameters, then its table of digits, of which
+/// there are 4 with SMALL_DIGITS.
+template <size_t kDigits = 16, class T>
 std::vector<std::byte> pushBytesWithDigits(const T& parameters) {
   struct {
     T parameters;
-    std::array<uint32_t, 16> digits;
+    std::array<uint32_t, kDigits> digits;
   } push{parameters, {}};
   std::iota(push.digits.begin(), push.digits.end(), 0u);
   return pushBytes(push);

@@ -14,7 +14,7 @@ TensorShape outputShape(const DecodeRadiance& op) {
   return shape;
 }
 
-Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits&) {
+Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   // An unread binding must still name something.
@@ -27,13 +27,11 @@ Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits&) {
                                             .target = imageOf(op.output),
                                             .rows = targetRows(op.output, rows),
                                             .exposure = imageOf(op.exposure).offset};
-  return {.program = programName("decode_radiance", KernelFamily::plain, op.output.type),
-          .specialization = {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset),
-                             op.base.exists(), op.network.exists()},
-          .bindings = {readTexels(network), readTexels(base), readTexels(aux), readTexels(op.exposure),
-                       writeRows(op.output, rows)},
-          .pushConstants = pushBytes(params),
-          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+  return imageDispatch(
+      "decode_radiance", device, op.output, rows, 1, params,
+      {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset), op.base.exists(),
+       op.network.exists()},
+      {readTexels(network), readTexels(base), readTexels(aux), readTexels(op.exposure), writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const DecodeRadiance&, const DeviceTraits&) { return {}; }

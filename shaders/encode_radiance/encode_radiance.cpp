@@ -14,7 +14,7 @@ TensorShape outputShape(const EncodeRadiance& op) {
   return {op.output.height, op.output.width, 4};
 }
 
-Dispatch dispatch(const EncodeRadiance& op, const DeviceTraits&) {
+Dispatch dispatch(const EncodeRadiance& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   // An unread binding must still name something.
@@ -24,11 +24,10 @@ Dispatch dispatch(const EncodeRadiance& op, const DeviceTraits&) {
                                             .target = imageOf(op.output),
                                             .rows = targetRows(op.output, rows),
                                             .exposure = imageOf(op.exposure).offset};
-  return {.program = programName("encode_radiance", KernelFamily::plain, op.output.type),
-          .specialization = {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset)},
-          .bindings = {readTexels(op.colour), readTexels(op.exposure), readTexels(auxMean), writeRows(op.output, rows)},
-          .pushConstants = pushBytes(params),
-          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+  return imageDispatch(
+      "encode_radiance", device, op.output, rows, 1, params,
+      {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset)},
+      {readTexels(op.colour), readTexels(op.exposure), readTexels(auxMean), writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const EncodeRadiance&, const DeviceTraits&) { return {}; }

@@ -4,22 +4,22 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shaders/common/image.glsl"
-#include "shaders/common/storage.glsl"
 #include "shaders/filter_auxiliary/filter_auxiliary.h"
-layout(local_size_x = kImageGroupWidth, local_size_y = kImageGroupHeight) in;
 layout(constant_id = 0) const int kQuads = 1;  // c / 4
 layout(constant_id = 1) const int kSide = 3;   // m
 layout(constant_id = 2) const int kFirstLogit = 3;
 layout(constant_id = 3) const int kRun = 1;
 layout(binding = 0) uniform samplerBuffer aux;
 layout(binding = 1) uniform samplerBuffer network;
-layout(binding = 2, std430) writeonly buffer Target { STORED4 target[]; };
-layout(push_constant) uniform Push { FilterAuxiliaryParams p; };
+#define PARAMS FilterAuxiliaryParams
+#define TARGET_BINDING 2
+#define RUN kRun
+#define LANE_ID 4
+#include "shaders/common/image_kernel.glsl"
 
 void main() {
-  const ivec2 at = ivec2(gl_GlobalInvocationID.x, p.rows.begin + kRun * int(gl_GlobalInvocationID.y));
-  if (at.x >= p.target.width || at.y >= p.rows.end) return;
+  const ivec2 at = firstPixel();
+  if (isOutside(at)) return;
   const ivec2 size = ivec2(p.target.width, p.target.height);
 
   int logitTexels[kRun];
@@ -49,8 +49,6 @@ void main() {
   }
 
   [[unroll]] for (int r = 0; r < kRun; r++) {
-    if (at.y + r >= p.rows.end) break;
-    const int to = texelAt(p.target, at + ivec2(0, r)) - p.rows.storeOrigin;
-    [[unroll]] for (int q = 0; q < kQuads; q++) target[to + q] = stored4(sums[r * kQuads + q] / totals[r]);
+    [[unroll]] for (int q = 0; q < kQuads; q++) storePixel(r, q, sums[r * kQuads + q] / totals[r]);
   }
 }

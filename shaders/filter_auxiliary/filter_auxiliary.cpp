@@ -37,16 +37,14 @@ TensorShape outputShape(const FilterAuxiliary& op) {
   return shape;
 }
 
-Dispatch dispatch(const FilterAuxiliary& op, const DeviceTraits&) {
+Dispatch dispatch(const FilterAuxiliary& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   const shader::FilterAuxiliaryParams params{imageOf(op.aux), imageOf(op.network), imageOf(op.output),
                                              targetRows(op.output, rows)};
-  return {.program = programName("filter_auxiliary", KernelFamily::plain, op.output.type),
-          .specialization = {op.output.channels / 4, op.kernelSide, op.firstLogit, kRun},
-          .bindings = {readTexels(op.aux), readTexels(op.network), writeRows(op.output, rows)},
-          .pushConstants = pushBytes(params),
-          .groupCount = imageGroups(op.output.width, ceilDivide(rows.end - rows.begin, kRun))};
+  return imageDispatch("filter_auxiliary", device, op.output, rows, kRun, params,
+                       {op.output.channels / 4, op.kernelSide, op.firstLogit, kRun},
+                       {readTexels(op.aux), readTexels(op.network), writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const FilterAuxiliary&, const DeviceTraits&) { return {}; }

@@ -5,10 +5,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shaders/common/image.glsl"
-#include "shaders/common/storage.glsl"
 #include "shaders/joint_bilateral/joint_bilateral.h"
-layout(local_size_x = kImageGroupWidth, local_size_y = kImageGroupHeight) in;
 layout(constant_id = 0) const int kScale = 1;
 layout(constant_id = 1) const int kRun = 1;
 layout(constant_id = 2) const int kAlbedoOffset = 0;
@@ -18,8 +15,11 @@ layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer aux;
 layout(binding = 2) uniform samplerBuffer auxMean;
 layout(binding = 3) uniform samplerBuffer network;
-layout(binding = 4, std430) writeonly buffer Target { STORED4 target[]; };
-layout(push_constant) uniform Push { JointBilateralParams p; };
+#define PARAMS JointBilateralParams
+#define TARGET_BINDING 4
+#define RUN kRun
+#define LANE_ID 5
+#include "shaders/common/image_kernel.glsl"
 
 // What a pixel looks like, in units of the standard deviations: two of them compare as exp(-|difference|^2 / 2).
 struct Guide {
@@ -51,9 +51,8 @@ float nearness(int inside, int step) {
 }
 
 void main() {
-  const int firstRow = p.rows.begin / kRun * kRun;
-  const ivec2 at = ivec2(gl_GlobalInvocationID.x, firstRow + kRun * int(gl_GlobalInvocationID.y));
-  if (at.x >= p.target.width || at.y >= p.rows.end) return;
+  const ivec2 at = firstPixel();
+  if (isOutside(at)) return;
   const ivec2 centre = at / kScale;
   const ivec2 size = ivec2(p.target.width, p.target.height) / kScale;
 
@@ -85,9 +84,5 @@ void main() {
     }
   }
 
-  [[unroll]] for (int r = 0; r < kRun; r++) {
-    const ivec2 to = at + ivec2(0, r);
-    if (to.y >= p.rows.begin && to.y < p.rows.end)
-      target[texelAt(p.target, to) - p.rows.storeOrigin] = stored4(vec4(sums[r] / totals[r], 0));
-  }
+  [[unroll]] for (int r = 0; r < kRun; r++) storePixel(r, 0, vec4(sums[r] / totals[r], 0));
 }

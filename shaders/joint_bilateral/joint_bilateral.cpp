@@ -58,7 +58,7 @@ TensorShape outputShape(const JointBilateral& op) {
   return {op.output.height, op.output.width, 4};
 }
 
-Dispatch dispatch(const JointBilateral& op, const DeviceTraits&) {
+Dispatch dispatch(const JointBilateral& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   const uint32_t run = runLength(op);
@@ -66,13 +66,11 @@ Dispatch dispatch(const JointBilateral& op, const DeviceTraits&) {
   const TensorView& network = learned ? op.network : op.input;  // an unread binding must still name something
   const shader::JointBilateralParams params{imageOf(op.input), imageOf(op.aux),    imageOf(op.auxMean),
                                             imageOf(network),  imageOf(op.output), targetRows(op.output, rows)};
-  return {.program = programName("joint_bilateral", KernelFamily::plain, op.output.type),
-          .specialization = {op.scale, run, static_cast<uint32_t>(op.albedoOffset),
-                             static_cast<uint32_t>(op.normalOffset), learned},
-          .bindings = {readTexels(op.input), readTexels(op.aux), readTexels(op.auxMean), readTexels(network),
-                       writeRows(op.output, rows)},
-          .pushConstants = pushBytes(params),
-          .groupCount = imageGroups(op.output.width, ceilDivide(rows.end, run) - rows.begin / run)};
+  return imageDispatch(
+      "joint_bilateral", device, op.output, rows, run, params,
+      {op.scale, run, static_cast<uint32_t>(op.albedoOffset), static_cast<uint32_t>(op.normalOffset), learned},
+      {readTexels(op.input), readTexels(op.aux), readTexels(op.auxMean), readTexels(network),
+       writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const JointBilateral&, const DeviceTraits&) { return {}; }

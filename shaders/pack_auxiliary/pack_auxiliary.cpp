@@ -13,15 +13,13 @@ TensorShape outputShape(const PackAuxiliary& op) {
   return op.output.shape();
 }
 
-Dispatch dispatch(const PackAuxiliary& op, const DeviceTraits&) {
+Dispatch dispatch(const PackAuxiliary& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   const shader::PackAuxiliaryParams params{imageOf(op.input), imageOf(op.output), targetRows(op.output, rows)};
-  return {.program = programName("pack_auxiliary", KernelFamily::plain, op.output.type),
-          .specialization = {op.output.channels, static_cast<uint32_t>(op.albedoOffset)},
-          .bindings = {readTexels(op.input), writeRows(op.output, rows)},
-          .pushConstants = pushBytes(params),
-          .groupCount = imageGroups(op.output.width, rows.end - rows.begin)};
+  return imageDispatch("pack_auxiliary", device, op.output, rows, 1, params,
+                       {op.output.channels, static_cast<uint32_t>(op.albedoOffset)},
+                       {readTexels(op.input), writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const PackAuxiliary&, const DeviceTraits&) { return {}; }
