@@ -122,7 +122,9 @@ NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs) {
   try {
     std::optional<Upscaler> upscaler;
     result.preparation = seconds([&] {
-      upscaler.emplace(*device, model, low, low, Upscaler::Options{.fp16 = networkCase.fp16(), .profile = true});
+      const TileOptions inOnePiece{.columns = 1, .rows = 1};
+      upscaler.emplace(*device, model, low, low,
+                       Upscaler::Options{.fp16 = networkCase.fp16(), .profile = true, .tiles = inOnePiece});
     });
     runFrames(*upscaler, model, static_cast<int>(low), runs, result);
     result.deviceBytes = upscaler->deviceBytes();

@@ -66,6 +66,7 @@ void probe(Gpu::Handles& gpu) {
                 .subgroupSize = version11.subgroupSize,
                 .maxStorageBufferRange = gpu.limits.maxStorageBufferRange,
                 .maxTexelBufferElements = gpu.limits.maxTexelBufferElements,
+                .maxAllocationBytes = gpu.maxAllocationBytes,
                 .maxSharedBytes = gpu.limits.maxComputeSharedMemorySize,
                 .maxGroupInvocations = gpu.limits.maxComputeWorkGroupInvocations,
                 .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes};

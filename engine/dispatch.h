@@ -20,6 +20,7 @@ struct DeviceTraits {
   uint32_t subgroupSize = 8;
   uint64_t maxStorageBufferRange = uint64_t{128} << 20;
   uint64_t maxTexelBufferElements = uint64_t{1} << 27;
+  uint64_t maxAllocationBytes = uint64_t{1} << 31;
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
   bool shaderInt64 = false;  // also in subgroup operations

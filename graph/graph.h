@@ -37,6 +37,7 @@ struct Value {
   DataType type = DataType::f32;
   TensorShape shape;
   uint64_t byteSize() const { return uint64_t{shape.height} * shape.width * shape.channels * xrds::byteSize(type); }
+  uint64_t texelCount() const { return uint64_t{shape.height} * shape.width * shape.channels / 4; }
 };
 
 /// The forward pass of one frame shape: values and the steps that compute them, in order.

@@ -9,7 +9,6 @@ namespace xrds {
 
 Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
                  const GraphOptions& options) {
-  constexpr uint32_t kMaxSide = 65536;
   if (frame.height == 0 || frame.width == 0 || frame.height > kMaxSide / config.scale ||
       frame.width > kMaxSide / config.scale)
     throw Error("A frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +

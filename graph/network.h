@@ -20,8 +20,11 @@ struct FrameShape {
 /// the shape that the network needs. The floats must outlive the graph.
 using WeightLookup = std::function<std::span<const float>(const std::string& name, std::span<const uint32_t> shape)>;
 
+/// The longest side of a graph's output, in pixels.
+inline constexpr uint32_t kMaxSide = 65536;
+
 /// GraphOptions::bandRows for a frame in one piece.
-inline constexpr uint32_t kWholeFrame = 65536;
+inline constexpr uint32_t kWholeFrame = kMaxSide;
 
 struct GraphOptions {
   Precision precision = Precision::fp32;

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "graph/halo.h"
 #include "graph/reference.h"
-#include "graph/session.h"
+#include "graph/tile_choice.h"
+#include "graph/tile_runner.h"
 #include "shaders/programs.h"
 #include "xrds/xrds.h"
 
@@ -54,10 +56,41 @@ void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& 
                   std::to_string(config.scale) + " times the colour's " + sizeText(frame.width, frame.height) + ".");
 }
 
+FrameShape frameOf(const NetworkConfig& config, uint32_t outputWidth, uint32_t outputHeight) {
+  if (outputWidth % config.scale != 0 || outputHeight % config.scale != 0)
+    throw Error("An output of " + sizeText(outputWidth, outputHeight) + " pixels is no multiple of the model's scale " +
+                std::to_string(config.scale) + ".");
+  return {outputHeight / config.scale, outputWidth / config.scale};
+}
+
 SessionOptions sessionOptions(const Upscaler::Options& options) {
   return {.precision = options.fp16 ? Precision::fp16 : Precision::fp32,
           .autoExposure = !options.exposure.has_value(),
           .timestamps = options.profile};
+}
+
+Tiling tilingOf(const ModelWeights& model, FrameShape frame, bool fp16, const TileOptions& options,
+                const MemoryLimits& limits) {
+  const NetworkConfig& config = model.config();
+  const uint32_t halo = options.halo.value_or(options.exact ? exactHalo(config) : boundedHalo(config));
+  if (halo % config.window != 0)
+    throw Error("A halo of " + std::to_string(halo) +
+                " pixels was asked for, expected a multiple of the model's window, " + std::to_string(config.window) +
+                ".");
+  const TileChoice choice = chooseTiles(model, frame, fp16 ? Precision::fp16 : Precision::fp32,
+                                        {options.columns, options.rows, halo, options.wrap}, limits);
+  Tiling tiling{.columns = choice.cut.columns, .rows = choice.cut.rows, .halo = halo};
+  if (tiling.columns * tiling.rows == 1 && !options.wrap) tiling.halo = 0;
+  tiling.tileWidth = config.scale * choice.crop.width;
+  tiling.tileHeight = config.scale * choice.crop.height;
+  tiling.work = choice.work;
+  tiling.arenaBytes = choice.arenaByteSize;
+  tiling.weightBytes = choice.weightByteSize;
+  return tiling;
+}
+
+uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
+  return options.memoryBytes ? options.memoryBytes : gpu.description().memoryBytes / 4 * 3;
 }
 
 }  // namespace
@@ -72,11 +105,34 @@ struct Model::State {
 
 struct Upscaler::State {
   State(Gpu& gpu, const ModelWeights& model, FrameShape shape, const Options& given)
-      : config(model.config()), frame(shape), options(given), session(gpu, model, shape, sessionOptions(given)) {}
+      : config(model.config()), frame(shape), options(given) {
+    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memoryOf(gpu, options.tiles), gpu.traits()});
+    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap) {
+      session.emplace(gpu, model, frame, sessionOptions(options));
+      return;
+    }
+    tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
+    runner.emplace(gpu, model, sessionOptions(options));
+    runner->prepare(tiles);
+  }
+
+  bool runWhole(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                const Progress& progress) {
+    const PackedFrame packed(colour, auxiliary);
+    const auto report = [&](size_t done, size_t total) {
+      return progress(static_cast<double>(done) / static_cast<double>(total));
+    };
+    return session->run(packed.input(options.exposure), output,
+                        progress ? std::function<bool(size_t, size_t)>(report) : nullptr);
+  }
+
   NetworkConfig config;
   FrameShape frame;
   Options options;
-  Session session;
+  Tiling tiling;
+  std::vector<Tile> tiles;
+  std::optional<Session> session;    // of the whole frame
+  std::optional<TileRunner> runner;  // or of its tiles
 };
 
 std::vector<Device::Description> Device::list() {
@@ -123,12 +179,8 @@ std::string Model::hash() const {
 
 Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) const {
   const NetworkConfig& config = state_->weights.config();
-  if (outputWidth % config.scale != 0 || outputHeight % config.scale != 0)
-    throw Error("An output of " + sizeText(outputWidth, outputHeight) + " pixels is no multiple of the model's scale " +
-                std::to_string(config.scale) + ".");
   const GraphOptions options{fp16 ? Precision::fp16 : Precision::fp32};
-  const FrameShape frame{outputHeight / config.scale, outputWidth / config.scale};
-  const Graph graph = buildGraph(config, frame, state_->weights.lookup(), options);
+  const Graph graph = buildGraph(config, frameOf(config, outputWidth, outputHeight), state_->weights.lookup(), options);
   Cost sum;
   sum.parameters = state_->weights.parameterCount();
   for (const Node& node : graph.nodes) {
@@ -144,6 +196,14 @@ Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) 
   return sum;
 }
 
+Tiling Model::tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options) const {
+  const FrameShape frame = frameOf(state_->weights.config(), outputWidth, outputHeight);
+  constexpr uint64_t kNoLimit = uint64_t{1} << 50;
+  MemoryLimits limits{options.memoryBytes ? options.memoryBytes : kNoLimit};
+  limits.traits.maxAllocationBytes = limits.traits.maxTexelBufferElements = kNoLimit;
+  return tilingOf(state_->weights, frame, fp16, options, limits);
+}
+
 Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
     : state_(new State(device.state_->gpu, model.state_->weights, {height, width}, options)) {}
 Upscaler::~Upscaler() = default;
@@ -153,21 +213,21 @@ Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
 bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                    const Progress& progress) {
   checkFrame(state_->config, state_->frame, colour, auxiliary);
-  const PackedFrame packed(colour, auxiliary);
-  const auto report = [&](size_t done, size_t total) {
-    return progress(static_cast<double>(done) / static_cast<double>(total));
-  };
-  return state_->session.run(packed.input(state_->options.exposure), output,
-                             progress ? std::function<bool(size_t, size_t)>(report) : nullptr);
+  if (state_->session) return state_->runWhole(colour, auxiliary, output, progress);
+  return state_->runner->run({colour, auxiliary, state_->options.exposure}, state_->tiles, output, progress);
 }
 
-float Upscaler::exposure() const { return state_->session.exposure(); }
+float Upscaler::exposure() const { return state_->session ? state_->session->exposure() : state_->runner->exposure(); }
 
-uint64_t Upscaler::deviceBytes() const { return state_->session.plan().byteSize + state_->session.weightByteSize(); }
+uint64_t Upscaler::deviceBytes() const {
+  return state_->session ? state_->session->ownByteSize() : state_->runner->byteSize();
+}
+
+const Tiling& Upscaler::tiling() const { return state_->tiling; }
 
 std::vector<Upscaler::ProfileRow> Upscaler::profile() const {
   std::vector<ProfileRow> rows;
-  for (const DispatchTime& time : state_->session.times())
+  for (const DispatchTime& time : state_->session ? state_->session->times() : state_->runner->times())
     rows.push_back({time.label, time.program, time.multiplyAdds, time.byteSize, time.microseconds});
   return rows;
 }

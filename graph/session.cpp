@@ -30,7 +30,8 @@ struct PackedModel {
   struct Range {
     uint64_t offset = 0, byteSize = 0;
   };
-  std::vector<Range> ranges;  // by node
+  std::vector<Range> ranges;    // by node
+  std::vector<PackedKey> keys;  // in the order of the bytes
   std::vector<std::byte> bytes;
 };
 
@@ -46,7 +47,7 @@ const float* weightsOf(const Operator& op) {
 
 PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
   PackedModel packed;
-  std::map<std::pair<std::string, const float*>, PackedModel::Range> known;  // bands of a layer share theirs
+  std::map<PackedKey, PackedModel::Range> known;  // bands of a layer share theirs
   for (const Node& node : graph.nodes) {
     const Dispatch launch = std::visit([&](const auto& op) { return dispatch(op, device); }, node.op);
     const auto [range, isNew] = known.try_emplace({launch.program, weightsOf(node.op)});
@@ -57,6 +58,7 @@ PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
       const auto values = std::visit([&](const auto& op) { return packedWeights(op, device); }, node.op);
       const std::vector<std::byte> bytes = encode(values, type);
       range->second = {packed.bytes.size(), bytes.size()};
+      packed.keys.push_back(range->first);
       packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
       packed.bytes.resize(alignUp(packed.bytes.size()));
     }
@@ -82,9 +84,9 @@ void checkSize(const char* what, size_t found, uint64_t pixels) {
 
 void checkLimits(const Graph& graph, const DeviceTraits& device) {
   for (const Value& value : graph.values)
-    if (value.byteSize() / (4 * byteSize(value.type)) > device.maxTexelBufferElements)
+    if (value.texelCount() > device.maxTexelBufferElements)
       throw Error("The frame needs a tensor of " + std::to_string(value.byteSize() >> 20) +
-                  " MiB, more than the device can bind: upscale a smaller frame.");
+                  " MiB, more than the device can bind: use smaller tiles.");
 }
 
 std::vector<ValueId> ownStorage(const Graph& graph) {
@@ -94,6 +96,10 @@ std::vector<ValueId> ownStorage(const Graph& graph) {
 }
 
 }  // namespace
+
+uint64_t arenaByteSize(const Graph& graph) {
+  return alignUp(planMemory(lifetimes(graph, inPlaceStorage(graph))).byteSize);
+}
 
 MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device) {
   const auto aliased = lifetimes(graph, inPlaceStorage(graph));
@@ -112,16 +118,23 @@ Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionO
   checkLimits(graph_, gpu.traits());
   const auto lives = lifetimes(graph_, storage_);
   plan_ = options.aliasing ? planMemory(lives) : planWithoutAliasing(lives);
-  arena_.emplace(gpu, alignUp(plan_.byteSize));
   const PackedModel packed = packModel(graph_, gpu.traits());
-  weights_.emplace(gpu, packed.bytes.size());
-  weights_->upload(0, packed.bytes);
+  packedKeys_ = packed.keys;
+  const Session* lender = options.lender;
+  const bool arenaFits = lender && lender->arena_->byteSize() >= alignUp(plan_.byteSize);
+  arena_ = arenaFits ? lender->arena_ : &ownArena_.emplace(gpu, alignUp(plan_.byteSize));
+  if (lender && lender->packedKeys_ == packedKeys_) {
+    weights_ = lender->weights_;
+  } else {
+    weights_ = &ownWeights_.emplace(gpu, packed.bytes.size());
+    weights_->upload(0, packed.bytes);
+  }
 
   for (LoweredDispatch& lowered : lower(graph_, gpu.traits())) {
     const auto place = [&](const Binding& binding) -> ByteRange {
       if (binding.value == kWeights)
-        return {&*weights_, packed.ranges[lowered.node].offset, packed.ranges[lowered.node].byteSize};
-      return {&*arena_, plan_.offsets[storage_[binding.value]] + binding.byteOffset, binding.byteSize};
+        return {weights_, packed.ranges[lowered.node].offset, packed.ranges[lowered.node].byteSize};
+      return {arena_, plan_.offsets[storage_[binding.value]] + binding.byteOffset, binding.byteSize};
     };
     PlacedDispatch placed{std::move(lowered.dispatch), {}};
     for (const Binding& binding : placed.dispatch.bindings) placed.ranges.push_back(place(binding));
@@ -148,7 +161,7 @@ bool Session::run(const FrameInput& input, std::span<float> output,
   }
   if (!graph_.computesExposure()) {
     const float e = input.exposure.value_or(1.f);
-    upload(graph_.exposure, std::vector<float>{e, 1 / e, 0, 0});
+    upload(graph_.exposure, std::vector<float>{e, input.inverseExposure.value_or(1 / e), 0, 0});
   }
   if (!recording_->run(progress)) return false;
   const std::vector<float> pixels = read(graph_.output);
@@ -182,6 +195,10 @@ std::vector<float> Session::read(const TensorView& view) const {
     }
   }
   return values;
+}
+
+uint64_t Session::ownByteSize() const {
+  return (ownArena_ ? ownArena_->byteSize() : 0) + (ownWeights_ ? ownWeights_->byteSize() : 0);
 }
 
 float Session::exposure() const { return read(graph_.exposure).front(); }

@@ -20,12 +20,20 @@ struct MemoryNeeds {
 };
 MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device);
 
+/// The bytes of the arena that a session of the graph allocates.
+uint64_t arenaByteSize(const Graph& graph);
+
+class Session;
+
 struct SessionOptions {
   Precision precision = Precision::fp32;
   bool autoExposure = true;
   bool timestamps = false;
   uint32_t bandRows = 0;  // as in GraphOptions
   bool aliasing = true;   // off: every value keeps its bytes, so that each can be looked at
+  /// A session of the same model whose arena, where it is large enough, and weights are used too: the two then run in
+  /// turn, and it must outlive this one.
+  const Session* lender = nullptr;
 };
 
 /// One frame on the host. Pixels are row-major, `colourChannels` or three floats each.
@@ -33,7 +41,11 @@ struct FrameInput {
   std::span<const float> colour;                    // [h, w, 3], linear radiance
   std::vector<std::span<const float>> auxiliary{};  // [s h, s w, 3] each, in the model's order
   std::optional<float> exposure{};                  // needed without autoExposure
+  std::optional<float> inverseExposure{};           // as a device computed it; empty: 1 / exposure
 };
+
+/// Names packed weights: the program that reads them, and the weights as the model has them.
+using PackedKey = std::pair<std::string, const float*>;
 
 struct DispatchTime {
   std::string label, program;
@@ -55,7 +67,11 @@ class Session {
 
   const Graph& graph() const { return graph_; }
   const MemoryPlan& plan() const { return plan_; }
+  /// Between runs its bytes are free for other uses.
+  Buffer& arena() { return *arena_; }
   uint64_t weightByteSize() const { return weights_->byteSize(); }
+  /// Bytes of device memory that this session holds itself, not lent to it.
+  uint64_t ownByteSize() const;
   size_t barrierCount() const { return recording_->barrierCount(); }
   /// Per dispatch, of the last run; needs timestamps.
   std::vector<DispatchTime> times() const;
@@ -71,7 +87,9 @@ class Session {
   std::vector<ValueId> storage_;
   MemoryPlan plan_;
   std::vector<PlacedDispatch> placed_;
-  std::optional<Buffer> arena_, weights_;
+  std::optional<Buffer> ownArena_, ownWeights_;
+  Buffer *arena_ = nullptr, *weights_ = nullptr;  // the own ones or the lender's
+  std::vector<PackedKey> packedKeys_;             // what the weights hold, in order
   std::optional<Recording> recording_;
 };
 

@@ -11,19 +11,13 @@
 #include <vector>
 
 #include "xrds/error.h"
+#include "xrds/pixel_view.h"
+#include "xrds/tiling.h"
 
 /// xrds upscales Monte Carlo renders on any Vulkan device: open a Device, load a Model, make an Upscaler for a frame
 /// size, run it for each frame. Every function may throw xrds::Error; objects are used by one thread at a time, and
 /// different objects on different devices by different threads.
 namespace xrds {
-
-/// A view of pixels that the caller owns: rows from the top, `stride` floats from one pixel to the next, the first
-/// three of which are R, G, B (linear radiance or albedo) or X, Y, Z (a normal).
-struct PixelView {
-  const float* pixels = nullptr;
-  uint32_t width = 0, height = 0;
-  uint32_t stride = 3;
-};
 
 /// A Vulkan 1.2 device, opened for compute.
 class Device {
@@ -81,14 +75,16 @@ class Model {
   /// Of the file's bytes, as 16 hexadecimal digits.
   std::string hash() const;
 
-  /// What an output of width x height pixels costs; a pure question, no device needed. Bytes of device memory:
+  /// What an output of width x height pixels costs in one piece; a pure question, no device needed. Device memory:
   /// `plannedBytes` is the arena, `lowerBoundBytes` the largest set of values alive at once, `unaliasedBytes` the sum
-  /// of all values. Multiply-adds of the token pairs in attention stand beside those of linear maps and convolutions.
+  /// of all. Multiply-adds of token pairs in attention stand beside those of linear maps and convolutions.
   struct Cost {
     uint64_t parameters = 0, multiplyAdds = 0, attentionMultiplyAdds = 0;
     uint64_t plannedBytes = 0, lowerBoundBytes = 0, unaliasedBytes = 0, weightBytes = 0;
   };
   Cost cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) const;
+  /// The tiles of an output of that size; memoryBytes 0 sets no limit here. Throws Error if no tiles fit.
+  Tiling tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options) const;
 
  private:
   friend class Upscaler;
@@ -97,13 +93,15 @@ class Model {
   std::unique_ptr<State> state_;
 };
 
-/// A model made ready for one frame size on one device: planned and recorded once, replayed for each frame.
+/// A model made ready for one frame size on one device: planned and recorded once, replayed for each frame. A frame
+/// that does not fit the device's memory or limits is cut into tiles.
 class Upscaler {
  public:
   struct Options {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
     std::optional<float> exposure{};  // factor on the colour; empty: from the frame's mean log luminance
     bool profile = false;
+    TileOptions tiles{};  // of a frame that does not fit the device
   };
   /// Called between submissions with the finished share in [0, 1]; returning false cancels the run.
   using Progress = std::function<bool(double)>;
@@ -120,7 +118,7 @@ class Upscaler {
   };
 
   /// width x height: of the low-resolution colour. Device and model must outlive the upscaler. Throws Error if the
-  /// device cannot hold the frame.
+  /// device cannot hold even the smallest tiles of the frame.
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
   ~Upscaler();
   Upscaler(Upscaler&&) noexcept;
@@ -128,12 +126,13 @@ class Upscaler {
 
   /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;
   /// output: 3 floats a pixel, [scale height, scale width]. Throws Error if a size does not fit or the device fails.
-  /// Returns false if `progress` cancelled the run; the output is then unchanged.
+  /// Returns false if `progress` cancelled the run; of a frame in tiles, some are then written to the output.
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
            const Progress& progress = {});
 
   float exposure() const;        // of the last run
   uint64_t deviceBytes() const;  // arena and weights
+  const Tiling& tiling() const;
   /// Time of each dispatch in the last run; empty without Options::profile.
   std::vector<ProfileRow> profile() const;
 

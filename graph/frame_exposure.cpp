@@ -1,0 +1,53 @@
+#include "graph/frame_exposure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shaders/exposure/exposure.h"
+
+namespace xrds {
+namespace {
+
+FrameExposure exposureOnHost(const PixelView& colour) {
+  double sum = 0, count = 0;
+  for (uint64_t p = 0; p < uint64_t{colour.width} * colour.height; ++p) {
+    const float* rgb = colour.pixels + p * colour.stride;
+    const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    if (!std::isfinite(luminance) || luminance <= double{shader::kExposureMinLuminance}) continue;
+    sum += std::log(luminance);
+    ++count;
+  }
+  const double exposure = count > 0 ? double{shader::kExposureKey} / std::exp(sum / count) : 1;
+  return {static_cast<float>(exposure), static_cast<float>(1 / exposure)};
+}
+
+// Rows at a time, so that the host needs no second copy of a large frame.
+void upload(const PixelView& colour, Buffer& buffer) {
+  std::vector<float> row(size_t{4} * colour.width);
+  for (uint32_t y = 0; y < colour.height; ++y) {
+    const float* from = colour.pixels + uint64_t{y} * colour.width * colour.stride;
+    for (uint32_t x = 0; x < colour.width; ++x) std::copy_n(from + size_t{x} * colour.stride, 3, &row[size_t{4} * x]);
+    buffer.upload(row.size() * sizeof(float) * y, std::as_bytes(std::span(row)));
+  }
+}
+
+}  // namespace
+
+FrameExposure exposureOf(Gpu& gpu, const PixelView& colour, Buffer& scratch) {
+  const TensorView image{0, DataType::f32, colour.height, colour.width, 4, 0, 4};
+  const TensorView result{1, DataType::f32, 1, 1, 4, 0, 4};
+  const uint64_t resultOffset = ceilDivide(image.storedByteSize(), kBindingAlignment) * kBindingAlignment;
+  if (resultOffset + result.storedByteSize() > scratch.byteSize() ||
+      image.pixelCount() > gpu.traits().maxTexelBufferElements)
+    return exposureOnHost(colour);
+  upload(colour, scratch);
+  const PlacedDispatch placed{
+      dispatch(Exposure{image, result}, gpu.traits()),
+      {{&scratch, 0, image.storedByteSize()}, {&scratch, resultOffset, result.storedByteSize()}}};
+  Recording(gpu, std::span(&placed, 1)).run();
+  float numbers[4];
+  scratch.download(resultOffset, std::as_writable_bytes(std::span(numbers)));
+  return {numbers[0], numbers[1]};
+}
+
+}  // namespace xrds

@@ -1,0 +1,130 @@
+#include "graph/tile_choice.h"
+
+#include <algorithm>
+#include <set>
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kMostTiles = 256;  // in a row or column
+
+/// A grid and its largest crop.
+struct Candidate {
+  Cut cut;
+  FrameShape crop;
+  uint64_t work = 0;  // pixels of all crops
+  uint64_t cropPixels() const { return uint64_t{crop.width} * crop.height; }
+};
+
+/// The largest side and the sum of the sides of the crops along one axis.
+struct Sides {
+  uint32_t count = 0, largest = 0, sum = 0;
+};
+
+// The numbers of tiles along an axis, `wanted` alone or if that is 0 all that make crops of different sizes.
+std::vector<Sides> sidesOf(uint32_t wanted, const std::function<std::vector<Tile>(uint32_t)>& cut,
+                           uint32_t Rectangle::*side) {
+  std::vector<Sides> all;
+  std::set<uint32_t> seen;
+  for (uint32_t count = wanted ? wanted : 1; count <= (wanted ? wanted : kMostTiles); ++count) {
+    Sides sides{count};
+    for (const Tile& tile : cut(count)) {
+      sides.largest = std::max(sides.largest, tile.crop.*side);
+      sides.sum += tile.crop.*side;
+    }
+    if (seen.insert(sides.largest).second) all.push_back(sides);
+  }
+  return all;
+}
+
+// All grids, those of the least work first.
+std::vector<Candidate> candidatesOf(FrameShape frame, uint32_t window, const Cut& wanted) {
+  Cut cut = wanted;
+  const auto ofColumns = [&](uint32_t count) {
+    return cutFrame({1, frame.width}, window, {count, 1, wanted.halo, wanted.wrap});
+  };
+  const auto ofRows = [&](uint32_t count) { return cutFrame({frame.height, 1}, window, {1, count, wanted.halo}); };
+  std::vector<Candidate> candidates;
+  for (const Sides& x : sidesOf(wanted.columns, ofColumns, &Rectangle::width))
+    for (const Sides& y : sidesOf(wanted.rows, ofRows, &Rectangle::height)) {
+      cut.columns = x.count;
+      cut.rows = y.count;
+      candidates.push_back({cut, {y.largest, x.largest}, uint64_t{x.sum} * y.sum});
+    }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.work != b.work ? a.work < b.work : a.cropPixels() > b.cropPixels();
+  });
+  return candidates;
+}
+
+/// What a session of a crop needs, and which share of its pixels would fit the limits: all if that is 1 or more.
+struct Needs {
+  uint64_t arenaByteSize = 0;
+  double share = 0;
+};
+
+/// Asks for the needs of the crops of a model.
+class Planner {
+ public:
+  Planner(const ModelWeights& model, Precision precision, const MemoryLimits& limits)
+      : model_(model), precision_(precision), traits_(limits.traits) {
+    const uint32_t window = model.config().window;
+    weightByteSize = memoryNeeds(graphOf({window, window}), traits_).weights;
+    room_ = std::min(limits.byteSize - std::min(limits.byteSize, weightByteSize), traits_.maxAllocationBytes);
+  }
+
+  Needs needs(FrameShape crop) const {
+    const uint32_t side = std::max(crop.width, crop.height), most = kMaxSide / model_.config().scale;
+    if (side > most) return {~uint64_t{0}, static_cast<double>(most) / side};
+    const Graph graph = graphOf(crop);
+    Needs needs{xrds::arenaByteSize(graph)};
+    needs.share = static_cast<double>(room_) / static_cast<double>(needs.arenaByteSize);
+    for (const Value& value : graph.values)
+      needs.share = std::min(
+          needs.share, static_cast<double>(traits_.maxTexelBufferElements) / static_cast<double>(value.texelCount()));
+    return needs;
+  }
+
+  uint64_t weightByteSize = 0;
+
+ private:
+  Graph graphOf(FrameShape crop) const {
+    return buildGraph(model_.config(), crop, model_.lookup(), {.precision = precision_, .autoExposure = false});
+  }
+
+  const ModelWeights& model_;
+  Precision precision_;
+  DeviceTraits traits_;
+  uint64_t room_ = 0;
+};
+
+}  // namespace
+
+TileChoice chooseTiles(const ModelWeights& model, FrameShape frame, Precision precision, const Cut& wanted,
+                       const MemoryLimits& limits) {
+  const Planner planner(model, precision, limits);
+  // Memory grows with the pixels of the crop: of those that are likely not to fit only a few are planned.
+  double likelyPixels = 1e30;
+  uint64_t least = ~uint64_t{0};
+  const auto candidates = candidatesOf(frame, model.config().window, wanted);
+  const auto smallest = std::min_element(candidates.begin(), candidates.end(),
+                                         [](const auto& a, const auto& b) { return a.cropPixels() < b.cropPixels(); });
+  for (auto candidate = candidates.begin(); candidate != candidates.end(); ++candidate) {
+    const auto pixels = static_cast<double>(candidate->cropPixels());
+    if (pixels > likelyPixels && candidate != smallest) continue;
+    const Needs needs = planner.needs(candidate->crop);
+    if (needs.share >= 1)
+      return {candidate->cut, candidate->crop, needs.arenaByteSize, planner.weightByteSize,
+              static_cast<double>(candidate->work) / (static_cast<double>(frame.width) * frame.height)};
+    least = std::min(least, needs.arenaByteSize);
+    likelyPixels = std::min(0.98, 1.1 * needs.share) * pixels;
+  }
+  throw Error("The smallest tiles of the frame need " +
+              std::to_string((least + planner.weightByteSize + 999'999) / 1'000'000) + " MB of device memory, but " +
+              std::to_string(limits.byteSize / 1'000'000) +
+              " MB are allowed: allow more, or take fp16, bounded tiles or a smaller model.");
+}
+
+}  // namespace xrds
