@@ -1,5 +1,7 @@
 #include "viewer/tracer/packed_scene.h"
 
+#include <bit>
+
 #include "engine/half.h"
 #include "viewer/tracer/bvh.h"
 #include "viewer/tracer/lights.h"
@@ -12,6 +14,31 @@ Texel texel(Vec3 v, float w) { return {v.x, v.y, v.z, w}; }
 float area(const Triangle& triangle) {
   const auto& [a, b, c] = triangle.positions;
   return 0.5F * length(cross(b - a, c - a));
+}
+
+// Of both bounds on an axis, each moved outwards by a step: more than what the shader's arithmetic loses.
+float gridWord(float lower, float upper, float origin, float step) {
+  const auto number = [&](float steps) {
+    return static_cast<uint32_t>(
+        std::clamp(steps, static_cast<float>(trace::kGridBegin), static_cast<float>(trace::kGridEnd)));
+  };
+  const uint32_t low = number(std::floor((lower - origin) / step) - 1);
+  const uint32_t high = number(std::ceil((upper - origin) / step) + 1);
+  return std::bit_cast<float>(low | high << 16);
+}
+
+void packNodes(const Bvh& bvh, PackedScene& packed) {
+  const Vec3 extent = bvh.bounds.upper - bvh.bounds.lower;
+  const float least = std::max(1e-6F * length(extent), 1e-12F);
+  const Vec3 step = maximum(extent, {least, least, least}) * (1.0F / (trace::kGridEnd - trace::kGridBegin - 8));
+  const Vec3 origin = bvh.bounds.lower - static_cast<float>(trace::kGridBegin + 4) * step;
+  for (const BvhNode& node : bvh.nodes)
+    packed.nodes.push_back(
+        {gridWord(node.lower.x, node.upper.x, origin.x, step.x), gridWord(node.lower.y, node.upper.y, origin.y, step.y),
+         gridWord(node.lower.z, node.upper.z, origin.z, step.z), node.leaf < 0 ? node.skip : -1 - node.leaf});
+  trace::TraceParams& p = packed.params;
+  p.gridX = origin.x, p.gridY = origin.y, p.gridZ = origin.z;
+  p.gridStepX = step.x, p.gridStepY = step.y, p.gridStepZ = step.z;
 }
 
 void packTriangles(const TraceScene& scene, const Bvh& bvh, PackedScene& packed) {
@@ -112,10 +139,7 @@ float packEmitters(const TraceScene& scene, const Bvh& bvh, PackedScene& packed)
 PackedScene packScene(const TraceScene& scene) {
   const Bvh bvh = buildBvh(scene.triangles);
   PackedScene packed;
-  for (const BvhNode& node : bvh.nodes) {
-    packed.nodes.push_back(texel(node.lower, node.skip));
-    packed.nodes.push_back(texel(node.upper, node.leaf));
-  }
+  packNodes(bvh, packed);
   packTriangles(scene, bvh, packed);
   packMaterials(scene, packTextures(scene.textures, packed), packed);
   const Sky dark{1, {{0, 0, 0}}};

@@ -14,6 +14,7 @@ struct Hit {
   float distance;  // kFar if nothing was hit
   int triangle;
   vec2 barycentric;
+  vec3 across;  // the triangle's edges: first x second
 };
 
 vec3 safeInverse(vec3 v) { return 1.0 / mix(v, vec3(1e-20), lessThan(abs(v), vec3(1e-20))); }
@@ -24,19 +25,25 @@ Hit intersect(Ray ray, float limit, bool any) {
   const bvec3 isNegative = lessThan(ray.direction, vec3(0));
   const int octant = int(isNegative.x) + 2 * int(isNegative.y) + 4 * int(isNegative.z);
   const int first = octant * p.nodeCount;
-  Hit hit = Hit(limit, -1, vec2(0));
+  // Distances to the planes of a box are linear in the box's grid numbers. They are compared as integers, which orders
+  // floats where one of them is not negative: CPU devices have no fast minimum of floats.
+  const uvec3 nearShift = uvec3(mix(vec3(0), vec3(16), isNegative));
+  const vec3 step = vec3(p.gridStepX, p.gridStepY, p.gridStepZ) * inverse;
+  const vec3 start = (vec3(p.gridX, p.gridY, p.gridZ) - ray.origin) * inverse;
+  Hit hit = Hit(limit, -1, vec2(0), vec3(0));
   int node = limit > 0.0 ? 0 : p.nodeCount;
   while (node < p.nodeCount) {
     int leaf = -1;
     while (node < p.nodeCount && leaf < 0) {
-      const vec4 lower = texelFetch(nodes, kNodeTexels * (first + node));
-      const vec4 upper = texelFetch(nodes, kNodeTexels * (first + node) + 1);
-      const vec3 a = (lower.xyz - ray.origin) * inverse, b = (upper.xyz - ray.origin) * inverse;
-      const vec3 enter = min(a, b), leave = max(a, b);
-      const bool isHit = max(max(enter.x, enter.y), max(enter.z, 0.0)) <=
-                         min(min(leave.x, leave.y), min(leave.z, hit.distance)) * 1.0000004;
-      leaf = isHit ? int(upper.w) : -1;
-      node = isHit ? node + 1 : int(lower.w);
+      const vec4 box = texelFetch(nodes, first + node);
+      const uvec3 bounds = floatBitsToUint(box.xyz);
+      const vec3 enter = vec3(ivec3(bounds >> nearShift & 0xffffu)) * step + start;
+      const vec3 leave = vec3(ivec3(bounds >> (16u - nearShift) & 0xffffu)) * step + start;
+      const ivec3 a = floatBitsToInt(enter), b = floatBitsToInt(leave);
+      const bool isHit = max(max(a.x, a.y), max(a.z, 0)) <= min(min(b.x, b.y), min(b.z, floatBitsToInt(hit.distance)));
+      const int link = int(box.w);
+      leaf = isHit ? -link - 1 : -1;
+      node = isHit || link < 0 ? node + 1 : link;
     }
     int triangle = leaf >> 2;
     const int last = leaf < 0 ? -2 : triangle + (leaf & 3);
@@ -50,7 +57,7 @@ Hit intersect(Ray ray, float limit, bool any) {
       const float u = dot(from, across) * scale, v = dot(ray.direction, other) * scale;
       const float distance = dot(edge2, other) * scale;
       if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 && distance < hit.distance)
-        hit = Hit(distance, triangle, vec2(u, v));
+        hit = Hit(distance, triangle, vec2(u, v), cross(edge1, edge2));
       triangle++;
     }
     if (any && hit.triangle >= 0) node = p.nodeCount;

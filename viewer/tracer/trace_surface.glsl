@@ -29,9 +29,6 @@ vec3 textureAt(vec3 place, vec2 uv) {
 
 Surface surfaceAt(Ray ray, Hit hit) {
   const int triangle = max(hit.triangle, 0), shading = kCornerTexels * p.triangleCount + kShadingTexels * triangle;
-  const vec3 corner = texelFetch(triangles, kCornerTexels * triangle).xyz;
-  const vec3 edge1 = texelFetch(triangles, kCornerTexels * triangle + 1).xyz;
-  const vec3 edge2 = texelFetch(triangles, kCornerTexels * triangle + 2).xyz;
   const vec4 a = texelFetch(triangles, shading), b = texelFetch(triangles, shading + 1);
   const vec4 c = texelFetch(triangles, shading + 2), last = texelFetch(triangles, shading + 3);
   const vec3 weights = vec3(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
@@ -40,8 +37,8 @@ Surface surfaceAt(Ray ray, Hit hit) {
   const vec4 picture = texelFetch(materials, material + 2);
 
   Surface surface;
-  surface.position = corner + hit.barycentric.x * edge1 + hit.barycentric.y * edge2;
-  surface.geometricNormal = normalize(cross(edge1, edge2));
+  surface.position = ray.origin + hit.distance * ray.direction;
+  surface.geometricNormal = normalize(hit.across);
   surface.isInside = dot(surface.geometricNormal, ray.direction) > 0.0;
   if (surface.isInside) surface.geometricNormal = -surface.geometricNormal;
   surface.normal = normalize(a.xyz * weights.x + b.xyz * weights.y + c.xyz * weights.z);
