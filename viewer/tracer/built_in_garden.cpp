@@ -90,14 +90,14 @@ void addGround(TraceScene& scene) {
   constexpr int kCells = 96;
   constexpr float kSpan = 24;
   const auto corner = [](int x, int z) {
-    const float px = kSpan * (static_cast<float>(x) / kCells - 0.5F),
-                pz = kSpan * (static_cast<float>(z) / kCells - 0.5F);
+    const float pz = kSpan * (static_cast<float>(z) / kCells - 0.5F);
+    const float px = kSpan * (static_cast<float>(x) / kCells - 0.5F) + pathAt(pz);  // so that edges follow the path
     return Vec3{px, groundAt(px, pz), pz};
   };
   for (int z = 0; z < kCells; ++z)
     for (int x = 0; x < kCells; ++x) {
       const Vec3 a = corner(x, z), b = corner(x + 1, z), c = corner(x + 1, z + 1), d = corner(x, z + 1);
-      const bool isPath = std::abs(0.5F * (a.x + c.x) - pathAt(0.5F * (a.z + c.z))) < 0.55F;
+      const bool isPath = std::abs(x - kCells / 2 + 0.5F) < 2.1F;
       const auto add = [&](Vec3 p, Vec3 q, Vec3 r) {
         const Vec3 normal = normalized(cross(q - p, r - p));
         const auto place = [](Vec3 v) { return Vec2{v.x / 3, v.z / 3}; };

@@ -27,7 +27,7 @@ void addWalls(TraceScene& scene) {
 }
 
 void addLamp(TraceScene& scene) {
-  const uint32_t light = addMaterial(scene, {.colour = {}, .emission = {11, 9.5F, 7.5F}});
+  const uint32_t light = addMaterial(scene, {.colour = {}, .emission = {24, 21, 16.5F}});
   const uint32_t frame = addMaterial(scene, {.colour = {0.2F, 0.2F, 0.2F}});
   addQuad(scene, {-0.55F, kHeight - 0.06F, -0.55F}, {1.1F, 0, 0}, {0, 0, 1.1F}, light);
   addBox(scene, {0, kHeight - 0.02F, 0}, {0.6F, 0.02F, 0.6F}, 0, frame);

@@ -32,7 +32,7 @@ TraceScene makeSpheres() {
     if (d.y < 0) return Vec3{0.15F, 0.12F, 0.1F};
     return near > 0.998F ? Vec3{160, 110, 60} : air + 2 * high * cloud;
   });
-  scene.camera = {{1.3F, 1.6F, 3.6F}, {0, 0.1F, 0.35F}, {0, 1, 0}, 0.62F};
+  scene.camera = {{0.8F, 1.9F, 4.3F}, {0.05F, 0.15F, 0.2F}, {0, 1, 0}, 0.72F};
   return scene;
 }
 

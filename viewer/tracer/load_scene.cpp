@@ -31,14 +31,13 @@ class Loader {
   void materials() {
     for (unsigned i = 0; i < source_.mNumMaterials; ++i) addMaterial(scene_, material(*source_.mMaterials[i]));
   }
-  void meshes() {
-    for (unsigned i = 0; i < source_.mNumMeshes; ++i) mesh(*source_.mMeshes[i]);
-  }
+  void meshes() { node(*source_.mRootNode, aiMatrix4x4()); }
   void camera();
 
  private:
   Material material(const aiMaterial& from);
-  void mesh(const aiMesh& mesh);
+  void node(const aiNode& node, const aiMatrix4x4& above);
+  void mesh(const aiMesh& mesh, const aiMatrix4x4& toWorld);
   int texture(const std::string& name);
   Texture decoded(const std::string& name) const;
 
@@ -95,15 +94,22 @@ Material Loader::material(const aiMaterial& from) {
   return to;
 }
 
-void Loader::mesh(const aiMesh& mesh) {
+void Loader::node(const aiNode& node, const aiMatrix4x4& above) {
+  const aiMatrix4x4 toWorld = above * node.mTransformation;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) mesh(*source_.mMeshes[node.mMeshes[i]], toWorld);
+  for (unsigned i = 0; i < node.mNumChildren; ++i) this->node(*node.mChildren[i], toWorld);
+}
+
+void Loader::mesh(const aiMesh& mesh, const aiMatrix4x4& toWorld) {
+  const aiMatrix3x3 normalToWorld = aiMatrix3x3(toWorld).Inverse().Transpose();
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
     if (face.mNumIndices != 3) continue;
     Triangle triangle{.material = mesh.mMaterialIndex};
     for (unsigned i = 0; i < 3; ++i) {
       const unsigned vertex = face.mIndices[i];
-      triangle.positions[i] = vec(mesh.mVertices[vertex]);
-      if (mesh.HasNormals()) triangle.normals[i] = vec(mesh.mNormals[vertex]);
+      triangle.positions[i] = vec(toWorld * mesh.mVertices[vertex]);
+      if (mesh.HasNormals()) triangle.normals[i] = normalized(vec(normalToWorld * mesh.mNormals[vertex]));
       if (mesh.HasTextureCoords(0))
         triangle.uvs[i] = {mesh.mTextureCoords[0][vertex].x, mesh.mTextureCoords[0][vertex].y};
     }
@@ -127,17 +133,16 @@ void Loader::camera() {
       centre + normalized({0.35F, 0.3F, 1}) * (radius / std::sin(0.5F * scene_.camera.verticalFov));
   if (source_.mNumCameras == 0) return;
 
+  // In a glTF file the camera sits at the origin of its node; assimp 5.2 gives its position a second time.
   const aiCamera& from = *source_.mCameras[0];
   aiMatrix4x4 toWorld;
   for (const aiNode* node = source_.mRootNode->FindNode(from.mName); node; node = node->mParent)
     toWorld = node->mTransformation * toWorld;
-  const Vec3 position = vec(toWorld * from.mPosition), ahead = vec(aiMatrix3x3(toWorld) * from.mLookAt);
+  const Vec3 position = vec(toWorld * aiVector3D()), ahead = normalized(vec(aiMatrix3x3(toWorld) * from.mLookAt));
   scene_.camera.position = position;
-  scene_.camera.target =
-      position + std::max(dot(centre - position, normalized(ahead)), 0.1F * radius) * normalized(ahead);
+  scene_.camera.target = position + std::max(dot(centre - position, ahead), 0.1F * radius) * ahead;
   scene_.camera.up = normalized(vec(aiMatrix3x3(toWorld) * from.mUp));
-  const float aspect = from.mAspect > 0 ? from.mAspect : 1;
-  scene_.camera.verticalFov = 2 * std::atan(std::tan(0.5F * from.mHorizontalFOV) / aspect);
+  scene_.camera.verticalFov = from.mHorizontalFOV / (from.mAspect > 0 ? from.mAspect : 1);  // what assimp made it of
 }
 
 }  // namespace
@@ -145,9 +150,8 @@ void Loader::camera() {
 TraceScene loadScene(const std::filesystem::path& file) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* source =
-      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-                                           aiProcess_FlipUVs | aiProcess_PreTransformVertices);
+  const aiScene* source = importer.ReadFile(
+      file.string(), aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals | aiProcess_FlipUVs);
   if (!source) throw Error("the scene '" + file.string() + "' cannot be read: " + importer.GetErrorString());
   TraceScene scene{.name = file.stem().string()};
   Loader loader(*source, file.parent_path(), scene);

@@ -16,8 +16,8 @@ std::span<const uint32_t> tracerProgram(std::string_view name);
 
 struct TraceOptions {
   uint32_t seed = 1;
-  uint32_t maxBounces = 8;   // scatterings of a path
-  float indirectClamp = 10;  // most radiance (mean of R, G, B) that indirect light of one sample may bring; 0: no limit
+  uint32_t maxBounces = 8;  // scatterings of a path
+  float indirectClamp = 3;  // most radiance (mean of R, G, B) that indirect light of one sample may bring; 0: no limit
 };
 
 /// How often each pixel has been sampled.
