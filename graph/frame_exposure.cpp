@@ -6,7 +6,6 @@
 #include "shaders/exposure/exposure.h"
 
 namespace xrds {
-namespace {
 
 FrameExposure exposureOnHost(const PixelView& colour) {
   double sum = 0, count = 0;
@@ -20,6 +19,8 @@ FrameExposure exposureOnHost(const PixelView& colour) {
   const double exposure = count > 0 ? double{shader::kExposureKey} / std::exp(sum / count) : 1;
   return {static_cast<float>(exposure), static_cast<float>(1 / exposure)};
 }
+
+namespace {
 
 // Rows at a time, so that the host needs no second copy of a large frame.
 void upload(const PixelView& colour, Buffer& buffer) {

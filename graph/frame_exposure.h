@@ -15,4 +15,7 @@ struct FrameExposure {
 /// the device cannot bind so many pixels, the host computes it in double precision. Throws Error if the device fails.
 FrameExposure exposureOf(Gpu& gpu, const PixelView& colour, Buffer& scratch);
 
+/// The same in double precision on the host: equal to it within rounding.
+FrameExposure exposureOnHost(const PixelView& colour);
+
 }  // namespace xrds

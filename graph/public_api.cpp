@@ -2,7 +2,9 @@
 #include <cstdio>
 
 #include "graph/halo.h"
+#include "graph/quiet_windows.h"
 #include "graph/reference.h"
+#include "graph/sparse_runner.h"
 #include "graph/tile_choice.h"
 #include "graph/tile_runner.h"
 #include "shaders/programs.h"
@@ -89,6 +91,16 @@ Tiling tilingOf(const ModelWeights& model, FrameShape frame, bool fp16, const Ti
   return tiling;
 }
 
+SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
+  if (options.tiles.wrap)
+    throw Error("A panorama whose borders continue into each other is computed in full: skip nothing, or do not wrap.");
+  // Around what is quiet one window is enough: bench/skip.md. Around what moved it is not.
+  const uint32_t bounded =
+      options.skip.keepUnchanged ? boundedHalo(config) : std::min(config.window, exactHalo(config));
+  const uint32_t halo = options.tiles.halo.value_or(options.tiles.exact ? exactHalo(config) : bounded);
+  return {.bound = options.skip.bound, .keepUnchanged = options.skip.keepUnchanged, .reach = halo, .halo = halo};
+}
+
 uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
   return options.memoryBytes ? options.memoryBytes : gpu.description().memoryBytes / 4 * 3;
 }
@@ -107,11 +119,16 @@ struct Upscaler::State {
   State(Gpu& gpu, const ModelWeights& model, FrameShape shape, const Options& given)
       : config(model.config()), frame(shape), options(given) {
     tiling = tilingOf(model, frame, options.fp16, options.tiles, {memoryOf(gpu, options.tiles), gpu.traits()});
-    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap) {
+    const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
+    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
       session.emplace(gpu, model, frame, sessionOptions(options));
       return;
     }
     tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
+    if (skips) {
+      sparse.emplace(gpu, model, sessionOptions(options), tiles, sparseOptions(config, options));
+      return;
+    }
     runner.emplace(gpu, model, sessionOptions(options));
     runner->prepare(tiles);
   }
@@ -131,8 +148,11 @@ struct Upscaler::State {
   Options options;
   Tiling tiling;
   std::vector<Tile> tiles;
-  std::optional<Session> session;    // of the whole frame
-  std::optional<TileRunner> runner;  // or of its tiles
+  std::optional<Session> session;      // of the whole frame
+  std::optional<TileRunner> runner;    // or of its tiles
+  std::optional<SparseRunner> sparse;  // or of those of its windows that need it
+
+  const TileRunner& tileRunner() const { return sparse ? sparse->runner() : *runner; }
 };
 
 std::vector<Device::Description> Device::list() {
@@ -177,6 +197,8 @@ std::string Model::hash() const {
   return text;
 }
 
+std::string Model::whyNeverSkipped() const { return whyNeverQuiet(state_->weights.config()); }
+
 Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) const {
   const NetworkConfig& config = state_->weights.config();
   const GraphOptions options{fp16 ? Precision::fp16 : Precision::fp32};
@@ -214,20 +236,38 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
                    const Progress& progress) {
   checkFrame(state_->config, state_->frame, colour, auxiliary);
   if (state_->session) return state_->runWhole(colour, auxiliary, output, progress);
-  return state_->runner->run({colour, auxiliary, state_->options.exposure}, state_->tiles, output, progress);
+  const FrameViews frame{colour, auxiliary, state_->options.exposure};
+  if (state_->sparse) return state_->sparse->run(frame, output, progress);
+  return state_->runner->run(frame, state_->tiles, output, progress);
 }
 
-float Upscaler::exposure() const { return state_->session ? state_->session->exposure() : state_->runner->exposure(); }
+float Upscaler::exposure() const {
+  if (state_->session) return state_->session->exposure();
+  return state_->sparse ? state_->sparse->exposure() : state_->runner->exposure();
+}
 
 uint64_t Upscaler::deviceBytes() const {
-  return state_->session ? state_->session->ownByteSize() : state_->runner->byteSize();
+  return state_->session ? state_->session->ownByteSize() : state_->tileRunner().byteSize();
+}
+
+SkipMap Upscaler::skipMap() const {
+  const NetworkConfig& config = state_->config;
+  const WindowMask none(state_->frame, config.window, false);
+  SkipMap map{.side = config.window * config.scale, .columns = none.columns, .rows = none.rows};
+  map.windows.resize(none.marks.size());
+  map.work = state_->sparse ? state_->sparse->work() : state_->tiling.work;
+  for (size_t i = 0; i < map.windows.size() && state_->sparse; ++i) {
+    if (state_->sparse->interpolated().marks[i]) map.windows[i] = SkipMap::Window::interpolated;
+    if (state_->sparse->kept().marks[i]) map.windows[i] = SkipMap::Window::kept;
+  }
+  return map;
 }
 
 const Tiling& Upscaler::tiling() const { return state_->tiling; }
 
 std::vector<Upscaler::ProfileRow> Upscaler::profile() const {
   std::vector<ProfileRow> rows;
-  for (const DispatchTime& time : state_->session ? state_->session->times() : state_->runner->times())
+  for (const DispatchTime& time : state_->session ? state_->session->times() : state_->tileRunner().times())
     rows.push_back({time.label, time.program, time.multiplyAdds, time.byteSize, time.microseconds});
   return rows;
 }

@@ -12,11 +12,11 @@
 
 #include "xrds/error.h"
 #include "xrds/pixel_view.h"
+#include "xrds/skip.h"
 #include "xrds/tiling.h"
 
 /// xrds upscales Monte Carlo renders on any Vulkan device: open a Device, load a Model, make an Upscaler for a frame
-/// size, run it for each frame. Every function may throw xrds::Error; objects are used by one thread at a time, and
-/// different objects on different devices by different threads.
+/// size, run it for each frame. Every function may throw Error; an object is used by one thread at a time.
 namespace xrds {
 
 /// A Vulkan 1.2 device, opened for compute.
@@ -74,6 +74,7 @@ class Model {
   const std::map<std::string, std::string>& metadata() const;
   /// Of the file's bytes, as 16 hexadecimal digits.
   std::string hash() const;
+  std::string whyNeverSkipped() const;  // as the end of a sentence; empty if SkipOptions::bound may be set
 
   /// What an output of width x height pixels costs in one piece; a pure question, no device needed. Device memory:
   /// `plannedBytes` is the arena, `lowerBoundBytes` the largest set of values alive at once, `unaliasedBytes` the sum
@@ -102,6 +103,7 @@ class Upscaler {
     std::optional<float> exposure{};  // factor on the colour; empty: from the frame's mean log luminance
     bool profile = false;
     TileOptions tiles{};  // of a frame that does not fit the device
+    SkipOptions skip{};
   };
   /// Called between submissions with the finished share in [0, 1]; returning false cancels the run.
   using Progress = std::function<bool(double)>;
@@ -133,8 +135,8 @@ class Upscaler {
   float exposure() const;        // of the last run
   uint64_t deviceBytes() const;  // arena and weights
   const Tiling& tiling() const;
-  /// Time of each dispatch in the last run; empty without Options::profile.
-  std::vector<ProfileRow> profile() const;
+  SkipMap skipMap() const;                  // of the last run
+  std::vector<ProfileRow> profile() const;  // of each dispatch in the last run; empty without Options::profile
 
   /// Replays one frame with every value kept and compares each operator with its double-precision reference on the
   /// host. Slow: seconds for 16 x 16 pixels.
