@@ -122,6 +122,39 @@ TEST(ExrDamage, RefusesHugeAndImpossibleWindows) {
   }
 }
 
+std::string refusalOf(const std::filesystem::path& path) {
+  try {
+    static_cast<void>(readExrHeader(path));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// OpenEXR itself would allocate what the attribute claims.
+TEST(ExrDamage, RefusesAnAttributeLargerThanTheFile) {
+  const TemporaryFolder folder;
+  for (const auto& parts : damageFixtures()) {
+    writeFixture(folder / "whole.exr", parts);
+    const std::string bytes = readBytes(folder / "whole.exr");
+    for (const std::string& entry :
+         {std::string("channels\0chlist\0", 16), std::string("lineOrder\0lineOrder\0", 20)}) {
+      std::string damaged = bytes;
+      damaged.replace(damaged.rfind(entry) + entry.size(), 4, "\xff\xff\xff\x7f");
+      writeBytes(folder / "claims.exr", damaged);
+      EXPECT_NE(refusalOf(folder / "claims.exr").find("an attribute of 2147483647 bytes"), std::string::npos);
+    }
+  }
+}
+
+TEST(ExrDamage, RefusesBlocksThatAFewBytesCannotFill) {
+  const TemporaryFolder folder;
+  writeFixture(folder / "whole.exr", {{"", kFrame, kFrame, {"R", "G", "B"}, Imf::FLOAT, Imf::DWAB_COMPRESSION}});
+  writeBytes(folder / "wide.exr", withDataWindow(readBytes(folder / "whole.exr"), 0, 0, (1 << 18) - 1, 255));
+  EXPECT_NE(refusalOf(folder / "wide.exr").find("found 12 bytes a pixel in blocks of 262144 x 256"), std::string::npos)
+      << refusalOf(folder / "wide.exr");
+}
+
 TEST(ExrDamage, NamesTheFileAndTheRemedy) {
   const TemporaryFolder folder;
   writeBytes(folder / "empty.exr", "");

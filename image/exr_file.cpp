@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <system_error>
 
 #include "image/exr_attributes_stored.h"
 #include "image/exr_open.h"
@@ -16,6 +17,9 @@ namespace xrds {
 namespace {
 
 constexpr std::int64_t kMaxBlockByteSize = std::int64_t{1} << 30;
+// What a block may take whatever the file's size, and per byte of the file: no deflated byte becomes more than 1032.
+constexpr std::int64_t kAnyBlockByteSize = std::int64_t{1} << 26;
+constexpr std::int64_t kBytesPerFileByte = 1032;
 
 ExrPixelType pixelTypeOf(Imf::PixelType type) {
   switch (type) {
@@ -70,6 +74,29 @@ std::int64_t rowsPerBlock(const Imf::Header& header) {
   }
 }
 
+// The blocks that OpenEXR allocates as it opens a part, so that few bytes cannot ask for much memory.
+void checkBlocks(const ExrFile& file, const Imf::Header& header, std::int64_t width) {
+  const std::int64_t blockWidth =
+      header.hasTileDescription() ? std::max<std::int64_t>(width, header.tileDescription().xSize) : width;
+  std::int64_t pixelByteSize = 0;
+  for (auto entry = header.channels().begin(); entry != header.channels().end(); ++entry) {
+    pixelByteSize += entry.channel().type == Imf::HALF ? 2 : 4;
+  }
+  std::error_code failure;
+  const auto fileByteSize = static_cast<double>(std::filesystem::file_size(file.path, failure));
+  const double allowed = std::min(
+      static_cast<double>(kMaxBlockByteSize),
+      static_cast<double>(kAnyBlockByteSize) + (failure ? 0 : static_cast<double>(kBytesPerFileByte) * fileByteSize));
+  const double blockByteSize =
+      static_cast<double>(blockWidth) * static_cast<double>(rowsPerBlock(header)) * static_cast<double>(pixelByteSize);
+  if (blockByteSize > allowed) {
+    throw Error("cannot read '" + file.path.string() + "': expected blocks of at most " +
+                std::to_string(static_cast<std::int64_t>(allowed) >> 20) + " MiB, found " +
+                std::to_string(pixelByteSize) + " bytes a pixel in blocks of " + std::to_string(blockWidth) + " x " +
+                std::to_string(rowsPerBlock(header)) + " pixels; check that it is intact");
+  }
+}
+
 void checkSize(const ExrFile& file, const Window& window, const Imf::Header& header) {
   const std::int64_t width = window.width();
   const std::int64_t height = window.height();
@@ -77,19 +104,7 @@ void checkSize(const ExrFile& file, const Window& window, const Imf::Header& hea
     throw Error("cannot read '" + file.path.string() + "': expected at most " + std::to_string(kMaxPixelCount) +
                 " pixels, found a data window of " + toString(window) + "; crop the frame or check that it is intact");
   }
-  const std::int64_t blockWidth =
-      header.hasTileDescription() ? std::max<std::int64_t>(width, header.tileDescription().xSize) : width;
-  std::int64_t pixelByteSize = 0;
-  for (auto entry = header.channels().begin(); entry != header.channels().end(); ++entry) {
-    pixelByteSize += entry.channel().type == Imf::HALF ? 2 : 4;
-  }
-  const double blockByteSize =
-      static_cast<double>(blockWidth) * static_cast<double>(rowsPerBlock(header)) * static_cast<double>(pixelByteSize);
-  if (blockByteSize > static_cast<double>(kMaxBlockByteSize)) {
-    throw Error("cannot read '" + file.path.string() + "': expected blocks of at most 1 GiB, found " +
-                std::to_string(pixelByteSize) + " bytes a pixel in blocks of " + std::to_string(blockWidth) + " x " +
-                std::to_string(rowsPerBlock(header)) + " pixels; check that it is intact");
-  }
+  checkBlocks(file, header, width);
 }
 
 ExrPart partOf(const ExrFile& file, const Imf::Header& header) {

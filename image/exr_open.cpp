@@ -6,6 +6,8 @@
 #include <string>
 #include <system_error>
 
+#include "image/exr_header_scan.h"
+
 namespace xrds {
 
 std::unique_ptr<Imf::MultiPartInputFile> openExr(const std::filesystem::path& path) {
@@ -24,6 +26,7 @@ std::unique_ptr<Imf::MultiPartInputFile> openExr(const std::filesystem::path& pa
   if (!Imf::isOpenExrFile(path.string().c_str())) {
     throw Error("cannot read " + quoted + ": expected an OpenEXR image, found another kind of file; check the name");
   }
+  requireAttributesInFile(path);
   return std::make_unique<Imf::MultiPartInputFile>(path.string().c_str());
 }
 

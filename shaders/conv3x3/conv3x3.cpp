@@ -179,7 +179,8 @@ std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device) 
 }
 
 void reference(const Conv3x3& op, HostMemory& memory) {
-  const auto [height, width, channels] = convolutionShape(op);
+  const TensorShape shape = convolutionShape(op);
+  const uint32_t height = shape.height, width = shape.width, channels = shape.channels;
   const RowRange rows = resolve(op.rows, height);
   const auto input = [&](int64_t y, int64_t x, uint32_t c) {
     if (y < 0 || x < 0 || y >= height || x >= width) return 0.0;

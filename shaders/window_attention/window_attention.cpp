@@ -147,7 +147,8 @@ std::vector<float> packedWeights(const WindowAttention& op, const DeviceTraits& 
 }
 
 void reference(const WindowAttention& op, HostMemory& memory) {
-  const auto [height, width, channels] = outputShape(op);
+  const TensorShape shape = outputShape(op);
+  const uint32_t height = shape.height, width = shape.width, channels = shape.channels;
   const RowRange rows = resolve(op.rows, height);
   const uint32_t w = op.window, d = op.headChannels;
   std::vector<double> weights(w * w);
