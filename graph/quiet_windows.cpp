@@ -146,7 +146,7 @@ bool QuietWindows::quiet(uint32_t row, uint32_t column, float exposure, float bo
                                    std::all_of(guide.greatest, guide.greatest + 3, [](float v) { return v == 0; });
                           });
   const float limit = background ? kBackgroundSlack * bound : bound;
-  if (!(unevenness <= limit)) return false;
+  if (!(unevenness <= (background ? kBackgroundSlack : 1) * limit)) return false;
   for (uint32_t c = 0; c < 3; ++c)
     if (!(std::log1p(exposure * greatest[c]) - std::log1p(exposure * least[c]) <= limit &&
           std::log1p(exposure * greatest[c]) < shader::kTransformedMax))

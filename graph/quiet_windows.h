@@ -18,7 +18,7 @@ std::string whyNeverQuiet(const NetworkConfig& config);
 /// - log(1 + e r) varies by at most `bound` in each channel: background, clear sky, converged and evenly lit surfaces;
 /// - no pixel of the albedo is further than `bound` (b + 0.02) from its box mean b: no edge, texture or noise;
 /// - all other auxiliary images are constant but for 1/128: no edge and no bump. Where they are zero, as renderers
-///   write the normals of the background, the two limits are four times as wide.
+///   write the normals of the background, the first limit is four times as wide, the second, on clouds, 16 times.
 /// Whatever kernels the network predicts, the base image then varies by about `bound` at most. What is left is the
 /// network's residual; bench/skip.md has its size.
 class QuietWindows {
