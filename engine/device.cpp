@@ -84,13 +84,16 @@ void openDevice(Gpu::Handles& gpu) {
   VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
+  std::vector<const char*> extensions;
+  for (const std::string& name : gpu.options.deviceExtensions) extensions.push_back(name.c_str());
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
   const char* portability = "VK_KHR_portability_subset";
+  if (hasDeviceExtension(gpu.physicalDevice, portability)) extensions.push_back(portability);
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  info.enabledExtensionCount = hasDeviceExtension(gpu.physicalDevice, portability) ? 1 : 0;
-  info.ppEnabledExtensionNames = &portability;
+  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
   volkLoadDeviceTable(&gpu.vk, gpu.device);
   gpu.vk.vkGetDeviceQueue(gpu.device, gpu.queueFamily, 0, &gpu.queue);
@@ -124,7 +127,7 @@ void loadPipelineCache(Gpu::Handles& gpu) {
 std::vector<DeviceDescription> listDevices() {
   widenCpuVectors();
   std::vector<DeviceDescription> descriptions;
-  if (const auto instance = openInstance(false, {}))
+  if (const auto instance = openInstance({}))
     for (const auto& found : findDevices(*instance)) descriptions.push_back(found.description);
   return descriptions;
 }
@@ -133,9 +136,11 @@ Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   Handles& gpu = *handles_;
   gpu.options = std::move(options);
   if (gpu.options.cacheFolder.empty()) gpu.options.cacheFolder = defaultCacheFolder();
-  widenCpuVectors();
+  // llvmpipe (Mesa 22.3) crashes when it compiles a vertex shader for 512-bit vectors.
+  const bool draws = !gpu.options.deviceExtensions.empty();
+  if (!draws) widenCpuVectors();
   separateShaderCache(gpu.options.cacheFolder);
-  gpu.instance = openInstance(gpu.options.validation, gpu.options.onMessage);
+  gpu.instance = openInstance(gpu.options);
   const auto found = gpu.instance ? findDevices(*gpu.instance) : std::vector<FoundDevice>{};
   std::vector<DeviceDescription> descriptions;
   descriptions.reserve(found.size());
@@ -205,9 +210,14 @@ void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& reco
   VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &gpu.copyCommands;
-  checkResult(gpu.vk.vkQueueSubmit(gpu.queue, 1, &submit, gpu.copyFence), "vkQueueSubmit");
+  submitToQueue(gpu, submit, gpu.copyFence);
   checkResult(gpu.vk.vkWaitForFences(gpu.device, 1, &gpu.copyFence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
   checkResult(gpu.vk.vkResetFences(gpu.device, 1, &gpu.copyFence), "vkResetFences");
+}
+
+void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence) {
+  const std::lock_guard lock(gpu.queueAccess);
+  checkResult(gpu.vk.vkQueueSubmit(gpu.queue, 1, &submit, fence), "vkQueueSubmit");
 }
 
 void fullBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands) {

@@ -36,6 +36,8 @@ struct DeviceOptions {
   std::function<void(std::string_view)> onMessage;
   /// Pipelines and driver caches are kept here; empty: the user's cache folder.
   std::filesystem::path cacheFolder;
+  /// Vulkan extensions to enable beside the engine's own, for programs that share its device to draw with it.
+  std::vector<std::string> instanceExtensions{}, deviceExtensions{};
   /// Copies through a staging buffer even where the host sees the device's memory, for tests.
   bool forceStaging = false;
   ProgramSource programs;
@@ -60,7 +62,7 @@ class Gpu {
   /// Overrides the kernel family or limits, for tests that compare families.
   void setTraits(const DeviceTraits& traits);
 
-  struct Handles;  // Vulkan objects; defined in engine/handles.h, for engine sources only
+  struct Handles;  // Vulkan objects; defined in engine/handles.h, for the engine and programs that share its device
   Handles& handles() { return *handles_; }
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <mutex>
 #include <tuple>
 
 #include "engine/buffer.h"
@@ -51,6 +52,7 @@ struct Gpu::Handles {
   VkDevice device = VK_NULL_HANDLE;
   VolkDeviceTable vk{};
   VkQueue queue = VK_NULL_HANDLE;
+  std::mutex queueAccess;  // held while submitting or presenting
   VkCommandPool commandPool = VK_NULL_HANDLE;
   VkCommandBuffer copyCommands = VK_NULL_HANDLE;
   VkFence copyFence = VK_NULL_HANDLE;
@@ -76,6 +78,9 @@ struct Buffer::Handles {
   VkDeviceMemory memory = VK_NULL_HANDLE;
   std::byte* mapped = nullptr;  // null if the host cannot see the memory
 };
+
+/// Gives commands to the device's queue, which another thread may be using as well.
+void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence);
 
 /// Records commands, submits them and waits for their end.
 void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& record);

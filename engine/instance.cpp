@@ -117,7 +117,8 @@ Instance::~Instance() {
   if (instance) vkDestroyInstance(instance, nullptr);
 }
 
-std::unique_ptr<Instance> openInstance(bool validation, std::function<void(std::string_view)> onMessage) {
+std::unique_ptr<Instance> openInstance(const DeviceOptions& options) {
+  const bool validation = options.validation;
   const std::lock_guard lock(volkMutex);
   if (volkInitialize() != VK_SUCCESS)
     throw Error(
@@ -130,9 +131,10 @@ std::unique_ptr<Instance> openInstance(bool validation, std::function<void(std::
                 " is not installed; install the Vulkan validation layers or open the device without validation");
 
   auto result = std::make_unique<Instance>();
-  result->onMessage = std::move(onMessage);
+  result->onMessage = options.onMessage;
 
   std::vector<const char*> extensions;
+  for (const std::string& name : options.instanceExtensions) extensions.push_back(name.c_str());
   VkInstanceCreateFlags flags = 0;
   if (hasInstanceExtension(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
     extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);

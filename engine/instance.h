@@ -21,8 +21,9 @@ struct Instance {
   Instance& operator=(const Instance&) = delete;
 };
 
-/// Throws Error if there is no Vulkan loader or the layer is missing. Returns null if the loader knows no driver.
-std::unique_ptr<Instance> openInstance(bool validation, std::function<void(std::string_view)> onMessage);
+/// Throws Error if there is no Vulkan loader or the layer or an extension is missing. Returns null if the loader knows
+/// no driver.
+std::unique_ptr<Instance> openInstance(const DeviceOptions& options);
 
 /// A device that can run the engine, and how it describes itself.
 struct FoundDevice {

@@ -261,7 +261,7 @@ void Recording::Handles::submit(const Submission& submission) {
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.commandBufferCount = 1;
   info.pCommandBuffers = &submission.commands;
-  checkResult(gpu.vk.vkQueueSubmit(gpu.queue, 1, &info, submission.fence), "vkQueueSubmit");
+  submitToQueue(gpu, info, submission.fence);
 }
 
 void Recording::Handles::wait(const Submission& submission) {
