@@ -8,7 +8,7 @@
 #include "graph/tile_choice.h"
 #include "graph/tile_runner.h"
 #include "shaders/programs.h"
-#include "xrds/xrds.h"
+#include "xrds/engine_access.h"
 
 namespace xrds {
 namespace {
@@ -68,7 +68,16 @@ FrameShape frameOf(const NetworkConfig& config, uint32_t outputWidth, uint32_t o
 SessionOptions sessionOptions(const Upscaler::Options& options) {
   return {.precision = options.fp16 ? Precision::fp16 : Precision::fp32,
           .autoExposure = !options.exposure.has_value(),
-          .timestamps = options.profile};
+          .timestamps = options.profile,
+          .multiplyAddsPerSubmission = options.multiplyAddsPerSubmission};
+}
+
+// `progress` as the engine calls it, with the submissions done and their total.
+std::function<bool(size_t, size_t)> countingShare(const Upscaler::Progress& progress) {
+  if (!progress) return nullptr;
+  return [&progress](size_t done, size_t total) {
+    return progress(static_cast<double>(done) / static_cast<double>(total));
+  };
 }
 
 Tiling tilingOf(const ModelWeights& model, FrameShape frame, bool fp16, const TileOptions& options,
@@ -136,11 +145,15 @@ struct Upscaler::State {
   bool runWhole(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                 const Progress& progress) {
     const PackedFrame packed(colour, auxiliary);
-    const auto report = [&](size_t done, size_t total) {
-      return progress(static_cast<double>(done) / static_cast<double>(total));
-    };
-    return session->run(packed.input(options.exposure), output,
-                        progress ? std::function<bool(size_t, size_t)>(report) : nullptr);
+    return session->run(packed.input(options.exposure), output, countingShare(progress));
+  }
+
+  // The images of a frame that is computed in tiles are never on the device as a whole.
+  Session& wholeSession() {
+    if (!session)
+      throw Error(
+          "The frame fits the device in tiles only, so that it cannot be drawn from there: take a smaller one.");
+    return *session;
   }
 
   NetworkConfig config;
@@ -166,6 +179,8 @@ Device::Device(const Options& options)
                             .validation = options.validation,
                             .onMessage = options.onMessage,
                             .cacheFolder = options.cacheFolder,
+                            .instanceExtensions = options.instanceExtensions,
+                            .deviceExtensions = options.deviceExtensions,
                             .programs = embeddedProgram})}) {}
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
@@ -283,6 +298,33 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
   return rows;
+}
+
+Gpu& EngineAccess::gpu(Device& device) { return device.state_->gpu; }
+
+DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
+  const Session& session = upscaler.state_->wholeSession();
+  const auto place = [&](const TensorView& view) -> DeviceImage {
+    if (!view.exists()) return {};
+    return {session.placeOf(view), view.width, view.height, view.channels};
+  };
+  const Graph& graph = session.graph();
+  return {&session.arena(), place(graph.colour), place(graph.auxiliary), place(graph.output)};
+}
+
+void EngineAccess::upload(Upscaler& upscaler, const PixelView& colour, std::span<const PixelView> auxiliary) {
+  Upscaler::State& state = *upscaler.state_;
+  checkFrame(state.config, state.frame, colour, auxiliary);
+  const PackedFrame packed(colour, auxiliary);
+  state.wholeSession().upload(packed.input(state.options.exposure));
+}
+
+bool EngineAccess::replay(Upscaler& upscaler, const Upscaler::Progress& progress) {
+  return upscaler.state_->wholeSession().replay(countingShare(progress));
+}
+
+void EngineAccess::download(const Upscaler& upscaler, std::span<float> output) {
+  upscaler.state_->wholeSession().download(output);
 }
 
 }  // namespace xrds

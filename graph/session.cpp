@@ -140,33 +140,42 @@ Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionO
     for (const Binding& binding : placed.dispatch.bindings) placed.ranges.push_back(place(binding));
     placed_.push_back(std::move(placed));
   }
-  recording_.emplace(gpu, placed_, RecordingOptions{.timestamps = options.timestamps});
+  recording_.emplace(gpu, placed_, RecordingOptions{options.timestamps, options.multiplyAddsPerSubmission});
 }
 
 bool Session::run(const FrameInput& input, std::span<float> output,
                   const std::function<bool(size_t, size_t)>& progress) {
-  const auto upload = [&](const TensorView& view, std::span<const float> values) {
-    arena_->upload(plan_.offsets[storage_[view.value]], std::as_bytes(values));
+  checkSize("output", output.size(), graph_.output.pixelCount());
+  upload(input);
+  if (!replay(progress)) return false;
+  download(output);
+  return true;
+}
+
+void Session::upload(const FrameInput& input) {
+  const auto write = [&](const TensorView& view, std::span<const float> values) {
+    arena_->upload(placeOf(view), std::as_bytes(values));
   };
   checkSize("colour", input.colour.size(), graph_.colour.pixelCount());
-  checkSize("output", output.size(), graph_.output.pixelCount());
-  upload(graph_.colour, interleave({input.colour}, graph_.colour.pixelCount(), 4));
+  write(graph_.colour, interleave({input.colour}, graph_.colour.pixelCount(), 4));
   if (graph_.auxiliary.exists()) {
     for (const auto& image : input.auxiliary) checkSize("auxiliary", image.size(), graph_.auxiliary.pixelCount());
     if (3 * input.auxiliary.size() > graph_.auxiliary.channels ||
         3 * input.auxiliary.size() + 3 < graph_.auxiliary.channels)
       throw Error("The model was given " + std::to_string(input.auxiliary.size()) +
                   " auxiliary images, another number than it expects.");
-    upload(graph_.auxiliary, interleave(input.auxiliary, graph_.auxiliary.pixelCount(), graph_.auxiliary.channels));
+    write(graph_.auxiliary, interleave(input.auxiliary, graph_.auxiliary.pixelCount(), graph_.auxiliary.channels));
   }
   if (!graph_.computesExposure()) {
     const float e = input.exposure.value_or(1.f);
-    upload(graph_.exposure, std::vector<float>{e, input.inverseExposure.value_or(1 / e), 0, 0});
+    write(graph_.exposure, std::vector<float>{e, input.inverseExposure.value_or(1 / e), 0, 0});
   }
-  if (!recording_->run(progress)) return false;
+}
+
+void Session::download(std::span<float> output) const {
+  checkSize("output", output.size(), graph_.output.pixelCount());
   const std::vector<float> pixels = read(graph_.output);
   for (size_t p = 0; p < graph_.output.pixelCount(); ++p) std::copy_n(&pixels[4 * p], 3, &output[3 * p]);
-  return true;
 }
 
 std::vector<DispatchTime> Session::times() const {
@@ -183,7 +192,7 @@ std::vector<DispatchTime> Session::times() const {
 
 std::vector<float> Session::read(const TensorView& view) const {
   std::vector<std::byte> bytes(view.storedByteSize());
-  arena_->download(plan_.offsets[storage_[view.value]], bytes);
+  arena_->download(placeOf(view), bytes);
   std::vector<float> values(bytes.size() / byteSize(view.type));
   for (size_t i = 0; i < values.size(); ++i) {
     if (view.type == DataType::f32) {

@@ -29,6 +29,7 @@ struct SessionOptions {
   Precision precision = Precision::fp32;
   bool autoExposure = true;
   bool timestamps = false;
+  uint64_t multiplyAddsPerSubmission = RecordingOptions{}.multiplyAddsPerSubmission;
   uint32_t bandRows = 0;  // as in GraphOptions
   bool aliasing = true;   // off: every value keeps its bytes, so that each can be looked at
   /// A session of the same model whose arena, where it is large enough, and weights are used too: the two then run in
@@ -64,6 +65,15 @@ class Session {
   /// Upscales one frame into output [s h, s w, 3]. Throws Error if a size does not fit. `progress` as in
   /// Recording::run; returns false if it stopped the run.
   bool run(const FrameInput& input, std::span<float> output, const std::function<bool(size_t, size_t)>& progress = {});
+
+  /// The three steps of run(), for frames whose inputs or output stay on the device. upload() writes the inputs to
+  /// where placeOf() says; replay() reads them there and may overwrite them.
+  void upload(const FrameInput& input);
+  bool replay(const std::function<bool(size_t, size_t)>& progress = {}) { return recording_->run(progress); }
+  void download(std::span<float> output) const;
+  /// Byte offset of an input or the output of the graph in arena().
+  uint64_t placeOf(const TensorView& view) const { return plan_.offsets[storage_[view.value]]; }
+  const Buffer& arena() const { return *arena_; }
 
   const Graph& graph() const { return graph_; }
   const MemoryPlan& plan() const { return plan_; }

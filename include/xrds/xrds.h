@@ -37,6 +37,8 @@ class Device {
     /// Vulkan validation layers; their messages go to onMessage.
     bool validation = false;
     std::function<void(std::string_view)> onMessage{};
+    /// Vulkan extensions to enable, for a program that draws on the same device (xrds/engine_access.h).
+    std::vector<std::string> instanceExtensions{}, deviceExtensions{};
   };
 
   /// All devices; the index is what Options::select takes. Throws Error if there is no Vulkan loader.
@@ -52,6 +54,7 @@ class Device {
 
  private:
   friend class Upscaler;
+  friend struct EngineAccess;
   struct State;
   std::unique_ptr<State> state_;
 };
@@ -104,6 +107,8 @@ class Upscaler {
     bool profile = false;
     TileOptions tiles{};  // of a frame that does not fit the device
     SkipOptions skip{};
+    /// A run is cut into submissions of about that much work: others wait for the device no longer than one takes.
+    uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
   };
   /// Called between submissions with the finished share in [0, 1]; returning false cancels the run.
   using Progress = std::function<bool(double)>;
@@ -144,6 +149,7 @@ class Upscaler {
                                      std::span<const PixelView> auxiliary, const Options& options);
 
  private:
+  friend struct EngineAccess;
   struct State;
   std::unique_ptr<State> state_;
 };
