@@ -9,6 +9,7 @@ void addUpscale(CLI::App& app);
 void addCompare(CLI::App& app);
 void addInfo(CLI::App& app);
 void addDevices(CLI::App& app);
+void addView(CLI::App& app);
 
 /// The group of the measuring verbs, and its members.
 void addBench(CLI::App& app);

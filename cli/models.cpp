@@ -11,12 +11,6 @@ namespace {
 
 constexpr const char* kSuffix = ".safetensors";
 
-fs::path programFolder() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);  // elsewhere: $XRDS_MODELS or a path
-  return error ? fs::path() : program.parent_path();
-}
-
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
@@ -30,6 +24,12 @@ fs::path shippedFile(const std::string& name) {
 }
 
 }  // namespace
+
+fs::path programFolder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);  // elsewhere: $XRDS_MODELS or a path
+  return error ? fs::path() : program.parent_path();
+}
 
 std::vector<fs::path> modelFolders() {
   std::vector<fs::path> folders;

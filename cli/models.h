@@ -6,6 +6,9 @@
 
 namespace xrds {
 
+/// The folder of the running program; empty where the system does not tell.
+std::filesystem::path programFolder();
+
 /// Folders in which shipped models are looked for: $XRDS_MODELS, beside the installed program, in the source tree.
 std::vector<std::filesystem::path> modelFolders();
 

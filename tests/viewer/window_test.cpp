@@ -1,0 +1,168 @@
+// The viewer's window, driven by scripts, under the validation layers: every run must end without a message.
+#include <gtest/gtest.h>
+
+#include "tests/viewer/virtual_desktop.h"
+
+namespace xrds::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSamples = XRDS_SAMPLE_FOLDER;
+const std::string kColour = kSamples + "/outdoor_lr.exr", kAuxiliary = kSamples + "/outdoor_aux.exr",
+                  kReference = kSamples + "/outdoor_ref.exr";  // 80 x 60 to 320 x 240
+const std::vector<std::string> kSmallWindow{"--size", "400x340", "--model", "xrds-x4-nano"};
+
+std::vector<std::string> smallWindow(std::vector<std::string> files) {
+  files.insert(files.end(), kSmallWindow.begin(), kSmallWindow.end());
+  return files;
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+size_t occurrences(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+struct ViewerWindow : testing::Test {
+  VirtualDesktop desktop;
+  TemporaryFolder folder;
+
+  Ended run(const std::string& script, const std::vector<std::string>& arguments) {
+    Ended ended = runViewer(desktop, folder, script, arguments);
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    EXPECT_EQ(ended.error, "") << script;
+    return ended;
+  }
+  void copy(const std::string& from, const std::string& to) const { fs::copy_file(from, folder / to); }
+};
+
+TEST_F(ViewerWindow, ShowsTheColoursThatUpscaleWrites) {
+  run("key P\nkey W\nwait\nscreenshot shot.png\nsave saved.exr\nwait\n", smallWindow({kColour, kAuxiliary}));
+  const Ended upscaled = runXrds({"upscale", kColour, kAuxiliary, "-o", (folder / "out.exr").string(), "--preview",
+                                  (folder / "preview.png").string(), "--model", "xrds-x4-nano", "--quiet"});
+  ASSERT_EQ(upscaled.exitCode, 0) << upscaled.error;
+  const Image shot = cropped(readPng(folder / "shot.png"), 40, 50, 320, 240);  // in the middle of the window
+  EXPECT_LT(meanDifference(shot, readPng(folder / "preview.png")), 0.1);
+  const Ended compared =
+      runXrds({"compare", (folder / "saved.exr").string(), (folder / "out.exr").string(), "--min-psnr", "80"});
+  EXPECT_EQ(compared.exitCode, 0) << compared.output << compared.error;
+}
+
+TEST_F(ViewerWindow, LooksAsItDid) {
+  run("key P\nwait\nscreenshot wipe.png\n"
+      "key Shift+6\nkey 7\nwait\nscreenshot reference_error.png\n"
+      "key Shift+8\nkey 9\nmove 200 170\nscroll 4\nwait\nscreenshot albedo_normal_zoomed.png\n"
+      "key F\nkey Shift+3\nkey 4\nkey E\nkey T\nwait\nscreenshot bases_brighter_filmic.png\n"
+      "move 200 100\npress\nmove 90 100\nrelease\nmove 399 339\nwait\nscreenshot divider_dragged.png\n"
+      "key H\nwait\nscreenshot help.png\nwait\n",
+      smallWindow({kColour, kAuxiliary, kReference}));
+  for (const char* name :
+       {"wipe", "reference_error", "albedo_normal_zoomed", "bases_brighter_filmic", "divider_dragged", "help"})
+    expectLikeStored(folder / (std::string(name) + ".png"));
+}
+
+TEST_F(ViewerWindow, SurvivesNewSizesAndLostSwapchains) {
+  const Ended ended =
+      run("wait\nsize 500 400\nwait\nscreenshot larger.png\nwait\nlose swapchain\nwait\nlose surface\nwait\nprint\n"
+          "size 330 250\nwait\nkey P\nwait\nscreenshot smaller.png\nminimize\nsleep 0.1\nrestore\nwait\nprint\n",
+          smallWindow({kColour, kAuxiliary}));
+  EXPECT_EQ(readPng(folder / "larger.png").width, 500);
+  EXPECT_EQ(readPng(folder / "smaller.png").width, 330);
+  EXPECT_TRUE(has(ended.output, "window=500x400 swapchains=4")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "window=330x250 swapchains=5")) << ended.output;
+}
+
+TEST_F(ViewerWindow, SwitchesModelAndPrecisionAndTellsPixels) {
+  const Ended ended =
+      run("wait\nprint\nkey C\nwait\nprint\nkey Shift+M\nwait\nprint\nmove 60 170\nwait\nprint\n"
+          "drop " +
+              kAuxiliary + " " + kColour + "\nwait\nprint\ndrop none.exr\nwait\nprint\n",
+          smallWindow({kColour, kAuxiliary, kReference}));
+  EXPECT_TRUE(has(ended.output, "pictures=1 files=outdoor_lr.exr model=xrds-x4-nano precision=fp32")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "compared=1"));
+  EXPECT_TRUE(has(ended.output, "pictures=2 files=outdoor_lr.exr model=xrds-x4-nano precision=fp16")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures=3 files=outdoor_lr.exr model=xrds-x4-compact-plain precision=fp16"))
+      << ended.output;
+  EXPECT_TRUE(has(ended.output, " input@")) << ended.output;
+  EXPECT_TRUE(has(ended.output, " reference@")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures=4")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "none.exr")) << ended.output;
+}
+
+TEST_F(ViewerWindow, WaitsForHalfWrittenFiles) {
+  const Ended ended =
+      run("copy " + kColour + " lr.exr\npart 20000 " + kAuxiliary + " aux.exr\nsleep 0.4\nprint\ncopy " + kAuxiliary +
+              " aux.exr\nawait 1\nwait\nprint\ncopy " + kColour + " lr.exr\nawait 2\nwait\nprint\n",
+          smallWindow({"--watch", "lr.exr", "aux.exr"}));
+  EXPECT_TRUE(has(ended.output, "pictures=0")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "waiting=\"")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures=1 files=lr.exr")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures=2 files=lr.exr")) << ended.output;
+}
+
+TEST_F(ViewerWindow, WatchesAFolder) {
+  fs::create_directory(folder / "renders");
+  const Ended ended =
+      run("copy " + kColour + " renders/lr.exr\ncopy " + kAuxiliary + " renders/aux.exr\nawait 1\nwait\nprint\ncopy " +
+              kColour + " renders/second.exr\nawait 2\nwait\nprint\n",
+          smallWindow({"renders"}));
+  EXPECT_TRUE(has(ended.output, "files=lr.exr")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "files=second.exr")) << ended.output;
+}
+
+TEST_F(ViewerWindow, PlaysScrubsAndLoopsASequence) {
+  for (const char* number : {"0009", "0010", "0011"}) {
+    copy(kColour, std::string("shot.") + number + ".exr");
+    copy(kAuxiliary, std::string("aux.") + number + ".exr");
+  }
+  const Ended ended =
+      run("wait\nprint\nkey End\nwait\nprint\nkey PageUp\nwait\nprint\nkey Home\nkey Space\nawait 8\nkey "
+          "Space\nwait\nprint\n",
+          smallWindow({"shot.####.exr", "aux.####.exr", "--fps", "100"}));
+  EXPECT_TRUE(has(ended.output, "files=shot.0009.exr model=xrds-x4-nano precision=fp32 frame=0")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "files=shot.0011.exr model=xrds-x4-nano precision=fp32 frame=2")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "files=shot.0010.exr model=xrds-x4-nano precision=fp32 frame=1")) << ended.output;
+  EXPECT_EQ(occurrences(ended.output, "pictures="), 4u);
+}
+
+TEST_F(ViewerWindow, RemembersItsSize) {
+  run("size 432 321\nwait\n", {});
+  const Ended ended = run("wait\nprint\n", {});
+  EXPECT_TRUE(has(ended.output, "window=432x321")) << ended.output;
+}
+
+TEST_F(ViewerWindow, LeavesAfterPicturesAndKeepsAScreenshot) {
+  const StartOptions options{
+      .environment = {{"DISPLAY", desktop.name()}, {"XDG_CONFIG_HOME", (folder / "config").string()}},
+      .folder = folder / ""};
+  const Ended ended = runXrds({"view", kColour, kAuxiliary, "--model", "xrds-x4-nano", "--frames", "1", "--screenshot",
+                               "shot.png", "--statistics"},
+                              options);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(has(ended.output, "pictures 1 ")) << ended.output;
+  EXPECT_EQ(readPng(folder / "shot.png").width, 1280);
+}
+
+TEST(ViewerFailure, WithoutADisplayOneSentence) {
+  const Ended ended = runXrds({"view", kColour}, {.environment = {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
+  EXPECT_EQ(ended.exitCode, 5);
+  EXPECT_TRUE(has(ended.error, "No window can be opened")) << ended.error;
+  EXPECT_EQ(occurrences(ended.error, "\n"), 1u) << ended.error;
+}
+
+TEST_F(ViewerWindow, RefusesWhatItCannotOpen) {
+  const auto view = [&](const std::vector<std::string>& arguments) {
+    return runViewer(desktop, folder, "wait\n", arguments);
+  };
+  EXPECT_EQ(view({"none.exr"}).exitCode, 3);
+  EXPECT_EQ(view({"none.####.exr"}).exitCode, 3);
+  EXPECT_EQ(view({kColour, "--device", "bogus"}).exitCode, 5);
+  EXPECT_EQ(view({kColour, "--size", "big"}).exitCode, 2);
+  EXPECT_EQ(runViewer(desktop, folder, "dance\n").exitCode, 2);
+}
+
+}  // namespace
+}  // namespace xrds::test

@@ -1,0 +1,194 @@
+#include "viewer/canvas.h"
+
+#include "canvas.frag.h"
+#include "canvas.vert.h"
+#include "engine/vulkan_result.h"
+#include "image/compose.h"
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kBindings = 4;
+
+VkShaderModule makeModule(const Gpu::Handles& gpu, std::span<const uint32_t> words) {
+  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  info.codeSize = words.size_bytes();
+  info.pCode = words.data();
+  VkShaderModule module = VK_NULL_HANDLE;
+  checkResult(gpu.vk.vkCreateShaderModule(gpu.device, &info, nullptr, &module), "vkCreateShaderModule");
+  return module;
+}
+
+// The colours of the heat map from least to most, as a picture of one row.
+std::vector<float> heatColours() {
+  constexpr int kSteps = 256;
+  Image ramp(kSteps, 1, 1);
+  for (int x = 0; x < kSteps; ++x) ramp.at(x, 0, 0) = static_cast<float>(x) / (kSteps - 1);
+  const Image colours = heatMap(ramp, 1);
+  std::vector<float> pixels;
+  for (int x = 0; x < kSteps; ++x)
+    pixels.insert(pixels.end(), {colours.at(x, 0, 0), colours.at(x, 0, 1), colours.at(x, 0, 2), 0});
+  return pixels;
+}
+
+shader::Picture describePicture(const Canvas::Choice& choice, const PictureView& picture) {
+  return {choice.kind, picture.width, picture.height, picture.channels, choice.channel};
+}
+
+}  // namespace
+
+Canvas::Canvas(Gpu& gpu, Pictures& pictures, VkRenderPass renderPass) : gpu_(gpu.handles()), pictures_(pictures) {
+  pictures.upload(Slot::heat, 256, 1, heatColours());
+  VkDescriptorSetLayoutBinding bindings[kBindings]{};
+  for (uint32_t i = 0; i < kBindings; ++i)
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+  VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  set.bindingCount = kBindings;
+  set.pBindings = bindings;
+  checkResult(gpu_.vk.vkCreateDescriptorSetLayout(gpu_.device, &set, nullptr, &setLayout_),
+              "vkCreateDescriptorSetLayout");
+  const VkPushConstantRange range{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(shader::PictureParameters)};
+  VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  layout.setLayoutCount = 1;
+  layout.pSetLayouts = &setLayout_;
+  layout.pushConstantRangeCount = 1;
+  layout.pPushConstantRanges = &range;
+  checkResult(gpu_.vk.vkCreatePipelineLayout(gpu_.device, &layout, nullptr, &layout_), "vkCreatePipelineLayout");
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kBindings};
+  VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool.maxSets = 1;
+  pool.poolSizeCount = 1;
+  pool.pPoolSizes = &size;
+  checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
+  VkDescriptorSetAllocateInfo allocation{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  allocation.descriptorPool = pool_;
+  allocation.descriptorSetCount = 1;
+  allocation.pSetLayouts = &setLayout_;
+  checkResult(gpu_.vk.vkAllocateDescriptorSets(gpu_.device, &allocation, &set_), "vkAllocateDescriptorSets");
+  makePipeline(renderPass);
+}
+
+Canvas::~Canvas() {
+  gpu_.vk.vkDestroyPipeline(gpu_.device, pipeline_, nullptr);
+  gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
+  gpu_.vk.vkDestroyPipelineLayout(gpu_.device, layout_, nullptr);
+  gpu_.vk.vkDestroyDescriptorSetLayout(gpu_.device, setLayout_, nullptr);
+}
+
+void Canvas::makePipeline(VkRenderPass renderPass) {
+  VkPipelineShaderStageCreateInfo stages[2]{};
+  for (VkPipelineShaderStageCreateInfo& stage : stages) {
+    stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    stage.pName = "main";
+  }
+  stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
+  stages[0].module = makeModule(gpu_, canvas_vert);
+  stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+  stages[1].module = makeModule(gpu_, canvas_frag);
+  const VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+  viewport.viewportCount = viewport.scissorCount = 1;
+  VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  raster.lineWidth = 1;
+  VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+  samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  VkPipelineColorBlendAttachmentState attachment{};
+  attachment.colorWriteMask = 0xf;
+  VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  blend.attachmentCount = 1;
+  blend.pAttachments = &attachment;
+  const VkDynamicState dynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  VkPipelineDynamicStateCreateInfo changing{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+  changing.dynamicStateCount = 2;
+  changing.pDynamicStates = dynamic;
+  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+  info.stageCount = 2;
+  info.pStages = stages;
+  info.pVertexInputState = &vertices;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &samples;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &changing;
+  info.layout = layout_;
+  info.renderPass = renderPass;
+  const VkResult made =
+      gpu_.vk.vkCreateGraphicsPipelines(gpu_.device, gpu_.pipelineCache, 1, &info, nullptr, &pipeline_);
+  for (const auto& stage : stages) gpu_.vk.vkDestroyShaderModule(gpu_.device, stage.module, nullptr);
+  checkResult(made, "vkCreateGraphicsPipelines");
+}
+
+Canvas::Choice Canvas::choiceOf(View view) {
+  switch (view) {
+    case View::input:
+      return {Slot::input};
+    case View::bicubic:
+      return {Slot::bicubic};
+    case View::demodulated:
+      return {Slot::demodulated};
+    case View::guided:
+      return {Slot::guided};
+    case View::reference:
+      return {Slot::reference};
+    case View::error:
+      return {Slot::output, shader::kKindError};
+    case View::albedo:
+      return {Slot::auxiliary, shader::kKindAlbedo};
+    case View::normal:
+      return {Slot::auxiliary, shader::kKindNormal, 3};
+    case View::output:
+      break;
+  }
+  return {Slot::output};
+}
+
+View Canvas::shownFor(View view) const {
+  const Choice choice = choiceOf(view);
+  const PictureView picture = pictures_.at(choice.slot);
+  const bool missing = !picture.valid || picture.channels < choice.channel + 3 ||
+                       (view == View::error && !pictures_.at(Slot::reference).valid);
+  return missing ? View::input : view;
+}
+
+void Canvas::describe(const PictureView& left, const PictureView& right) {
+  const PictureView heat = pictures_.at(Slot::heat), reference = pictures_.at(Slot::reference);
+  const VkBufferView views[kBindings] = {left.texels, right.texels, reference.texels ? reference.texels : heat.texels,
+                                         heat.texels};
+  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+  write.dstSet = set_;
+  write.descriptorCount = kBindings;  // runs on over the following bindings
+  write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+  write.pTexelBufferView = views;
+  gpu_.vk.vkUpdateDescriptorSets(gpu_.device, 1, &write, 0, nullptr);
+}
+
+void Canvas::draw(VkCommandBuffer commands, const ViewState& state, uint32_t width, uint32_t height) {
+  if (!pictures_.at(Slot::input).valid || width == 0) return;
+  const Choice left = choiceOf(shownFor(state.left)), right = choiceOf(shownFor(state.right));
+  const PictureView leftPicture = pictures_.at(left.slot), rightPicture = pictures_.at(right.slot);
+  describe(leftPicture, rightPicture);
+  shader::PictureParameters parameters{};
+  parameters.left = describePicture(left, leftPicture);
+  parameters.right = describePicture(right, rightPicture);
+  parameters.originX = static_cast<float>(state.viewport.left);
+  parameters.originY = static_cast<float>(state.viewport.top);
+  parameters.zoom = static_cast<float>(state.viewport.zoom);
+  parameters.divider = state.wiping ? static_cast<float>(std::round(state.divider())) : -1.F;
+  parameters.width = static_cast<uint32_t>(state.viewport.pictureWidth);
+  parameters.height = static_cast<uint32_t>(state.viewport.pictureHeight);
+  parameters.exposure = state.exposure();
+  parameters.curve = state.curve;
+  parameters.leastErrorLog10 = -4;
+  parameters.mostErrorLog10 = 0;
+  const VkRect2D scissor{{}, {width, height}};
+  gpu_.vk.vkCmdSetScissor(commands, 0, 1, &scissor);
+  gpu_.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
+  gpu_.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+  gpu_.vk.vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof parameters, &parameters);
+  gpu_.vk.vkCmdDraw(commands, 3, 1, 0, 0);
+}
+
+}  // namespace xrds

@@ -1,0 +1,166 @@
+#include "viewer/frame_files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+
+#include "image/aov.h"
+#include "image/repair.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace fs = std::filesystem;
+namespace {
+
+/// A pattern with a run of '#': what stands before and after it, and its length.
+struct Numbered {
+  std::string before, after;
+  size_t digits = 0;
+
+  explicit Numbered(const std::string& name) {
+    const size_t first = name.find('#'), end = std::min(name.find_first_not_of('#', first), name.size());
+    before = name.substr(0, first);
+    after = name.substr(end);
+    digits = end - first;
+  }
+  // The number in a name that fits, as text without leading zeros; nothing if it does not fit.
+  std::optional<long long> numberIn(const std::string& name) const {
+    if (name.size() < before.size() + after.size() + digits || !name.starts_with(before) || !name.ends_with(after))
+      return std::nullopt;
+    const std::string middle = name.substr(before.size(), name.size() - before.size() - after.size());
+    const bool number = std::all_of(middle.begin(), middle.end(), [](unsigned char c) { return std::isdigit(c); });
+    if (!number || middle.size() > 18) return std::nullopt;
+    return std::stoll(middle);
+  }
+};
+
+std::map<long long, fs::path> numberedFiles(const fs::path& pattern) {
+  const Numbered numbered(pattern.filename().string());
+  const fs::path folder = pattern.parent_path().empty() ? "." : pattern.parent_path();
+  std::map<long long, fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (const auto number = numbered.numberIn(entry.path().filename().string())) files[*number] = entry.path();
+  return files;
+}
+
+int widthOf(const ExrFile& file) {
+  int width = 0;
+  for (const ExrPart& part : file.parts) width = std::max(width, static_cast<int>(part.displayWindow.width()));
+  return width;
+}
+
+FrameFiles sortHeaders(const std::vector<ExrFile>& headers) {
+  if (headers.empty()) throw Error("There is no EXR file to show.");
+  FrameFiles sorted;
+  const auto smallest = std::min_element(headers.begin(), headers.end(),
+                                         [](const auto& a, const auto& b) { return widthOf(a) < widthOf(b); });
+  sorted.colour = smallest->path;
+  int fullWidth = 0;
+  for (const ExrFile& file : headers)
+    if (file.path != sorted.colour && sorted.auxiliary.empty() && hasAov(file, AovRole::kAlbedo)) {
+      sorted.auxiliary = file.path;
+      fullWidth = widthOf(file);
+    }
+  // Older colours of a folder are no references.
+  const auto isReference = [&](const ExrFile& file) {
+    if (file.path == sorted.colour || hasAov(file, AovRole::kAlbedo)) return false;
+    return fullWidth > 0 ? widthOf(file) == fullWidth : widthOf(file) > widthOf(*smallest);
+  };
+  const auto reference = std::find_if(headers.begin(), headers.end(), isReference);
+  if (reference != headers.end()) sorted.reference = reference->path;
+  return sorted;
+}
+
+// The auxiliary inputs that the files have, of those that a model may want.
+std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& layers) {
+  const ExrFile file = readExrHeader(files.auxiliary.empty() ? files.colour : files.auxiliary);
+  std::vector<std::string> inputs;
+  if (!layers.albedo.empty() || hasAov(file, AovRole::kAlbedo)) inputs.emplace_back("albedo");
+  if (!layers.normal.empty() || hasAov(file, AovRole::kNormal)) inputs.emplace_back("normal");
+  return inputs;
+}
+
+Image readReferenceOf(const LoadedFrame& frame) {
+  const ExrFile file = readExrHeader(frame.files.reference);
+  Image reference = readLayer(file, findAov(file, AovRole::kColor));
+  repairNonFinite(reference);
+  return reference;
+}
+
+void addReference(LoadedFrame& frame) {
+  Image reference = readReferenceOf(frame);
+  const int scale = reference.width / frame.colour.width;
+  if (frame.scale == 0) frame.scale = scale;
+  if (reference.width != frame.scale * frame.colour.width || reference.height != frame.scale * frame.colour.height)
+    throw Error("The reference '" + frame.files.reference.string() + "' has " + std::to_string(reference.width) +
+                " x " + std::to_string(reference.height) + " pixels, which does not fit a frame of " +
+                std::to_string(frame.colour.width) + " x " + std::to_string(frame.colour.height) + ".");
+  frame.reference = std::move(reference);
+}
+
+}  // namespace
+
+LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers) {
+  LoadedFrame loaded;
+  loaded.files = files;
+  loaded.inputs = inputsOf(files, layers);
+  Frame frame(files.colour, files.auxiliary, layers, loaded.inputs);
+  frame.load();
+  loaded.colour = frame.colour();
+  loaded.auxiliary = frame.auxiliary();
+  loaded.scale = frame.scale();
+  loaded.warnings = frame.warnings();
+  if (!files.reference.empty()) addReference(loaded);
+  loaded.output = frame.output(std::max(loaded.scale, 1));
+  return loaded;
+}
+
+FrameFiles sortFiles(const std::vector<fs::path>& files) {
+  std::vector<ExrFile> headers;
+  for (const fs::path& file : files) headers.push_back(readExrHeader(file));
+  return sortHeaders(headers);
+}
+
+FrameFiles newestFrame(const fs::path& folder) {
+  constexpr size_t kMost = 12;  // renderers keep old frames: only the latest files are looked at
+  std::vector<fs::directory_entry> entries;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".exr" && entry.is_regular_file(error)) entries.push_back(entry);
+  std::sort(entries.begin(), entries.end(), [&](const auto& a, const auto& b) {
+    const auto timeA = a.last_write_time(error), timeB = b.last_write_time(error);
+    return timeA != timeB ? timeA > timeB : a.path() < b.path();
+  });
+  std::vector<ExrFile> headers;
+  for (size_t i = 0; i < std::min(entries.size(), kMost); ++i) headers.push_back(readExrHeader(entries[i].path()));
+  if (headers.empty()) throw Error("The folder '" + folder.string() + "' holds no EXR file yet.");
+  return sortHeaders(headers);
+}
+
+bool isSequence(const fs::path& pattern) { return pattern.filename().string().find('#') != std::string::npos; }
+
+std::vector<FrameFiles> sequenceOf(const FrameFiles& patterns) {
+  std::map<long long, FrameFiles> frames;
+  for (const auto& [number, path] : numberedFiles(patterns.colour)) frames[number].colour = path;
+  if (frames.empty())
+    throw Error("No file fits the sequence '" + patterns.colour.string() + "': '#' stands for the digits of a number.");
+  const auto add = [&](const fs::path& pattern, fs::path FrameFiles::*member) {
+    if (pattern.empty()) return;
+    const auto files = isSequence(pattern) ? numberedFiles(pattern) : std::map<long long, fs::path>{};
+    for (auto& [number, frame] : frames) {
+      const auto found = files.find(number);
+      if (isSequence(pattern) && found == files.end())
+        throw Error("The sequence '" + pattern.string() + "' has no frame " + std::to_string(number) + ", which '" +
+                    patterns.colour.string() + "' has.");
+      frame.*member = isSequence(pattern) ? found->second : pattern;
+    }
+  };
+  add(patterns.auxiliary, &FrameFiles::auxiliary);
+  add(patterns.reference, &FrameFiles::reference);
+  std::vector<FrameFiles> ordered;
+  for (auto& [number, frame] : frames) ordered.push_back(std::move(frame));
+  return ordered;
+}
+
+}  // namespace xrds

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/frame.h"
+#include "image/image.h"
+
+namespace xrds {
+
+/// The EXR files of one frame; `auxiliary` is empty if its layers are in `colour` or there are none.
+struct FrameFiles {
+  std::filesystem::path colour, auxiliary, reference;
+  bool operator==(const FrameFiles&) const = default;
+};
+
+/// A frame in the host's memory, ready to be upscaled.
+struct LoadedFrame {
+  FrameFiles files;
+  Image colour;
+  std::vector<std::string> inputs;  // "albedo", "normal": as many as the files have
+  std::vector<Image> auxiliary;     // one for each of inputs
+  std::optional<Image> reference;   // of the size of the auxiliary images
+  int scale = 0;                    // of the auxiliary images or the reference over the colour; 0: neither is there
+  ExrOutput output;                 // windows and attributes of the upscaled frame; of the colour's if scale is 0
+  std::vector<std::string> warnings;
+};
+
+/// Reads a frame. Throws Error if a file cannot be read or they do not fit together.
+LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers);
+
+/// Tells which of some files are the colour (the smallest), the auxiliary images (it has an albedo) and the reference
+/// (what is left), by their headers. Of several that could be the same one the first is taken. Throws Error if one
+/// cannot be read or there are none.
+FrameFiles sortFiles(const std::vector<std::filesystem::path>& files);
+
+/// The frame that a renderer wrote last into a folder: its newest colour, auxiliary and reference file.
+/// Throws Error if the folder holds no EXR file.
+FrameFiles newestFrame(const std::filesystem::path& folder);
+
+/// Whether the name stands for a numbered sequence: it has a run of '#'.
+bool isSequence(const std::filesystem::path& pattern);
+
+/// The frames of a sequence in the order of their numbers, of those patterns that are given: "shot.####.exr" stands for
+/// every file whose name has a number of at least four digits there. A pattern without '#' is the same file for each
+/// frame. Throws Error if there is no frame, or a file of one is missing.
+std::vector<FrameFiles> sequenceOf(const FrameFiles& patterns);
+
+}  // namespace xrds

@@ -1,0 +1,58 @@
+#include "viewer/live_scene.h"
+
+#include <algorithm>
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kMostAuxiliarySamples = 64;  // albedo and normal are clean by then
+
+TraceScene sceneOf(const std::string& name) {
+  const auto names = LiveScene::names();
+  return std::find(names.begin(), names.end(), name) != names.end() ? builtInScene(name) : loadScene(name);
+}
+
+PathTracer makeTracer(Gpu& gpu, const LiveWanted& wanted, uint32_t scale, Camera& start) {
+  const TraceScene scene = sceneOf(wanted.scene);
+  start = scene.camera;
+  return {gpu, scene, wanted.width, wanted.height, scale};
+}
+
+// A device finds programs for ever once it was told of them.
+Gpu& withPrograms(Gpu& gpu) {
+  static const Gpu* told = nullptr;
+  if (told != &gpu) gpu.addPrograms(tracerProgram);
+  told = &gpu;
+  return gpu;
+}
+
+}  // namespace
+
+LiveScene::LiveScene(Gpu& gpu, const LiveWanted& wanted, uint32_t scale)
+    : gpu_(withPrograms(gpu)), made_(wanted), scale_(scale), tracer_(makeTracer(gpu_, wanted, scale, start_)) {
+  camera_ = start_;
+  tracer_.reset(camera_);
+}
+
+std::vector<std::string> LiveScene::names() { return builtInSceneNames(); }
+
+bool LiveScene::isOf(const LiveWanted& wanted, uint32_t scale) const {
+  return wanted.scene == made_.scene && wanted.width == made_.width && wanted.height == made_.height && scale == scale_;
+}
+
+void LiveScene::look(const std::optional<Camera>& camera) {
+  const Camera wanted = camera.value_or(start_);
+  if (wanted == camera_) return;
+  camera_ = wanted;
+  tracer_.reset(camera_);
+}
+
+bool LiveScene::refine(const LiveWanted& wanted, const PathTracer::Progress& progress) {
+  const SampleCounts now = tracer_.samples();
+  SampleCounts more;
+  more.colour = std::min(std::clamp(now.colour / 2, 1U, 8U), wanted.mostSamples - now.colour);
+  more.auxiliary = now.auxiliary < kMostAuxiliarySamples ? std::clamp(now.auxiliary / 8, 1U, 4U) : 0;
+  return tracer_.render(more, progress);
+}
+
+}  // namespace xrds

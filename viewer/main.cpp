@@ -1,0 +1,77 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "cli/exit_code.h"
+#include "viewer/viewer.h"
+
+namespace {
+
+int fail(xrds::ExitCode code, const std::string& message) {
+  std::fprintf(stderr, "xrds: %s%s\n", message.c_str(), message.ends_with('.') ? "" : ".");
+  return static_cast<int>(code);
+}
+
+void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
+  app.add_option("FILES", options.files,
+                 "Colour, auxiliary and reference EXR files in any order; names with #### for a numbered sequence; or "
+                 "a folder to watch");
+  app.add_flag("--watch", options.watch, "Upscale COLOR and AUX again whenever they are written");
+  app.add_option("--live", options.scene, "Trace a scene instead: room, garden, spheres, or a glTF or OBJ file")
+      ->type_name("SCENE");
+  app.add_option("--live-size", options.liveSize, "Of the low-resolution colour")
+      ->type_name("WIDTHxHEIGHT")
+      ->capture_default_str();
+  app.add_option("--samples", options.samples, "The most samples a pixel of it")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--reference", options.reference, "EXR file to compare with")->type_name("EXR");
+  app.add_option("--model", options.model, "A shipped model's name or a .safetensors file (default: by the scale)")
+      ->type_name("MODEL");
+  app.add_option("--precision", options.precision, "Storage of activations and weights")
+      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->capture_default_str();
+  app.add_option("--fps", options.framesPerSecond, "Frames a second of a sequence")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  app.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
+      ->type_name("DEVICE");
+  app.add_option("--color", options.layers.color, "Layer to take as colour")->type_name("LAYER");
+  app.add_option("--albedo", options.layers.albedo, "Layer to take as albedo")->type_name("LAYER");
+  app.add_option("--normal", options.layers.normal, "Layer to take as normal")->type_name("LAYER");
+  app.add_option("--size", options.size, "Of the window (default: as it was left)")->type_name("WIDTHxHEIGHT");
+  app.add_option("--frames", options.frames, "Leave after so many upscaled pictures")->type_name("N");
+  app.add_option("--screenshot", options.screenshot, "PNG file of the window to write then")->type_name("PNG");
+  app.add_option("--script", options.script, "File of steps to take, one a line; leaves after the last")
+      ->type_name("FILE");
+  app.add_flag("--statistics", options.statistics, "Print what the session took when leaving");
+  app.add_flag("--validation", options.validation, "With Vulkan's validation layers; their first message is a failure");
+  app.footer(
+      "H shows the keys. Exit codes are those of xrds --help; 5 also if there is no display.\n\nExamples:\n"
+      "  xrds view color.exr aux.exr reference.exr\n"
+      "  xrds view 'color.####.exr' 'aux.####.exr' --fps 24\n"
+      "  xrds view --watch color.exr aux.exr\n"
+      "  xrds view renders/\n"
+      "  xrds view --live room");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Shows renders as they are upscaled, in a window.", "xrds view");
+  xrds::ViewerOptions options;
+  addOptions(app, options);
+  try {
+    app.parse(argc, argv);
+    xrds::Viewer(options).run();
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    return fail(xrds::ExitCode::usage, std::string(error.what()) + "; see --help");
+  } catch (const xrds::Failure& failure) {
+    return fail(failure.code, failure.message);
+  } catch (const xrds::Error& error) {  // of the display or the device
+    return fail(xrds::ExitCode::device, error.what());
+  } catch (const std::exception& error) {
+    return fail(xrds::ExitCode::bug, std::string("This is a bug of xrds: ") + error.what());
+  }
+}

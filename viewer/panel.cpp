@@ -1,0 +1,96 @@
+#include "viewer/panel.h"
+
+#include <imgui.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_vulkan.h>
+
+#include "engine/vulkan_result.h"
+#include "viewer/panel_parts.h"
+
+namespace xrds {
+namespace {
+
+void setStyle(float scale) {
+  ImGui::StyleColorsDark();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = 0;
+  style.FrameRounding = style.GrabRounding = 3;
+  style.WindowBorderSize = 0;
+  style.WindowPadding = {10, 8};
+  style.ItemSpacing = {6, 5};
+  style.Colors[ImGuiCol_WindowBg] = {0.09F, 0.09F, 0.10F, 1};
+  style.Colors[ImGuiCol_Header] = {0.20F, 0.22F, 0.26F, 1};
+  style.Colors[ImGuiCol_TextDisabled] = {0.60F, 0.62F, 0.66F, 1};
+  style.Colors[ImGuiCol_PopupBg] = {0.12F, 0.12F, 0.13F, 1};
+  style.ScaleAllSizes(scale);
+}
+
+}  // namespace
+
+Panel::Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain)
+    : gpu_(gpu.handles()), scale_(display.scale()) {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+  VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
+  pool.maxSets = 1;
+  pool.poolSizeCount = 1;
+  pool.pPoolSizes = &size;
+  checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
+
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // the panel lies where it lies
+  ImFontConfig font;
+  font.SizePixels = std::round(13 * scale_);  // drawn for 13 pixels: sharp at whole multiples
+  io.Fonts->AddFontDefault(&font);
+  setStyle(scale_);
+  ImGui_ImplGlfw_InitForVulkan(display.window(), true);
+  ImGui_ImplVulkan_InitInfo info{};
+  info.Instance = gpu_.instance->instance;
+  info.PhysicalDevice = gpu_.physicalDevice;
+  info.Device = gpu_.device;
+  info.QueueFamily = gpu_.queueFamily;
+  info.Queue = gpu_.queue;
+  info.DescriptorPool = pool_;
+  info.MinImageCount = 2;
+  info.ImageCount = std::max(swapchain.imageCount(), 2u);
+  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+  info.CheckVkResultFn = [](VkResult result) { checkResult(result, "Dear ImGui"); };
+  ImGui_ImplVulkan_Init(&info, swapchain.renderPass());
+  runOnce(gpu_, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
+  ImGui_ImplVulkan_DestroyFontUploadObjects();
+}
+
+Panel::~Panel() {
+  ImGui_ImplVulkan_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
+}
+
+bool Panel::takesMouse() const { return ImGui::GetIO().WantCaptureMouse; }
+bool Panel::takesKeys() const { return ImGui::GetIO().WantTextInput; }
+
+void Panel::layOut(PanelModel& model, VkExtent2D extent) {
+  ImGui_ImplVulkan_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  const auto panelWidth = static_cast<float>(width(model.view));
+  const ImVec2 unit = ImGui::GetIO().DisplayFramebufferScale;
+  const ImVec2 area{static_cast<float>(extent.width) / unit.x, static_cast<float>(extent.height) / unit.y};
+  drawLabels(model, (area.x - panelWidth) / unit.x, area.y, scale_);
+  if (model.view.panel) {
+    ImGui::SetNextWindowPos({area.x - panelWidth / unit.x, 0});
+    ImGui::SetNextWindowSize({panelWidth / unit.x, area.y});
+    ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+    drawPanel(model);
+    ImGui::End();
+  }
+  if (model.view.help) drawHelp(model.view, scale_);
+  ImGui::Render();
+}
+
+void Panel::draw(VkCommandBuffer commands) { ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands); }
+
+}  // namespace xrds

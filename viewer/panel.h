@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "viewer/keys.h"
+#include "viewer/swapchain.h"
+#include "viewer/upscaling.h"
+#include "viewer/view_state.h"
+
+namespace xrds {
+
+/// The frames of a sequence, and which of them is shown.
+struct Playback {
+  std::vector<FrameFiles> frames;
+  size_t index = 0;
+  bool playing = false, looping = true;
+  float framesPerSecond = 24;
+};
+
+/// The pixel under the cursor in the views that are shown.
+struct PixelProbe {
+  int x = -1, y = -1;  // of the output; -1: the cursor is elsewhere
+  struct Row {
+    std::string name;
+    float red = 0, green = 0, blue = 0;
+  };
+  std::vector<Row> rows;
+};
+
+/// All that the user interface shows and changes.
+struct PanelModel {
+  ViewState& view;
+  Wanted& wanted;
+  Playback& playback;
+  const Report& report;
+  const PixelProbe& probe;
+  const std::vector<std::string>& models;  // that can be chosen
+  double drawMilliseconds = 0;
+  std::function<void(Command)> perform;  // as if its key had been pressed
+};
+
+/// The user interface over the picture, drawn with Dear ImGui. Used by the main thread, one at a time.
+class Panel {
+ public:
+  /// Throws Error if Vulkan fails. All must outlive the panel.
+  Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain);
+  ~Panel();
+  Panel(const Panel&) = delete;
+  Panel& operator=(const Panel&) = delete;
+
+  /// Display pixels that the panel takes at the right.
+  uint32_t width(const ViewState& view) const { return view.panel ? static_cast<uint32_t>(304 * scale_) : 0; }
+  float scale() const { return scale_; }
+  /// Whether the mouse is over the user interface rather than the picture.
+  bool takesMouse() const;
+  /// Whether what is typed goes into a field.
+  bool takesKeys() const;
+  /// Lays everything out for a window of that size.
+  void layOut(PanelModel& model, VkExtent2D extent);
+  /// Records what was laid out.
+  static void draw(VkCommandBuffer commands);
+
+ private:
+  Gpu::Handles& gpu_;
+  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  float scale_ = 1;
+};
+
+}  // namespace xrds

@@ -1,0 +1,249 @@
+#include "viewer/panel_parts.h"
+
+#include <imgui.h>
+
+#include <cstdio>
+
+namespace xrds {
+namespace {
+
+const ImVec4 kWarning{1.0F, 0.75F, 0.35F, 1};
+const ImVec4 kFailure{1.0F, 0.45F, 0.40F, 1};
+
+void heading(const char* text) {
+  ImGui::Spacing();
+  ImGui::TextDisabled("%s", text);
+  ImGui::Separator();
+}
+
+void row(const char* name, const char* format, ...) IM_FMTARGS(2);
+void row(const char* name, const char* format, ...) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(name);
+  ImGui::TableNextColumn();
+  va_list arguments;
+  va_start(arguments, format);
+  char text[160];
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  const float indent = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
+  if (indent > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + indent);
+  ImGui::TextUnformatted(text);
+}
+
+bool beginRows(const char* name) {
+  return ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoPadOuterX);
+}
+
+void paragraph(const std::string& text, const ImVec4& colour) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+void drawState(const Report& report) {
+  if (!report.error.empty())
+    paragraph(report.error, kFailure);
+  else if (!report.waiting.empty())
+    paragraph(report.waiting, kWarning);
+}
+
+void drawSource(PanelModel& model) {
+  const Report& report = model.report;
+  heading("SOURCE");
+  if (report.files.empty())
+    ImGui::TextWrapped("Drop EXR files here, or name them when starting: xrds view --help");
+  else
+    ImGui::TextWrapped("%s", report.files.c_str());
+  if (report.width > 0)
+    ImGui::Text("%u x %u  to  %u x %u", report.width, report.height, report.scale * report.width,
+                report.scale * report.height);
+  if (report.samples > 0) ImGui::Text("%u samples a pixel", report.samples);
+  Playback& playback = model.playback;
+  if (playback.frames.empty()) return;
+  if (ImGui::Button(playback.playing ? "pause" : "play")) model.perform(Command::play);
+  ImGui::SameLine();
+  ImGui::Checkbox("loop", &playback.looping);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  ImGui::DragFloat("##fps", &playback.framesPerSecond, 0.25F, 1, 120, "%.0f fps", ImGuiSliderFlags_AlwaysClamp);
+  int index = static_cast<int>(playback.index);
+  ImGui::SetNextItemWidth(-1);
+  char format[32];
+  std::snprintf(format, sizeof format, "frame %%d of %zu", playback.frames.size());
+  ++index;
+  if (ImGui::SliderInt("##frame", &index, 1, static_cast<int>(playback.frames.size()), format)) {
+    playback.index = static_cast<size_t>(index - 1);
+    playback.playing = false;
+  }
+}
+
+void drawModel(PanelModel& model) {
+  heading("NETWORK");
+  const Report& report = model.report;
+  const std::string current = !model.wanted.model.empty() ? model.wanted.model : report.model;
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##model", current.empty() ? "by scale" : current.c_str())) {
+    for (const std::string& name : model.models)
+      if (ImGui::Selectable(name.c_str(), name == current)) model.wanted.model = name;
+    ImGui::EndCombo();
+  }
+  if (ImGui::RadioButton("fp32", !model.wanted.fp16)) model.wanted.fp16 = false;
+  ImGui::SameLine();
+  if (ImGui::RadioButton("fp16", model.wanted.fp16)) model.wanted.fp16 = true;
+  if (report.share < 1) {
+    ImGui::SameLine();
+    ImGui::ProgressBar(static_cast<float>(report.share), {-1, 0});
+  }
+}
+
+void viewCombo(const char* label, View& view) {
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.75F);
+  if (!ImGui::BeginCombo(label, nameOf(view))) return;
+  for (size_t i = 0; i < kViewNames.size(); ++i)
+    if (ImGui::Selectable(kViewNames[i], view == static_cast<View>(i))) view = static_cast<View>(i);
+  ImGui::EndCombo();
+}
+
+void drawView(PanelModel& model) {
+  heading("VIEW");
+  ViewState& view = model.view;
+  ImGui::BeginDisabled(!view.wiping);
+  viewCombo("left", view.left);
+  ImGui::EndDisabled();
+  viewCombo("right", view.right);
+  ImGui::Checkbox("wipe", &view.wiping);
+  ImGui::SameLine();
+  if (ImGui::Button("fit")) view.viewport.fit();
+  ImGui::SameLine();
+  if (ImGui::Button("1:1")) model.perform(Command::pixels);
+  ImGui::SameLine();
+  ImGui::Text("%.4g %%", 100 * view.viewport.zoom);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.62F);
+  ImGui::SliderFloat("exposure", &view.stops, -10, 10, "%+.1f stops");
+  bool filmic = view.curve == shader::kCurveFilmic;
+  if (ImGui::RadioButton("sRGB", !filmic)) view.curve = shader::kCurveSrgb;
+  ImGui::SameLine();
+  if (ImGui::RadioButton("filmic", filmic)) view.curve = shader::kCurveFilmic;
+}
+
+void drawProbe(const PixelProbe& probe) {
+  heading("PIXEL");
+  if (probe.x < 0) {
+    ImGui::TextDisabled("under the cursor");
+    ImGui::TextUnformatted(" \n ");
+    return;
+  }
+  ImGui::Text("%d, %d", probe.x, probe.y);
+  for (const PixelProbe::Row& found : probe.rows)
+    ImGui::Text("%-11s %7.4g %7.4g %7.4g", found.name.c_str(), found.red, found.green, found.blue);
+}
+
+void drawMetrics(const Report& report) {
+  if (!report.hasReference) return;
+  heading("AGAINST THE REFERENCE");
+  if (report.compared.empty()) return ImGui::TextDisabled("being measured");
+  if (!ImGui::BeginTable("metrics", 4, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoPadOuterX)) return;
+  for (const char* name : {"", "PSNR", "RelMSE", "FLIP"}) {
+    ImGui::TableNextColumn();
+    ImGui::TextDisabled("%s", name);
+  }
+  for (const ComparedPicture& picture : report.compared) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(picture.name.c_str());
+    ImGui::TableNextColumn();
+    ImGui::Text("%.2f", picture.metrics.psnr);
+    ImGui::TableNextColumn();
+    ImGui::Text("%.3g", picture.metrics.relMse);
+    ImGui::TableNextColumn();
+    ImGui::Text("%.3f", picture.metrics.flip);
+  }
+  ImGui::EndTable();
+}
+
+void drawTimes(const PanelModel& model) {
+  heading("TIMES");
+  if (!beginRows("times")) return;
+  for (const StageTime& stage : model.report.stages) row(stage.name.c_str(), "%.1f ms", stage.milliseconds);
+  row("drawing", "%.1f ms", model.drawMilliseconds);
+  if (model.report.pictures > 1) row("pictures", "%.1f a second", model.report.picturesPerSecond);
+  row("device memory", "%.0f MB", static_cast<double>(model.report.deviceBytes) / 1e6);
+  ImGui::EndTable();
+  paragraph(model.report.device, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+}
+
+void drawNotices(const Report& report) {
+  if (!report.notice.empty()) ImGui::TextWrapped("%s", report.notice.c_str());
+  for (const std::string& warning : report.warnings) paragraph(warning, kWarning);
+}
+
+void label(ImDrawList& list, const char* text, float x, float y, float scale) {
+  const ImVec2 size = ImGui::CalcTextSize(text), rim{6 * scale, 3 * scale};
+  list.AddRectFilled({x, y}, {x + size.x + 2 * rim.x, y + size.y + 2 * rim.y}, IM_COL32(0, 0, 0, 170), 3 * scale);
+  list.AddText({x + rim.x, y + rim.y}, IM_COL32(235, 235, 235, 255), text);
+}
+
+}  // namespace
+
+void drawPanel(PanelModel& model) {
+  drawState(model.report);
+  drawSource(model);
+  drawModel(model);
+  drawView(model);
+  drawProbe(model.probe);
+  drawMetrics(model.report);
+  drawTimes(model);
+  drawNotices(model.report);
+  ImGui::Spacing();
+  if (ImGui::Button("help (H)")) model.perform(Command::help);
+  ImGui::SameLine();
+  if (ImGui::Button("PNG (S)")) model.perform(Command::screenshot);
+  ImGui::SameLine();
+  if (ImGui::Button("EXR (Ctrl+S)")) model.perform(Command::save);
+}
+
+void drawLabels(const PanelModel& model, float width, float height, float scale) {
+  if (model.report.width == 0) return;
+  const ViewState& view = model.view;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float rim = 8 * scale, y = height - ImGui::GetFontSize() - rim - 6 * scale;
+  if (view.wiping) {
+    const auto x = std::round(static_cast<float>(view.divider()));
+    if (x >= 0 && x <= width) {
+      list.AddRectFilled({x - 1.5F * scale, 0}, {x + 1.5F * scale, height}, IM_COL32(0, 0, 0, 130));
+      list.AddRectFilled({x - 0.5F * scale, 0}, {x + 0.5F * scale, height}, IM_COL32(255, 255, 255, 220));
+      list.AddCircleFilled({x, height / 2}, 7 * scale, IM_COL32(0, 0, 0, 150), 24);
+      list.AddCircleFilled({x, height / 2}, 5 * scale, IM_COL32(255, 255, 255, 230), 24);
+    }
+    label(list, nameOf(view.left), rim, y, scale);
+  }
+  const float length = ImGui::CalcTextSize(nameOf(view.right)).x + 12 * scale;
+  label(list, nameOf(view.right), width - rim - length, y, scale);
+}
+
+void drawHelp(ViewState& view, float scale) {
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({area.x / 2, area.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowBgAlpha(0.94F);
+  constexpr ImGuiWindowFlags kFlags =
+      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize;
+  ImGui::Begin("keys", &view.help, kFlags);
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const KeyBinding& binding : keyBindings()) {
+      if (*binding.text == 0) continue;
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextDisabled("%s", binding.keys);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(binding.text);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::Dummy({0, 2 * scale});
+  ImGui::TextDisabled("Drop EXR files or a folder into the window to open them.");
+  ImGui::End();
+}
+
+}  // namespace xrds

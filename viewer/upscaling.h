@@ -1,0 +1,128 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <functional>
+#include <future>
+#include <map>
+#include <thread>
+
+#include "image/metrics.h"
+#include "viewer/live_scene.h"
+#include "viewer/stage_times.h"
+#include "viewer/watch.h"
+
+namespace xrds {
+
+/// What is to be upscaled, and how.
+struct Wanted {
+  FrameFiles files;              // of one frame; no colour: nothing
+  bool watching = false;         // files that are written again and again
+  std::filesystem::path folder;  // watched for new files; empty: `files` are meant
+  AovRequest layers;
+  LiveWanted live;    // goes before files
+  std::string model;  // a name or a file; empty: the default of the frame's scale, of a live view the fastest
+  bool fp16 = false;
+  std::array<bool, kSlotCount> slots{};  // of bicubic, demodulated and guided: those that are looked at
+  bool metrics = true;
+  uint64_t reload = 0;  // another number reads the files again
+  bool operator==(const Wanted&) const;
+};
+
+/// How far a picture is from the reference.
+struct ComparedPicture {
+  std::string name;
+  Metrics metrics;
+};
+
+/// What the worker has done so far.
+struct Report {
+  std::string files, model, device;  // of the picture that is shown
+  std::string error, waiting, notice;
+  bool fp16 = false, hasReference = false;
+  uint32_t width = 0, height = 0, scale = 1;  // of the input
+  double share = 1;                           // of the run under way
+  float exposure = 0;
+  uint64_t deviceBytes = 0;
+  std::vector<StageTime> stages;
+  std::vector<std::string> warnings;
+  std::vector<ComparedPicture> compared;
+  double picturesPerSecond = 0;
+  uint64_t pictures = 0;  // upscaled so far
+  uint32_t samples = 0;   // of a pixel of a live view's colour
+  std::string scene;      // of the live view, once it is there
+  Camera startCamera;     // its own
+  bool settled = false;   // all that is wanted is shown
+};
+
+/// Upscales on a thread of its own and leaves the results in pictures, on the device.
+class Upscaling {
+ public:
+  /// `changed` is called on the worker's thread whenever there is something new to show. Device, pictures and what the
+  /// callback needs must outlive this.
+  Upscaling(Device& device, Pictures& pictures, std::function<void()> changed);
+  ~Upscaling();
+  Upscaling(const Upscaling&) = delete;
+  Upscaling& operator=(const Upscaling&) = delete;
+
+  /// From another thread: what to do from now on; a run that it makes useless is cancelled.
+  void want(const Wanted& wanted);
+  /// Writes the output to an EXR file once it is there; how that went is told by Report::notice.
+  void save(const std::filesystem::path& path);
+  Report report() const;
+  /// Shows a failure of the asking thread's as if it were the worker's.
+  void fail(const std::string& error);
+
+ private:
+  void loop();
+  void serve(const Wanted& wanted);
+  bool loadWanted(const Wanted& wanted);
+  void takeFrame(LoadedFrame frame);
+  void trace(const Wanted& wanted);
+  void prepare(const Wanted& wanted);
+  void showChosen(const Wanted& wanted);
+  void upscale();
+  void giveInputs(PreparedNetwork& network);
+  void makeBase(Slot slot);
+  void startMetrics();
+  void takeMetrics();
+  void saveIfAsked();
+  void tell(const std::function<void(Report&)>& change);
+  void tellPicture(double networkMilliseconds);
+  bool stopping() const;
+  bool outdated() const;
+  std::string wantedModel(const Wanted& wanted) const;
+
+  Device& device_;
+  Pictures& pictures_;
+  std::function<void()> changed_;
+
+  // Shared with the asking thread.
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  Wanted wanted_;
+  uint64_t asked_ = 0;  // counts the changes of wanted_
+  std::filesystem::path saveTo_;
+  Report report_;
+  bool stopping_ = false;
+
+  // The worker's own.
+  uint64_t serving_ = 0;
+  Wanted served_;
+  FileWatch watch_;
+  std::optional<LoadedFrame> frame_;
+  std::unique_ptr<LiveScene> live_;
+  bool refining_ = false;  // the live view is not finished
+  FrameSize size_;         // of the frame or the live view
+  std::unique_ptr<PreparedNetwork> network_;
+  std::map<Slot, std::unique_ptr<PreparedNetwork>> bases_;
+  bool upscaled_ = false;
+  std::chrono::steady_clock::time_point lastPicture_{};
+  std::vector<StageTime> loadStages_;
+  std::future<std::vector<ComparedPicture>> measuring_;
+  uint64_t measuredFrame_ = 0, frameCount_ = 0;
+  bool measured_ = false;
+  std::thread thread_;
+};
+
+}  // namespace xrds

@@ -1,0 +1,262 @@
+#include "viewer/viewer.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <utility>
+
+#include "cli/models.h"
+#include "cli/stage.h"
+#include "image/png_write.h"
+#include "image/srgb.h"
+#include "viewer/placement.h"
+
+namespace xrds {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr uint64_t kProbeBytes = 3 * 32;  // two texels of each of three pictures
+
+constexpr auto kBarPeriod = std::chrono::milliseconds(250);
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::pair<int, int> sizeOf(const std::string& text, const char* option) {
+  int width = 0, height = 0;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &end) != 2 || width < 8 || height < 8 || width > 16384 ||
+      height > 16384)
+    throw Failure{ExitCode::usage, std::string(option) + " takes WIDTHxHEIGHT, found '" + text + "'."};
+  return {width, height};
+}
+
+Placement placementOf(const ViewerOptions& options) {
+  if (options.size.empty()) return readPlacement(placementFile());
+  const auto [width, height] = sizeOf(options.size, "--size");
+  return {width, height};
+}
+
+}  // namespace
+
+Device Viewer::openDevice() {
+  Device::Options options{.select = options_.device, .validation = options_.validation};
+  options.onMessage = [this](std::string_view message) {
+    ++complaints_;
+    std::fprintf(stderr, "xrds: validation: %.*s\n", static_cast<int>(message.size()), message.data());
+  };
+  options.instanceExtensions = desktop_.instanceExtensions();
+  options.deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+  return Device(options);
+}
+
+Viewer::Viewer(const ViewerOptions& options)
+    : options_(options),
+      device_(openDevice()),
+      display_(desktop_, "xrds", placementOf(options), events_),
+      swapchain_(EngineAccess::gpu(device_), display_),
+      pictures_(EngineAccess::gpu(device_)),
+      canvas_(EngineAccess::gpu(device_), pictures_, swapchain_.renderPass()),
+      panel_(EngineAccess::gpu(device_), display_, swapchain_),
+      probeBuffer_(EngineAccess::gpu(device_).handles(), kProbeBytes),
+      models_(shippedModels()) {
+  wanted_.layers = options.layers;
+  wanted_.model = options.model;
+  wanted_.fp16 = options.precision == "fp16";
+  playback_.framesPerSecond = static_cast<float>(options.framesPerSecond);
+  if (!options.model.empty() && std::find(models_.begin(), models_.end(), options.model) == models_.end())
+    models_.push_back(options.model);
+  const auto [liveWidth, liveHeight] = sizeOf(options.liveSize, "--live-size");
+  wanted_.live.width = static_cast<uint32_t>(liveWidth);
+  wanted_.live.height = static_cast<uint32_t>(liveHeight);
+  wanted_.live.mostSamples = options.samples;
+  listen();
+  upscaling_ = std::make_unique<Upscaling>(device_, pictures_, [this] {
+    changed_ = true;
+    Display::wake();
+  });
+  if (!options.scene.empty()) showScene(options.scene);
+  if (!options.files.empty()) stage(ExitCode::input, [&] { open(options.files); });
+  if (!options.script.empty())
+    script_ =
+        stage(ExitCode::usage, [&] { return std::make_unique<Script>(readScript(options.script), scriptVerbs()); });
+}
+
+Viewer::~Viewer() {
+  if (options_.size.empty()) writePlacement(placementFile(), display_.placement());
+  upscaling_.reset();
+  swapchain_.wait();
+}
+
+void Viewer::run() {
+  const auto start = Clock::now();
+  while (!display_.closing() && !quit_) takeTurn();
+  measured_.seconds = secondsSince(start);
+  if (options_.statistics) printStatistics();
+  if (complaints_ > 0)
+    throw Failure{ExitCode::bug, "Vulkan's validation layers complained " + std::to_string(complaints_) + " times."};
+}
+
+// Seconds until something is to be done without an event; nothing: never.
+std::optional<double> Viewer::patience() const {
+  if (script_) return dirty_ > 0 ? 0 : 0.005;
+  if (dirty_ > 0 && !display_.minimized()) return 0;
+  if (playback_.playing && report_.settled)
+    return std::max(0.0, std::chrono::duration<double>(nextFrame_ - Clock::now()).count());
+  if (report_.share < 1) return std::chrono::duration<double>(kBarPeriod).count();
+  return std::nullopt;
+}
+
+void Viewer::takeTurn() {
+  display_.handleEvents(patience());
+  const auto start = Clock::now();
+  if (changed_.exchange(false)) needDrawing(probe_.x >= 0 ? 2 : 1);  // the values come one drawing late
+  report_ = upscaling_->report();
+  // The bar moves a few times a second only: drawing takes the device's time from the network.
+  if (report_.share < 1 && Clock::now() - lastBar_ > kBarPeriod) {
+    lastBar_ = Clock::now();
+    needDrawing(1);
+  }
+  if (!wanted_.live.scene.empty() && !orbit_ && report_.scene == wanted_.live.scene)
+    orbit_.emplace(report_.startCamera);
+  advancePlayback();
+  if (script_) script_->step(ready());
+  updateWanted();
+  if (dirty_ > 0 && !display_.minimized()) {
+    --dirty_;
+    draw();
+    measured_.slowestTurn = std::max(measured_.slowestTurn, secondsSince(start));
+    measured_.turns += secondsSince(start);
+    ++measured_.drawings;
+  }
+  if (script_ && script_->finished() && ready()) quit_ = true;
+  if (options_.frames > 0 && report_.pictures >= static_cast<uint64_t>(options_.frames) && dirty_ == 0) {
+    if (!options_.screenshot.empty() && screenshotTo_.empty()) {
+      screenshotTo_ = std::exchange(options_.screenshot, {});
+      needDrawing(1);
+    } else {
+      quit_ = true;
+    }
+  }
+}
+
+// Whether all that was asked for is on the display.
+bool Viewer::ready() const {
+  return report_.settled && !changed_ && (dirty_ == 0 || display_.minimized()) && report_.pictures >= awaited_;
+}
+
+void Viewer::advancePlayback() {
+  if (!playback_.playing || playback_.frames.empty() || !report_.settled || Clock::now() < nextFrame_) return;
+  const bool last = playback_.index + 1 == playback_.frames.size();
+  if (last && !playback_.looping) {
+    playback_.playing = false;
+    return needDrawing();
+  }
+  playback_.index = last ? 0 : playback_.index + 1;
+  const auto period = std::chrono::duration<double>(1 / std::max(playback_.framesPerSecond, 0.1F));
+  nextFrame_ = std::max(nextFrame_, Clock::now() - std::chrono::milliseconds(100)) +
+               std::chrono::duration_cast<Clock::duration>(period);
+}
+
+void Viewer::updateWanted() {
+  if (!playback_.frames.empty()) wanted_.files = playback_.frames[playback_.index];
+  if (orbit_) wanted_.live.camera = orbit_->camera();
+  wanted_.metrics = !playback_.playing;
+  wanted_.slots = {};
+  for (const View view : {view_.right, view_.wiping ? view_.left : view_.right})
+    wanted_.slots[static_cast<size_t>(Canvas::choiceOf(view).slot)] = true;
+  for (const Slot slot : {Slot::input, Slot::auxiliary, Slot::output, Slot::reference})
+    wanted_.slots[static_cast<size_t>(slot)] = false;
+  upscaling_->want(wanted_);
+}
+
+void Viewer::placeViewport() {
+  const PictureView input = pictures_.at(Slot::input);
+  if (!input.valid) return;
+  const VkExtent2D extent = swapchain_.extent();
+  const double width = extent.width - std::min(panel_.width(view_), extent.width - 1);
+  view_.viewport.resize(width, extent.height, report_.scale * input.width, report_.scale * input.height);
+}
+
+void Viewer::draw() {
+  const auto start = Clock::now();
+  swapchain_.wait();
+  readProbe();
+  const auto hold = pictures_.hold();
+  placeViewport();
+  PanelModel model{view_,  wanted_, playback_,         report_,
+                   probe_, models_, drawMilliseconds_, [this](Command command) { perform(command, 0); }};
+  panel_.layOut(model, swapchain_.extent());
+  placeViewport();  // the panel may have come or gone
+  if (!screenshotTo_.empty()) swapchain_.captureNext();
+  const bool drawn = swapchain_.draw(
+      [&](VkCommandBuffer commands) { recordProbe(commands); },
+      [&](VkCommandBuffer commands) {
+        const VkExtent2D extent = swapchain_.extent();
+        canvas_.draw(commands, view_, extent.width - std::min(panel_.width(view_), extent.width), extent.height);
+        Panel::draw(commands);
+      });
+  drawMilliseconds_ = 1000 * secondsSince(start);
+  if (drawn && !screenshotTo_.empty()) saveScreenshot(std::exchange(screenshotTo_, {}));
+}
+
+void Viewer::recordProbe(VkCommandBuffer commands) {
+  probe_.rows.clear();
+  probe_.x = -1;
+  const Viewport& viewport = view_.viewport;
+  if (!pictures_.at(Slot::input).valid || cursorX_ < 0 || cursorX_ >= viewport.areaWidth || panel_.takesMouse() ||
+      !viewport.contains(cursorX_, cursorY_))
+    return;
+  probe_.x = static_cast<int>(viewport.pictureX(cursorX_));
+  probe_.y = static_cast<int>(viewport.pictureY(cursorY_));
+  std::vector<View> views{view_.right};
+  if (view_.wiping && view_.left != view_.right) views.insert(views.begin(), view_.left);
+  if (pictures_.at(Slot::reference).valid && std::find(views.begin(), views.end(), View::reference) == views.end())
+    views.push_back(View::reference);
+  const Gpu::Handles& gpu = EngineAccess::gpu(device_).handles();
+  for (const View view : views) {
+    if (canvas_.shownFor(view) != view) continue;
+    const Canvas::Choice choice = Canvas::choiceOf(view);
+    const PictureView picture = pictures_.at(choice.slot);
+    const auto x = static_cast<uint64_t>(probe_.x * picture.width / viewport.pictureWidth);
+    const auto y = static_cast<uint64_t>(probe_.y * picture.height / viewport.pictureHeight);
+    const uint64_t pixel = std::min<uint64_t>(y, picture.height - 1) * picture.width + x;
+    const VkBufferCopy region{4 * (pixel * picture.channels + choice.channel), 32 * probe_.rows.size(), 12};
+    gpu.vk.vkCmdCopyBuffer(commands, picture.buffer, probeBuffer_.buffer(), 1, &region);
+    probe_.rows.push_back({nameOf(view)});
+  }
+}
+
+// What the drawing before this one has copied.
+void Viewer::readProbe() {
+  for (size_t i = 0; i < probe_.rows.size(); ++i) {
+    float values[3];
+    std::memcpy(values, probeBuffer_.bytes().data() + 32 * i, sizeof values);
+    probe_.rows[i] = {probe_.rows[i].name, values[0], values[1], values[2]};
+  }
+}
+
+void Viewer::saveScreenshot(const fs::path& path) {
+  const Screenshot& shot = swapchain_.screenshot();
+  Image image(static_cast<int>(shot.width), static_cast<int>(shot.height), 3);
+  for (size_t i = 0; i < shot.pixels.size(); ++i)
+    image.pixels[i] = static_cast<float>(linearFromSrgb(shot.pixels[i] / 255.0));
+  stage(ExitCode::output, [&] { writePng(path, image); });
+  report_.notice = "Saved " + path.string();
+}
+
+void Viewer::printStatistics() const {
+  const double busy = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  std::printf(
+      "seconds %.2f, pictures %llu (%.2f a second), drawings %llu (mean turn %.1f ms, slowest %.1f ms), processor "
+      "seconds %.2f\n",
+      measured_.seconds, static_cast<unsigned long long>(report_.pictures),
+      static_cast<double>(report_.pictures) / measured_.seconds, static_cast<unsigned long long>(measured_.drawings),
+      1000 * measured_.turns / std::max<double>(1, static_cast<double>(measured_.drawings)),
+      1000 * measured_.slowestTurn, busy);
+}
+
+}  // namespace xrds

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "viewer/canvas.h"
+#include "viewer/orbit.h"
+#include "viewer/panel.h"
+#include "viewer/script.h"
+#include "viewer/upscaling.h"
+
+namespace xrds {
+
+/// How the viewer is started.
+struct ViewerOptions {
+  std::vector<std::string> files;  // colour, auxiliary, reference; patterns of a sequence; or one folder to watch
+  std::string reference;
+  bool watch = false;
+  AovRequest layers;
+  std::string scene;                            // live: built-in or a file; with a scene there are no files
+  std::string liveSize = "128x128";             // of its colour
+  uint32_t samples = LiveWanted{}.mostSamples;  // of a pixel of it
+  std::string model, device, precision = "fp32";
+  double framesPerSecond = 24;
+  std::string size;                  // "WIDTHxHEIGHT"; empty: as it was left
+  std::string script;                // file of steps to take
+  int frames = 0;                    // end after so many upscaled pictures are shown
+  std::filesystem::path screenshot;  // written then
+  bool validation = false, statistics = false;
+};
+
+/// The window and everything in it. Used by the main thread.
+class Viewer {
+ public:
+  /// Throws Failure.
+  explicit Viewer(const ViewerOptions& options);
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  /// Returns when the window is closed or the script is finished. Throws Failure if Vulkan fails or complains.
+  void run();
+
+ private:
+  struct Measured {
+    double seconds = 0, slowestTurn = 0, turns = 0;  // of handling events and drawing
+    uint64_t drawings = 0;
+  };
+  Device openDevice();
+  std::map<std::string, Script::Verb> scriptVerbs();
+  void open(const std::vector<std::string>& files);
+
+  // Events.
+  void listen();
+  void pressKey(int key, int modifiers);
+  void perform(Command command, int digit);
+  bool performView(Command command, int digit);
+  bool performFrame(Command command);
+  bool performLive(Command command);
+  void showScene(const std::string& scene);
+  void pressButton(int button, bool pressed);
+  void moveCursor(double x, double y);
+  void turnWheel(double steps);
+  void chooseModel(int step);
+  void needDrawing(int count = 3) { dirty_ = std::max(dirty_, count); }
+
+  // The turns of the main loop.
+  std::optional<double> patience() const;
+  void takeTurn();
+  void advancePlayback();
+  void updateWanted();
+  bool ready() const;
+  void draw();
+  void placeViewport();
+  void recordProbe(VkCommandBuffer commands);
+  void readProbe();
+  void saveScreenshot(const std::filesystem::path& path);
+  void printStatistics() const;
+  void printReport();
+
+  ViewerOptions options_;
+  std::atomic<int> complaints_ = 0;  // of the validation layers
+  Desktop desktop_;
+  DisplayEvents events_;
+  Device device_;
+  Display display_;
+  Swapchain swapchain_;
+  Pictures pictures_;
+  Canvas canvas_;
+  Panel panel_;
+  HostBuffer probeBuffer_;
+  ViewState view_;
+  Wanted wanted_;
+  Playback playback_;
+  Report report_;
+  PixelProbe probe_;
+  std::optional<Orbit> orbit_;  // of a live view, once its scene is there
+  std::vector<std::string> models_;
+  std::atomic<bool> changed_ = true;
+  bool quit_ = false, draggingWipe_ = false, draggingPicture_ = false, draggingCamera_ = false;
+  double cursorX_ = -1, cursorY_ = -1, drawMilliseconds_ = 0;
+  int dirty_ = 3;
+  uint64_t awaited_ = 0;  // pictures, by the script
+  std::filesystem::path screenshotTo_;
+  std::chrono::steady_clock::time_point nextFrame_{}, lastBar_{};
+  Measured measured_;
+  std::unique_ptr<Upscaling> upscaling_;
+  std::unique_ptr<Script> script_;
+};
+
+}  // namespace xrds
