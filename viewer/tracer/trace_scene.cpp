@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <utility>
 #include <vector>
 
 #include "engine/device.h"
@@ -53,10 +54,17 @@ void render(const std::string& name, const std::string& prefix, uint32_t width, 
               secondsOf([&] { tracer = std::make_unique<PathTracer>(gpu, scene, width, height, scale); }));
   tracer->render({1, 1});
   tracer->reset(scene.camera);
-  const double auxiliary = secondsOf([&] { tracer->render({0, counts.auxiliary}); });
-  const double colour = secondsOf([&] { tracer->render({counts.colour, 0}); });
-  std::printf("%.1f ms an auxiliary sample, %.1f ms a colour sample\n", 1000 * auxiliary / counts.auxiliary,
-              1000 * colour / counts.colour);
+  double longest = 0;
+  auto last = std::chrono::steady_clock::now();
+  const auto progress = [&](size_t, size_t) {
+    const auto now = std::chrono::steady_clock::now();
+    longest = std::max(longest, std::chrono::duration<double>(now - std::exchange(last, now)).count());
+    return true;
+  };
+  const double auxiliary = secondsOf([&] { tracer->render({0, counts.auxiliary}, progress); });
+  const double colour = secondsOf([&] { tracer->render({counts.colour, 0}, progress); });
+  std::printf("%.1f ms an auxiliary sample, %.1f ms a colour sample, longest submission %.1f ms\n",
+              1000 * auxiliary / counts.auxiliary, 1000 * colour / counts.colour, 1000 * longest);
   writeChannels(prefix + "_colour.exr", width, height, {"R", "G", "B", ""}, tracer->colour());
   writeChannels(prefix + "_aux.exr", scale * width, scale * height,
                 {"albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z", "", ""}, tracer->auxiliary());
