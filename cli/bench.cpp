@@ -7,6 +7,7 @@ void addBench(CLI::App& app) {
   group->require_subcommand(1);
   addBenchQuality(*group);
   addBenchNetwork(*group);
+  addBenchTiles(*group);
 }
 
 }  // namespace xrds

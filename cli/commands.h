@@ -15,5 +15,6 @@ void addView(CLI::App& app);
 void addBench(CLI::App& app);
 void addBenchQuality(CLI::App& group);
 void addBenchNetwork(CLI::App& group);
+void addBenchTiles(CLI::App& group);
 
 }  // namespace xrds

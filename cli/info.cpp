@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "cli/byte_count.h"
 #include "cli/commands.h"
 #include "cli/models.h"
 #include "cli/stage.h"
@@ -11,7 +12,8 @@ namespace xrds {
 namespace {
 
 struct InfoOptions {
-  std::string model, size = "1024x1024";
+  std::string model, size = "1024x1024", memory, tiles = "bounded";
+  bool wrap = false;
 };
 
 struct Size {
@@ -59,6 +61,29 @@ void printCosts(const Costs& costs, Size size) {
   row("  weights (more)", fp32.weightBytes, fp16.weightBytes);
 }
 
+void printTiling(const char* precision, const Tiling& tiling) {
+  if (tiling.columns * tiling.rows == 1 && tiling.halo == 0) {
+    std::printf("  %s: the whole frame in one piece, %.1f MB\n", precision,
+                static_cast<double>(tiling.arenaBytes + tiling.weightBytes) / 1e6);
+    return;
+  }
+  std::printf(
+      "  %s: %u x %u tiles of at most %u x %u pixels with a halo of %u low-resolution pixels, %.1f MB, %.2f times "
+      "the work\n",
+      precision, tiling.columns, tiling.rows, tiling.tileWidth, tiling.tileHeight, tiling.halo,
+      static_cast<double>(tiling.arenaBytes + tiling.weightBytes) / 1e6, tiling.work);
+}
+
+void printTilings(const Model& model, Size size, const InfoOptions& options) {
+  const TileOptions tiles{
+      .memoryBytes = parseBytes(options.memory), .exact = options.tiles == "exact", .wrap = options.wrap};
+  const Tiling fp32 = model.tiling(size.width, size.height, false, tiles);
+  const Tiling fp16 = model.tiling(size.width, size.height, true, tiles);
+  std::printf("\nIn %s of device memory:\n", options.memory.c_str());
+  printTiling("fp32", fp32);
+  printTiling("fp16", fp16);
+}
+
 void listModels() {
   for (const std::string& name : shippedModels()) std::printf("%s\n", name.c_str());
 }
@@ -71,6 +96,7 @@ void run(const InfoOptions& options) {
     const Costs costs = costsOf(model, size);
     printMetadata(model);
     printCosts(costs, size);
+    if (!options.memory.empty()) printTilings(model, size, options);
   });
 }
 
@@ -82,11 +108,17 @@ void addInfo(CLI::App& app) {
       app.add_subcommand("info", "Show what a model is and what it costs; without MODEL, list the shipped ones");
   verb->add_option("MODEL", options->model, "A shipped model's name or a .safetensors file");
   verb->add_option("--size", options->size, "Size of the output in pixels (default 1024x1024)")->type_name("WxH");
+  verb->add_option("--memory", options->memory, "Tell the tiles that fit so much device memory, such as 256M")
+      ->check(CLI::Validator(validBytes, "BYTES"));
+  verb->add_option("--tiles", options->tiles, "As in xrds upscale")
+      ->check(CLI::IsMember({"exact", "bounded"}))
+      ->capture_default_str();
+  verb->add_flag("--wrap", options->wrap, "As in xrds upscale");
   verb->footer(
       "Planned peak is the arena that a run allocates; the largest live set is the least that any plan needs;\n"
       "without aliasing is the sum of all tensors. MB are 10^6 bytes. MACs are multiplications of linear maps\n"
       "and convolutions, the token pairs of attention come on top.\n\nExamples:\n  xrds info\n  xrds info "
-      "xrds-x4-compact --size 1920x1080");
+      "xrds-x4-compact --size 1920x1080\n  xrds info xrds-x4-compact --size 8192x8192 --memory 512M");
   verb->callback([options] { run(*options); });
 }
 

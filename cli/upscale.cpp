@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cli/alpha.h"
+#include "cli/byte_count.h"
 #include "cli/commands.h"
 #include "cli/frame.h"
 #include "cli/models.h"
@@ -22,13 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 
 struct UpscaleOptions {
-  std::string color, aux, output, model, device, reference, preview, sideBySide, precision = "fp32", exposure = "auto";
+  std::string color, aux, output, model, device, reference, preview, sideBySide, precision = "fp32", exposure = "auto",
+                                                                                 memory, tiles = "bounded";
   AovRequest layers;
-  bool half = false, profile = false, check = false, quiet = false;
+  bool half = false, profile = false, check = false, quiet = false, wrap = false;
 
   Upscaler::Options upscaler() const {
     Upscaler::Options options{.fp16 = precision == "fp16", .profile = profile};
     if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
+    options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
     return options;
   }
 };
@@ -51,6 +54,7 @@ struct Upscaled {
   float exposure = 0;
   double seconds = 0;
   uint64_t deviceBytes = 0;
+  Tiling tiling{};
 };
 
 std::string validExposure(const std::string& text) {
@@ -143,12 +147,19 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
   result.seconds = timer.seconds();
   result.deviceBytes = upscaler.deviceBytes();
   result.exposure = upscaler.exposure();
+  result.tiling = upscaler.tiling();
   if (options.profile) printProfile(upscaler.profile());
   if (const size_t count = repairNonFinite(result.colour).nonFinitePixels; count > 0)
     printWarnings({std::to_string(count) +
                    " pixels of the result were not finite and were filled from their neighbours" +
                    (options.precision == "fp16" ? "; --precision fp32 has a larger range." : ".")});
   return result;
+}
+
+// " in 6 tiles", or nothing for a frame in one piece.
+std::string tilesText(const Tiling& tiling) {
+  const uint32_t count = tiling.columns * tiling.rows;
+  return count == 1 ? "" : " in " + std::to_string(count) + " tiles";
 }
 
 void writeResult(const UpscaleOptions& options, const Frame& frame, const OpenedModel& opened, const Upscaled& result,
@@ -189,11 +200,11 @@ void run(const UpscaleOptions& options) {
   writeResult(options, frame, opened, result, alpha);
   if (!options.quiet)
     std::printf(
-        "%s: %d x %d, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in "
+        "%s: %d x %d%s, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in "
         "all\n",
-        options.output.c_str(), result.colour.width, result.colour.height, opened.name().c_str(),
-        options.precision.c_str(), result.exposure, device.description().name.c_str(), result.seconds,
-        static_cast<double>(result.deviceBytes) / 1e6, whole.seconds());
+        options.output.c_str(), result.colour.width, result.colour.height, tilesText(result.tiling).c_str(),
+        opened.name().c_str(), options.precision.c_str(), result.exposure, device.description().name.c_str(),
+        result.seconds, static_cast<double>(result.deviceBytes) / 1e6, whole.seconds());
   if (!options.sideBySide.empty()) writeSideBySide(device, frame, result.colour, reference, options.sideBySide);
   if (reference) stage(ExitCode::device, [&] { printAgainstReference(device, frame, result.colour, *reference); });
 }
@@ -218,6 +229,16 @@ void addUpscale(CLI::App& app) {
   verb->add_option("--exposure", options->exposure, "Factor that brings the colour to a mean log luminance of 0.18")
       ->check(CLI::Validator(validExposure, "auto|E"))
       ->capture_default_str();
+  verb->add_option(
+          "--memory", options->memory,
+          "Device memory to use at most, such as 256M or 2G (default: three quarters of what the device has); a "
+          "frame that needs more is cut into tiles")
+      ->check(CLI::Validator(validBytes, "BYTES"));
+  verb->add_option("--tiles", options->tiles,
+                   "exact: the picture is that of the whole frame bit for bit; bounded: less work, no visible seam")
+      ->check(CLI::IsMember({"exact", "bounded"}))
+      ->capture_default_str();
+  verb->add_flag("--wrap", options->wrap, "The left and right edges continue into each other: a panorama");
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
   verb->add_option("--color", options->layers.color, "Layer to take as colour")->type_name("LAYER");

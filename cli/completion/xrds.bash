@@ -9,7 +9,7 @@ _xrds() {
   local verbs=("$verb")
   if [ "$verb" = bench ]; then
     if [ "$COMP_CWORD" -eq 2 ]; then
-      mapfile -t COMPREPLY < <(compgen -W "network quality --help" -- "$current")
+      mapfile -t COMPREPLY < <(compgen -W "network quality tiles --help" -- "$current")
       return
     fi
     verbs+=("${COMP_WORDS[2]}")
@@ -17,10 +17,11 @@ _xrds() {
   # Options and models are read from the program itself, so that this list cannot go stale.
   case $previous in
     --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
+    --tiles) mapfile -t COMPREPLY < <(compgen -W "exact bounded" -- "$current"); return ;;
     --aux) mapfile -t COMPREPLY < <(compgen -W "converged" -- "$current"); return ;;
     --exposure) mapfile -t COMPREPLY < <(compgen -W "auto" -- "$current"); return ;;
     --model) mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current"); return ;;
-    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --heat-max | --min-psnr | --scale | --colour | --runs) return ;;
+    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --memory | --halo | --columns | --rows | --heat-max | --min-psnr | --scale | --colour | --runs) return ;;
   esac
   if [[ $current == -* ]]; then
     local options

@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/models.h"
+#include "cli/output_file.h"
+#include "cli/progress.h"
+#include "cli/quality_scenes.h"
+#include "cli/stage.h"
+#include "cli/table.h"
+#include "image/compose.h"
+#include "image/metrics.h"
+#include "image/png_write.h"
+#include "image/srgb.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BenchTilesOptions {
+  std::string folder, model, device, heatMap, precision = "fp32";
+  std::vector<uint32_t> halos{0, 8, 16, 24, 32, 48};
+  uint32_t columns = 2, rows = 1;
+  int colour = 64, aux = 16;
+};
+
+/// How far a picture made of tiles is from that of the whole frame, and both from the reference.
+struct TileError {
+  double relativeRms = 0;  // of log(1 + e x), e the exposure
+  double step = 0;         // of the sRGB picture, in 255ths: by how much the difference jumps between neighbours
+  double psnr = 0;         // less that of the whole frame, dB
+};
+
+double level(float radiance) { return 255 * srgbFromLinear(std::clamp(static_cast<double>(radiance), 0.0, 1.0)); }
+
+// The largest change of the difference from one pixel to the next: a seam is such a change.
+double largestStep(const Image& tiled, const Image& whole) {
+  double largest = 0;
+  const auto difference = [&](int x, int y, int c) { return level(tiled.at(x, y, c)) - level(whole.at(x, y, c)); };
+  for (int y = 0; y < whole.height; ++y)
+    for (int x = 0; x < whole.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        if (tiled.at(x, y, c) == whole.at(x, y, c)) continue;
+        for (const auto& [i, j] : {std::pair{x - 1, y}, {x + 1, y}, {x, y - 1}, {x, y + 1}})
+          if (i >= 0 && j >= 0 && i < whole.width && j < whole.height)
+            largest = std::max(largest, std::abs(difference(x, y, c) - difference(i, j, c)));
+      }
+  return largest;
+}
+
+TileError errorOf(const Image& tiled, const Image& whole, const Image& reference, float exposure) {
+  TileError error{.step = largestStep(tiled, whole), .psnr = psnr(tiled, reference) - psnr(whole, reference)};
+  double difference = 0, power = 0;
+  for (size_t i = 0; i < whole.pixels.size(); ++i) {
+    const double a = std::log1p(exposure * tiled.pixels[i]), b = std::log1p(exposure * whole.pixels[i]);
+    difference += (a - b) * (a - b);
+    power += b * b;
+  }
+  error.relativeRms = power > 0 ? std::sqrt(difference / power) : 0;
+  return error;
+}
+
+// The largest channel's difference of the sRGB pictures, in 255ths.
+Image differenceMap(const Image& tiled, const Image& whole) {
+  Image map(whole.width, whole.height, 1);
+  for (size_t p = 0; p < whole.pixelCount(); ++p)
+    for (size_t c = 0; c < 3; ++c)
+      map.pixels[p] = std::max(
+          map.pixels[p], static_cast<float>(std::abs(level(tiled.pixels[3 * p + c]) - level(whole.pixels[3 * p + c]))));
+  return map;
+}
+
+/// Upscales the frame, whole or in tiles.
+class Runner {
+ public:
+  Runner(const BenchTilesOptions& options, Device& device, const Model& model, const Frame& frame)
+      : options_(options), device_(device), model_(model), frame_(frame) {}
+
+  Image run(const TileOptions& tiles) {
+    const int scale = static_cast<int>(model_.scale());
+    Image result(frame_.colour().width * scale, frame_.colour().height * scale, 3);
+    Upscaler upscaler(device_, model_, frame_.width(), frame_.height(),
+                      {.fp16 = options_.precision == "fp16", .tiles = tiles});
+    const auto auxiliary = viewsOf(frame_.auxiliary());
+    upscaler.run(viewOf(frame_.colour()), auxiliary, result.pixels, [](double) { return !interrupted(); });
+    stopIfInterrupted();
+    exposure = upscaler.exposure();
+    count = upscaler.tiling().columns * upscaler.tiling().rows;
+    return result;
+  }
+
+  float exposure = 1;  // of the last run
+  uint32_t count = 1;  // of its tiles
+
+ private:
+  const BenchTilesOptions& options_;
+  Device& device_;
+  const Model& model_;
+  const Frame& frame_;
+};
+
+/// Errors of one halo, by scene.
+using Errors = std::vector<TileError>;
+
+void measureScene(const BenchTilesOptions& options, Device& device, const Model& model, const SceneFiles& files,
+                  const QualitySetting& setting, std::vector<Errors>& errors) {
+  const Scene scene = stage(ExitCode::input, [&] { return loadScene(files, setting); });
+  Runner runner(options, device, model, scene.frame);
+  const Image whole = runner.run({});
+  std::vector<Image> maps;
+  for (size_t i = 0; i < options.halos.size(); ++i) {
+    const Image tiled = runner.run({.halo = options.halos[i], .columns = options.columns, .rows = options.rows});
+    if (runner.count < options.columns * options.rows)
+      throw Error("Scene '" + files.name + "' is too small for " + std::to_string(options.columns) + " x " +
+                  std::to_string(options.rows) + " tiles with a halo of " + std::to_string(options.halos[i]) + ".");
+    errors[i].push_back(errorOf(tiled, whole, scene.reference, runner.exposure));
+    if (!options.heatMap.empty()) maps.push_back(heatMap(differenceMap(tiled, whole), 8));
+  }
+  if (!options.heatMap.empty())
+    stage(ExitCode::output, [&] { writePng(fs::path(options.heatMap) / (files.name + ".png"), sideBySide(maps, 4)); });
+}
+
+Row rowOf(uint32_t halo, const Errors& errors) {
+  TileError mean, worst;
+  for (const TileError& error : errors) {
+    mean.relativeRms += error.relativeRms / static_cast<double>(errors.size());
+    mean.psnr += error.psnr / static_cast<double>(errors.size());
+    worst.relativeRms = std::max(worst.relativeRms, error.relativeRms);
+    worst.step = std::max(worst.step, error.step);
+    worst.psnr = std::min(worst.psnr, error.psnr);
+  }
+  return {std::to_string(halo),     text("%.2e", mean.relativeRms), text("%.2e", worst.relativeRms),
+          text("%+.4f", mean.psnr), text("%+.4f", worst.psnr),      text("%.2f", worst.step)};
+}
+
+void run(const BenchTilesOptions& options) {
+  const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
+  const QualitySetting setting{
+      .scale = static_cast<int>(model.scale()), .colourSamples = options.colour, .auxSamples = options.aux};
+  const SceneList list = stage(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
+  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
+  std::vector<Errors> errors(options.halos.size());
+  {
+    ProgressBar bar(false);
+    for (size_t i = 0; i < list.scenes.size(); ++i) {
+      stage(ExitCode::device, [&] { measureScene(options, device, model, list.scenes[i], setting, errors); });
+      bar.update(static_cast<double>(i + 1) / static_cast<double>(list.scenes.size()));
+      stopIfInterrupted();
+    }
+  }
+  std::vector<Row> table{{"halo", "RMS, mean", "RMS, worst", "PSNR, mean", "PSNR, worst", "largest step"}};
+  for (size_t i = 0; i < errors.size(); ++i) table.push_back(rowOf(options.halos[i], errors[i]));
+  std::printf("%s, %s, %zu scenes of %s, %u x %u tiles\n%s", options.model.c_str(), options.precision.c_str(),
+              list.scenes.size(), options.folder.c_str(), options.columns, options.rows, markdown(table).c_str());
+}
+
+}  // namespace
+
+void addBenchTiles(CLI::App& group) {
+  const auto options = std::make_shared<BenchTilesOptions>();
+  CLI::App* verb = group.add_subcommand("tiles", "Measure what tiles with smaller halos lose");
+  verb->add_option("FOLDER", options->folder, "Folder of scenes, as bench quality takes it")->required();
+  verb->add_option("--model", options->model, "A shipped model's name or a .safetensors file")
+      ->required()
+      ->type_name("MODEL");
+  verb->add_option("--halo", options->halos, "Low-resolution pixels around the tiles, with commas: whole windows")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->type_name("N");
+  verb->add_option("--columns", options->columns, "Tiles in a row")->check(CLI::Range(1, 64))->capture_default_str();
+  verb->add_option("--rows", options->rows, "Rows of tiles")->check(CLI::Range(1, 64))->capture_default_str();
+  verb->add_option("--colour", options->colour, "Samples a pixel of the colour")->capture_default_str()->type_name("K");
+  verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")
+      ->capture_default_str()
+      ->type_name("K");
+  verb->add_option("--precision", options->precision, "Storage of activations and weights")
+      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->capture_default_str();
+  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
+      ->type_name("DEVICE");
+  verb->add_option(
+          "--heat-map", options->heatMap,
+          "Folder for one PNG a scene: the difference to the whole frame, a panel for each halo, 8 levels of 255 "
+          "and more brightest")
+      ->check(CLI::ExistingDirectory)
+      ->type_name("FOLDER");
+  verb->footer(
+      "Each scene is upscaled as a whole and in tiles. RMS: of the difference over that of the whole frame, both as\n"
+      "log(1 + e x). PSNR: against the reference, less that of the whole frame, in dB. Largest step: by how much the\n"
+      "difference of the sRGB pictures changes between two neighbouring pixels, in 255ths: a seam at its worst.\n\n"
+      "Example:\n  xrds bench tiles val --model xrds-x4-nano --halo 0,8,16,24");
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace xrds
