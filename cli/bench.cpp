@@ -8,6 +8,7 @@ void addBench(CLI::App& app) {
   addBenchQuality(*group);
   addBenchNetwork(*group);
   addBenchTiles(*group);
+  addBenchSkip(*group);
 }
 
 }  // namespace xrds

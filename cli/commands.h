@@ -16,5 +16,6 @@ void addBench(CLI::App& app);
 void addBenchQuality(CLI::App& group);
 void addBenchNetwork(CLI::App& group);
 void addBenchTiles(CLI::App& group);
+void addBenchSkip(CLI::App& group);
 
 }  // namespace xrds

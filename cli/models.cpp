@@ -61,10 +61,13 @@ fs::path resolveModel(const std::string& nameOrFile) {
 
 std::string defaultModelName(int scale) { return "xrds-x" + std::to_string(scale) + "-compact"; }
 
+fs::path shippedVariant(int scale, const std::string& variant) {
+  return shippedFile(defaultModelName(scale) + "-" + variant);
+}
+
 fs::path defaultModel(int scale, bool hasNormal) {
   if (!hasNormal)
-    if (fs::path albedoAlone = shippedFile(defaultModelName(scale) + "-albedo"); !albedoAlone.empty())
-      return albedoAlone;
+    if (fs::path albedoAlone = shippedVariant(scale, "albedo"); !albedoAlone.empty()) return albedoAlone;
   fs::path file = shippedFile(defaultModelName(scale));
   if (file.empty())
     throw Error("The auxiliary images have " + (scale == 1 ? "the" : std::to_string(scale) + " times the") +

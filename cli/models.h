@@ -25,4 +25,8 @@ std::string defaultModelName(int scale);
 /// Throws Error as resolveModel does.
 std::filesystem::path defaultModel(int scale, bool hasNormal);
 
+/// The file of the default model's variant for frames with fewer auxiliary images, "albedo" or "plain"; empty if none
+/// is shipped for the scale.
+std::filesystem::path shippedVariant(int scale, const std::string& variant);
+
 }  // namespace xrds

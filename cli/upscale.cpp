@@ -13,6 +13,8 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "cli/skip_bound.h"
+#include "cli/skip_map.h"
 #include "cli/stage.h"
 #include "image/png_write.h"
 #include "image/repair.h"
@@ -23,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct UpscaleOptions {
-  std::string color, aux, output, model, device, reference, preview, sideBySide, precision = "fp32", exposure = "auto",
-                                                                                 memory, tiles = "bounded";
+  std::string color, aux, output, model, device, reference, preview, sideBySide,
+      precision = "fp32", exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap;
   AovRequest layers;
   bool half = false, profile = false, check = false, quiet = false, wrap = false;
 
@@ -32,6 +34,7 @@ struct UpscaleOptions {
     Upscaler::Options options{.fp16 = precision == "fp16", .profile = profile};
     if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
     options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
+    options.skip.bound = parseSkip(skip);
     return options;
   }
 };
@@ -55,6 +58,7 @@ struct Upscaled {
   double seconds = 0;
   uint64_t deviceBytes = 0;
   Tiling tiling{};
+  SkipMap skipped{};
 };
 
 std::string validExposure(const std::string& text) {
@@ -69,9 +73,10 @@ void checkOutputs(const UpscaleOptions& options) {
   requireExtension(options.output, ".exr", "--output");
   if (!options.preview.empty()) requireExtension(options.preview, ".png", "--preview");
   if (!options.sideBySide.empty()) requireExtension(options.sideBySide, ".png", "--side-by-side");
+  if (!options.skipMap.empty()) requireExtension(options.skipMap, ".png", "--skip-map");
   if (!options.preview.empty() && options.preview == options.sideBySide)
     throw Failure{ExitCode::usage, "--preview and --side-by-side name the same file '" + options.preview + "'."};
-  for (const std::string& path : {options.output, options.preview, options.sideBySide})
+  for (const std::string& path : {options.output, options.preview, options.sideBySide, options.skipMap})
     if (!path.empty()) requireWritable(path);
 }
 
@@ -123,6 +128,37 @@ Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
   return frame;
 }
 
+void checkSkip(const UpscaleOptions& options, const OpenedModel& opened) {
+  if (parseSkip(options.skip) == 0) return;
+  if (const std::string why = opened.model.whyNeverSkipped(); !why.empty())
+    throw Failure{ExitCode::model, "--skip is refused: model '" + opened.name() + "' " + why + "."};
+  if (options.wrap)
+    throw Failure{ExitCode::usage, "--skip and --wrap exclude each other: a panorama is computed in full."};
+}
+
+bool isConstant(const Image& image) {
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t i = channels; i < image.pixels.size(); ++i)
+    if (image.pixels[i] != image.pixels[i - channels]) return false;
+  return true;
+}
+
+// A layer that is the same everywhere tells nothing: the model that does without it is taken, where one is shipped.
+void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
+  const auto constant = [&](const char* input) {
+    const auto found = std::find(frame.inputs().begin(), frame.inputs().end(), input);
+    return found != frame.inputs().end() && isConstant(frame.auxiliary()[found - frame.inputs().begin()]);
+  };
+  const bool albedo = constant("albedo");
+  if (!albedo && !constant("normal")) return;
+  const fs::path file = shippedVariant(static_cast<int>(opened.model.scale()), albedo ? "plain" : "albedo");
+  if (file.empty()) return;
+  opened = {file, stage(ExitCode::model, [&] { return Model(file); })};
+  frame = openFrame(options, opened);
+  printWarnings({std::string("The ") + (albedo ? "albedo" : "normal") + " is the same everywhere; taking model " +
+                 opened.name() + "."});
+}
+
 void runCheck(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
   const auto rows = stage(ExitCode::device, [&] { return checkOnCrop(device, model, frame, options.upscaler()); });
   const int divergent = printCheck(rows);
@@ -148,12 +184,21 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
   result.deviceBytes = upscaler.deviceBytes();
   result.exposure = upscaler.exposure();
   result.tiling = upscaler.tiling();
+  result.skipped = upscaler.skipMap();
   if (options.profile) printProfile(upscaler.profile());
   if (const size_t count = repairNonFinite(result.colour).nonFinitePixels; count > 0)
     printWarnings({std::to_string(count) +
                    " pixels of the result were not finite and were filled from their neighbours" +
                    (options.precision == "fp16" ? "; --precision fp32 has a larger range." : ".")});
   return result;
+}
+
+// ", 61 % of the windows skipped", or nothing if none may be.
+std::string skipText(const UpscaleOptions& options, const SkipMap& map) {
+  if (parseSkip(options.skip) == 0) return "";
+  char text[64];
+  std::snprintf(text, sizeof text, ", %.0f %% of the windows skipped", 100 * map.share(SkipMap::Window::interpolated));
+  return text;
 }
 
 // " in 6 tiles", or nothing for a frame in one piece.
@@ -175,15 +220,18 @@ void writeResult(const UpscaleOptions& options, const Frame& frame, const Opened
     output.pixelType = options.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
     writeExr(options.output, alpha ? withAlpha(result.colour, *alpha) : result.colour, output);
     if (!options.preview.empty()) writePng(options.preview, result.colour);
+    if (!options.skipMap.empty()) writeSkipMap(options.skipMap, result.colour, result.skipped);
   });
 }
 
 void run(const UpscaleOptions& options) {
   const Timer whole;
   checkOutputs(options);
-  const OpenedModel opened = openModel(options);
+  OpenedModel opened = openModel(options);
+  Frame frame = openFrame(options, opened);
+  if (options.model.empty()) leaveConstantsOut(options, opened, frame);
+  checkSkip(options, opened);
   const int scale = static_cast<int>(opened.model.scale());
-  const Frame frame = openFrame(options, opened);
   std::optional<Image> reference;
   if (!options.reference.empty())
     reference = stage(ExitCode::input, [&] {
@@ -200,11 +248,12 @@ void run(const UpscaleOptions& options) {
   writeResult(options, frame, opened, result, alpha);
   if (!options.quiet)
     std::printf(
-        "%s: %d x %d%s, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in "
+        "%s: %d x %d%s%s, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in "
         "all\n",
         options.output.c_str(), result.colour.width, result.colour.height, tilesText(result.tiling).c_str(),
-        opened.name().c_str(), options.precision.c_str(), result.exposure, device.description().name.c_str(),
-        result.seconds, static_cast<double>(result.deviceBytes) / 1e6, whole.seconds());
+        skipText(options, result.skipped).c_str(), opened.name().c_str(), options.precision.c_str(), result.exposure,
+        device.description().name.c_str(), result.seconds, static_cast<double>(result.deviceBytes) / 1e6,
+        whole.seconds());
   if (!options.sideBySide.empty()) writeSideBySide(device, frame, result.colour, reference, options.sideBySide);
   if (reference) stage(ExitCode::device, [&] { printAgainstReference(device, frame, result.colour, *reference); });
 }
@@ -238,6 +287,13 @@ void addUpscale(CLI::App& app) {
                    "exact: the picture is that of the whole frame bit for bit; bounded: less work, no visible seam")
       ->check(CLI::IsMember({"exact", "bounded"}))
       ->capture_default_str();
+  verb->add_option("--skip", options->skip,
+                   "Interpolate windows without the network where that changes them by at most N, root mean square of\n"
+                   "log(1 + exposure radiance): background, clear sky, even surfaces; safe: N = 0.005, off: none")
+      ->check(CLI::Validator(validSkip, "off|safe|N"))
+      ->capture_default_str();
+  verb->add_option("--skip-map", options->skipMap, "PNG file with the picture, what was skipped dark and red")
+      ->type_name("PNG");
   verb->add_flag("--wrap", options->wrap, "The left and right edges continue into each other: a panorama");
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");

@@ -32,8 +32,9 @@ TEST(CliFrame, UpscalesTwoFilesAndSaysWhatItDid) {
 TEST(CliFrame, TakesTheModelForWhatTheFileHolds) {
   const SmallFrame frame;
   const TemporaryFolder models;
-  for (const auto& [golden, shipped] :
-       {std::pair{"s4_guided", "xrds-x4-compact"}, {"s4_guided_albedo", "xrds-x4-compact-albedo"}})
+  for (const auto& [golden, shipped] : {std::pair{"s4_guided", "xrds-x4-compact"},
+                                        {"s4_guided_albedo", "xrds-x4-compact-albedo"},
+                                        {"s4_concat_noaux", "xrds-x4-compact-plain"}})
     std::filesystem::copy_file(goldenModel(golden), models / (std::string(shipped) + ".safetensors"));
   const StartOptions options{.environment = {{"XRDS_MODELS", (models / "").string()}}};
   const std::vector<std::string> arguments{"upscale", frame.color, frame.aux, "-o", frame.out};
@@ -44,6 +45,18 @@ TEST(CliFrame, TakesTheModelForWhatTheFileHolds) {
   EXPECT_EQ(albedoAlone.exitCode, 0);
   EXPECT_TRUE(contains(albedoAlone.output, "model xrds-x4-compact-albedo (")) << albedoAlone.output;
   EXPECT_TRUE(contains(albedoAlone.error, "has no normal")) << albedoAlone.error;
+
+  const auto constant = [](int, int, int c) { return c == 2 ? 0.5F : 0.F; };
+  writeParts(frame.aux,
+             {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", constant}}}});
+  const Ended noNormal = runXrds(arguments, options);
+  EXPECT_TRUE(contains(noNormal.output, "model xrds-x4-compact-albedo (")) << noNormal.output;
+  EXPECT_TRUE(contains(noNormal.error, "The normal is the same everywhere")) << noNormal.error;
+  writeParts(frame.aux,
+             {{windowOf(40, 32), windowOf(40, 32), {{"albedo", "RGB", constant}, normalLayer("normal", 40)}}});
+  const Ended noAlbedo = runXrds(arguments, options);
+  EXPECT_TRUE(contains(noAlbedo.output, "model xrds-x4-compact-plain (")) << noAlbedo.output;
+  EXPECT_TRUE(contains(noAlbedo.error, "The albedo is the same everywhere")) << noAlbedo.error;
 }
 
 TEST(CliFrame, KeepsAttributesAndAddsItsOwn) {
