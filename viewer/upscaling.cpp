@@ -201,7 +201,7 @@ bool Upscaling::loadWanted(const Wanted& wanted) {
   const bool same =
       frame_ && files == frame_->files && samePixels(wanted.layers, served_.layers) && wanted.reload == served_.reload;
   if (wanted.watching) {
-    if (!same) watch_.forget();
+    if (std::exchange(served_.reload, wanted.reload) != wanted.reload) watch_.forget();
     if (!watch_.changed(filesOf(files), Clock::now())) return false;
   } else if (same) {
     return false;
