@@ -284,7 +284,7 @@ void addUpscale(CLI::App& app) {
           "frame that needs more is cut into tiles")
       ->check(CLI::Validator(validBytes, "BYTES"));
   verb->add_option("--tiles", options->tiles,
-                   "exact: the picture is that of the whole frame bit for bit; bounded: less work, no visible seam")
+                   "exact: the picture is that of the whole frame bit for bit; bounded: a smaller halo, less work")
       ->check(CLI::IsMember({"exact", "bounded"}))
       ->capture_default_str();
   verb->add_option("--skip", options->skip,

@@ -9,7 +9,8 @@ namespace xrds {
 /// frame's border. Follows the forward pass of network.cpp layer by layer.
 uint32_t exactHalo(const NetworkConfig& config);
 
-/// The halo of bounded tiles, at most exactHalo(): see bench/tiles.md for the error that it leaves.
+/// The halo of bounded tiles, two windows and at most exactHalo(): `xrds bench tiles` measures the error that it
+/// leaves.
 uint32_t boundedHalo(const NetworkConfig& config);
 
 }  // namespace xrds

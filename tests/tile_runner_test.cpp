@@ -132,9 +132,11 @@ void expectTilesEqualTheWhole(const NetworkConfig& config, Precision precision) 
 TEST_P(ExactTiles, EqualTheWholeFrameBitForBit) {
   const auto [precision, kernels] = GetParam();
   const InFamily family(kernels);
-  for (const NetworkConfig& config : kConfigs) {
-    SCOPED_TRACE(config.scale);
-    expectTilesEqualTheWhole(config, precision);
+  // The first two have every operator; the others differ in how they are joined.
+  const size_t count = precision == Precision::fp16 ? 2 : std::size(kConfigs);
+  for (size_t i = 0; i < count; ++i) {
+    SCOPED_TRACE(i);
+    expectTilesEqualTheWhole(kConfigs[i], precision);
   }
 }
 

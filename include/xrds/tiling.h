@@ -10,7 +10,7 @@ namespace xrds {
 struct TileOptions {
   uint64_t memoryBytes = 0;  // of the device, for the arena and the weights; 0: three quarters of what it reports
   /// With the halo of all that the network sees, the result is that of the whole frame bit for bit. Else the halo is
-  /// smaller and the work less: bench/tiles.md has the error.
+  /// smaller and the work less: `xrds bench tiles` measures the error.
   bool exact = false;
   bool wrap = false;               // the left and right borders continue into each other, as in a panorama
   std::optional<uint32_t> halo{};  // low-resolution pixels, whole windows, in place of the two above
