@@ -1,15 +1,11 @@
 #include "bench/operator_case.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <random>
 #include <set>
 #include <tuple>
 
 #include "bench/timing.h"
-#include "engine/half.h"
-#include "tests/harness.h"
 #include "xrds/error.h"
 
 namespace xrds::bench {
@@ -18,53 +14,9 @@ namespace {
 // Sides of the low-resolution frame on which kernels are checked: with padding, and with several windows.
 constexpr FrameShape kSmallFrame{13, 15};
 
-/// What an operator reads and writes. A new operator's fields are added here, unless they have names that others have.
-struct OperatorViews {
-  std::vector<TensorView> inputs;
-  TensorView output;
-};
-
-OperatorViews viewsOf(const Node& node) {
-  OperatorViews views;
-  const auto add = [&](const TensorView& view) {
-    if (view.exists()) views.inputs.push_back(view);
-  };
-  std::visit(
-      [&](const auto& op) {
-        views.output = op.output;
-        if constexpr (requires { op.input; }) add(op.input);
-        if constexpr (requires { op.colour; }) add(op.colour);
-        if constexpr (requires { op.aux; }) add(op.aux);
-        if constexpr (requires { op.auxMean; }) add(op.auxMean);
-        if constexpr (requires { op.network; }) add(op.network);
-        if constexpr (requires { op.base; }) add(op.base);
-        if constexpr (requires { op.exposure; }) add(op.exposure);
-        if constexpr (requires { op.residual; }) add(op.residual);
-        if constexpr (requires { op.queries; }) add(op.queries), add(op.keys), add(op.values);
-      },
-      node.op);
-  return views;
-}
-
-std::string shapeText(const TensorView& view) {
-  return std::to_string(view.height) + "x" + std::to_string(view.width) + "x" + std::to_string(view.channels);
-}
-
-std::string shapesText(const OperatorViews& views) {
-  std::string text;
-  for (const TensorView& view : views.inputs) text += (text.empty() ? "" : ", ") + shapeText(view);
-  return text + " -> " + shapeText(views.output);
-}
-
 // "conv3x3" of "conv3x3_lane_f32".
 std::string operatorName(const std::string& program) {
   return program.substr(0, program.rfind('_', program.rfind('_') - 1));
-}
-
-Graph single(const Graph& graph, const Node& node) {
-  Graph one{.values = graph.values, .exposure = graph.exposure};
-  one.nodes.push_back(node);
-  return one;
 }
 
 using Signature = std::tuple<std::string, std::vector<uint32_t>, std::string, std::vector<uint32_t>>;
@@ -75,46 +27,6 @@ Signature signatureOf(const Graph& one, const Dispatch& first) {
   std::vector<uint32_t> strides{views.output.channelStride};
   for (const TensorView& view : views.inputs) strides.push_back(view.channelStride);
   return {first.program, first.specialization, shapesText(views), strides};
-}
-
-std::vector<std::byte> stored(std::span<const float> numbers, DataType type) {
-  std::vector<std::byte> bytes(numbers.size() * byteSize(type));
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    const uint16_t half = toHalf(numbers[i]);
-    if (type == DataType::f32)
-      std::memcpy(&bytes[4 * i], &numbers[i], 4);
-    else
-      std::memcpy(&bytes[2 * i], &half, 2);
-  }
-  return bytes;
-}
-
-// Positive, as exposures, albedos and radiance are; the same on every machine.
-std::vector<float> inputNumbers(size_t count, uint32_t seed, DataType type) {
-  std::mt19937 bits(seed);
-  std::vector<float> numbers(count);
-  for (float& number : numbers) {
-    number = static_cast<float>(bits() >> 8) * 0x1p-24F + 0.1F;
-    if (type == DataType::f16) number = fromHalf(toHalf(number));
-  }
-  return numbers;
-}
-
-// Throws unless the values, their copies on the host and what the driver needs surely fit.
-void requireMemory(const Gpu& gpu, const Graph& graph, const std::vector<LoweredDispatch>& lowered) {
-  std::set<ValueId> bound;
-  for (const LoweredDispatch& step : lowered)
-    for (const Binding& binding : step.dispatch.bindings)
-      if (binding.value != kWeights) bound.insert(binding.value);
-  uint64_t needed = 0;
-  for (const ValueId value : bound) needed += graph.values[value].byteSize();
-  if (needed > gpu.description().memoryBytes)
-    throw Error("The operator binds " + std::to_string(needed >> 20) + " MiB, more than the device has, " +
-                std::to_string(gpu.description().memoryBytes >> 20) + " MiB: choose a smaller --size.");
-}
-
-uint64_t bufferSize(uint64_t byteSize) {
-  return std::max<uint64_t>(1, ceilDivide(byteSize, kBindingAlignment)) * kBindingAlignment;
 }
 
 }  // namespace
@@ -171,93 +83,13 @@ OperatorWork workOf(const OperatorCase& operatorCase, const DeviceTraits& device
   return work;
 }
 
-PlacedOperator::PlacedOperator(Gpu& gpu, const Graph& graph)
-    : gpu_(gpu), exposure_(graph.exposure.value), buffers_(graph.values.size()), inputs_(graph.values.size()) {
-  const auto lowered = lower(graph, gpu.traits());
-  requireMemory(gpu, graph, lowered);
-  std::set<ValueId> read;
-  for (const LoweredDispatch& step : lowered)
-    for (const Binding& binding : step.dispatch.bindings)
-      if (binding.access == Access::read) read.insert(binding.value);
-  const auto rangeOf = [&](const Binding& binding) -> ByteRange {
-    if (binding.value != kWeights) {
-      const Value& value = graph.values[binding.value];
-      if (!buffers_[binding.value])
-        fill(binding.value, value.type, value.byteSize() / byteSize(value.type), read.contains(binding.value));
-      return {buffers_[binding.value].get(), binding.byteOffset, binding.byteSize};
-    }
-    const auto weights =
-        std::visit([&](const auto& op) { return packedWeights(op, gpu.traits()); }, graph.nodes.front().op);
-    const auto bytes = stored(weights, binding.type);
-    if (!weights_) {
-      weights_ = std::make_unique<Buffer>(gpu, bufferSize(bytes.size()));
-      weights_->upload(0, bytes);
-    }
-    return {weights_.get(), 0, bytes.size()};
-  };
-  for (const LoweredDispatch& step : lowered) {
-    PlacedDispatch& placed = dispatches_.emplace_back(PlacedDispatch{step.dispatch, {}});
-    for (const Binding& binding : step.dispatch.bindings) placed.ranges.push_back(rangeOf(binding));
-  }
-}
-
-void PlacedOperator::fill(ValueId value, DataType type, size_t elementCount, bool isRead) {
-  buffers_[value] = std::make_unique<Buffer>(gpu_, bufferSize(elementCount * byteSize(type)));
-  if (!isRead) return buffers_[value]->fill(~0U);  // NaN in both types
-  inputs_[value] = inputNumbers(elementCount, value + 1, type);
-  if (value == exposure_) inputs_[value] = {0.5F, 2, 0, 0};  // e and 1 / e
-  buffers_[value]->upload(0, stored(inputs_[value], type));
-}
-
-std::vector<float> PlacedOperator::read(const TensorView& view) const {
-  std::vector<std::byte> bytes(view.storedByteSize());
-  buffers_[view.value]->download(0, bytes);
-  std::vector<float> numbers(bytes.size() / byteSize(view.type));
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    uint16_t half = 0;
-    if (view.type == DataType::f32)
-      std::memcpy(&numbers[i], &bytes[4 * i], 4);
-    else
-      std::memcpy(&half, &bytes[2 * i], 2), numbers[i] = fromHalf(half);
-  }
-  return numbers;
-}
-
 OperatorError compareWithReference(Gpu& gpu, const OperatorCase& operatorCase) {
-  const Graph& graph = operatorCase.smallGraph;
-  const PlacedOperator placed(gpu, graph);
-  const Dispatch small = placed.dispatches().front().dispatch;
+  const PlacedOperator placed(gpu, operatorCase.smallGraph);
   const Dispatch full = lower(operatorCase.graph, gpu.traits()).front().dispatch;
-  XRDS_CHECK(small.program == full.program);  // specializations differ: subgroups are shared out evenly
+  // Specializations differ: subgroups are shared out evenly.
+  XRDS_CHECK(placed.dispatches().front().dispatch.program == full.program);
   TimedRecording(gpu, placed.dispatches()).run();
-  const TensorView view = viewsOf(graph.nodes.front()).output;
-  const std::vector<float> found = placed.read(view);
-
-  HostMemory host, device;
-  for (ValueId value = 0; value < placed.inputs().size(); ++value)
-    if (const auto& numbers = placed.inputs()[value]; !numbers.empty())
-      std::copy(numbers.begin(), numbers.end(), host.storage(value, numbers.size()).begin());
-  std::visit([&](const auto& op) { reference(op, host); }, graph.nodes.front().op);
-  std::copy(found.begin(), found.end(), device.storage(view).begin());
-
-  OperatorError error;
-  double squares = 0, power = 0;
-  bool finite = true;
-  for (uint32_t y = 0; y < view.height; ++y)
-    for (uint32_t x = 0; x < view.width; ++x)
-      for (uint32_t c = 0; c < view.channels; ++c) {
-        const double expected = host.at(view, y, x, c), difference = std::abs(device.at(view, y, x, c) - expected);
-        finite = finite && std::isfinite(difference);
-        squares += difference * difference;
-        power += expected * expected;
-        error.max = std::max(error.max, difference);
-      }
-  const double referenceRms = std::sqrt(power / static_cast<double>(view.pixelCount() * view.channels));
-  error.rms = std::sqrt(squares / power);
-  error.max /= referenceRms;
-  const test::Tolerance tolerance = test::toleranceOf(view.type);
-  error.withinTolerance = finite && error.rms <= tolerance.rms && error.max <= tolerance.max;
-  return error;
+  return placed.error();
 }
 
 }  // namespace xrds::bench

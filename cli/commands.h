@@ -10,6 +10,7 @@ void addCompare(CLI::App& app);
 void addInfo(CLI::App& app);
 void addDevices(CLI::App& app);
 void addView(CLI::App& app);
+void addDoctor(CLI::App& app);
 
 /// The group of the measuring verbs, and its members.
 void addBench(CLI::App& app);

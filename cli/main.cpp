@@ -40,10 +40,13 @@ int main(int argc, char** argv) {
   xrds::addInfo(app);
   xrds::addDevices(app);
   xrds::addView(app);
+  xrds::addDoctor(app);
   xrds::addBench(app);
   xrds::catchInterrupts();
   try {
     app.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      return fail(xrds::ExitCode::output, "Cannot write to standard output: is the disk full?");
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version

@@ -8,6 +8,7 @@
 #include "cli/alpha.h"
 #include "cli/byte_count.h"
 #include "cli/commands.h"
+#include "cli/device_choice.h"
 #include "cli/frame.h"
 #include "cli/models.h"
 #include "cli/output_file.h"
@@ -224,6 +225,35 @@ void writeResult(const UpscaleOptions& options, const Frame& frame, const Opened
   });
 }
 
+/// All that is known before a device is needed.
+struct Task {
+  const UpscaleOptions& options;
+  const OpenedModel& opened;
+  const Frame& frame;
+  const std::optional<Image>& reference;
+  Timer whole;
+};
+
+void upscaleOn(Device& device, const Task& task) {
+  const auto& [options, opened, frame, reference, whole] = task;
+  const int scale = static_cast<int>(opened.model.scale());
+  if (options.check) runCheck(device, opened.model, frame, options);
+  const Upscaled result = compute(device, opened.model, frame, options);
+  std::optional<Image> alpha;
+  if (frame.alpha()) alpha = upscaleAlpha(device, *frame.alpha(), scale);
+  writeResult(options, frame, opened, result, alpha);
+  if (!options.quiet)
+    std::printf(
+        "%s: %d x %d%s%s, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in "
+        "all\n",
+        options.output.c_str(), result.colour.width, result.colour.height, tilesText(result.tiling).c_str(),
+        skipText(options, result.skipped).c_str(), opened.name().c_str(), options.precision.c_str(), result.exposure,
+        device.description().name.c_str(), result.seconds, static_cast<double>(result.deviceBytes) / 1e6,
+        whole.seconds());
+  if (!options.sideBySide.empty()) writeSideBySide(device, frame, result.colour, reference, options.sideBySide);
+  if (reference) printAgainstReference(device, frame, result.colour, *reference);
+}
+
 void run(const UpscaleOptions& options) {
   const Timer whole;
   checkOutputs(options);
@@ -239,23 +269,8 @@ void run(const UpscaleOptions& options) {
     });
   printWarnings(frame.warnings());
   stopIfInterrupted();
-  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
-  if (options.check) runCheck(device, opened.model, frame, options);
-
-  const Upscaled result = stage(ExitCode::device, [&] { return compute(device, opened.model, frame, options); });
-  std::optional<Image> alpha;
-  if (frame.alpha()) alpha = stage(ExitCode::device, [&] { return upscaleAlpha(device, *frame.alpha(), scale); });
-  writeResult(options, frame, opened, result, alpha);
-  if (!options.quiet)
-    std::printf(
-        "%s: %d x %d%s%s, model %s (%s), exposure %.4g, on %s: %.2f s of compute, %.1f MB of device memory, %.2f s in "
-        "all\n",
-        options.output.c_str(), result.colour.width, result.colour.height, tilesText(result.tiling).c_str(),
-        skipText(options, result.skipped).c_str(), opened.name().c_str(), options.precision.c_str(), result.exposure,
-        device.description().name.c_str(), result.seconds, static_cast<double>(result.deviceBytes) / 1e6,
-        whole.seconds());
-  if (!options.sideBySide.empty()) writeSideBySide(device, frame, result.colour, reference, options.sideBySide);
-  if (reference) stage(ExitCode::device, [&] { printAgainstReference(device, frame, result.colour, *reference); });
+  const Task task{options, opened, frame, reference, whole};
+  onDevice(options.device, [&](Device& device) { upscaleOn(device, task); });
 }
 
 }  // namespace

@@ -45,8 +45,8 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (buffer.byteSize > gpu.maxAllocationBytes)
-    throw Error("a buffer of " + mebibytes(buffer.askedByteSize) + " is needed, but " + gpu.description.name +
-                " allows at most " + mebibytes(gpu.maxAllocationBytes) + " at once; use smaller tiles or images");
+    throw OutOfMemory("a buffer of " + mebibytes(buffer.askedByteSize) + " is needed, but " + gpu.description.name +
+                      " allows at most " + mebibytes(gpu.maxAllocationBytes) + " at once; use smaller tiles or images");
   checkResult(gpu.vk.vkCreateBuffer(gpu.device, &info, nullptr, &buffer.buffer), "vkCreateBuffer");
 
   VkMemoryRequirements needs;
@@ -60,8 +60,9 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
                               ? VK_ERROR_OUT_OF_DEVICE_MEMORY
                               : gpu.vk.vkAllocateMemory(gpu.device, &allocation, nullptr, &buffer.memory);
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
-    throw Error(gpu.description.name + " has no room for a buffer of " + mebibytes(needs.size) + " in its memory of " +
-                mebibytes(heapBytes) + "; use smaller tiles or images, or close other programs");
+    throw OutOfMemory(gpu.description.name + " has no room for a buffer of " + mebibytes(needs.size) +
+                      " in its memory of " + mebibytes(heapBytes) +
+                      "; use smaller tiles or images, or close other programs");
   checkResult(result, "vkAllocateMemory");
   checkResult(gpu.vk.vkBindBufferMemory(gpu.device, buffer.buffer, buffer.memory, 0), "vkBindBufferMemory");
 
@@ -109,6 +110,7 @@ void checkRange(const Buffer::Handles& buffer, uint64_t byteOffset, uint64_t byt
 }  // namespace
 
 Buffer::Handles::~Handles() {
+  if (gpu.abandoned) return;
   gpu.vk.vkDestroyBuffer(gpu.device, buffer, nullptr);
   gpu.vk.vkFreeMemory(gpu.device, memory, nullptr);
 }

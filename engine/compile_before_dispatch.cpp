@@ -35,6 +35,7 @@ class EmptyDispatches {
 };
 
 void EmptyDispatches::reset() {
+  if (gpu_.abandoned) return;
   for (const VkBufferView view : views_) gpu_.vk.vkDestroyBufferView(gpu_.device, view, nullptr);
   views_.clear();
   gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);

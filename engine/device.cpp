@@ -168,10 +168,12 @@ void Gpu::addPrograms(ProgramSource source) {
     return words.empty() ? second(name) : words;
   };
 }
+bool Gpu::hasTimestamps() const { return handles_->timestampValidBits > 0; }
 void Gpu::setTraits(const DeviceTraits& traits) { handles_->traits = traits; }
 
 Gpu::Handles::~Handles() {
-  if (!device) return;
+  if (abandoned) static_cast<void>(instance.release());
+  if (!device || abandoned) return;
   staging.reset();
   savePipelineCache(*this);
   for (const auto& [key, made] : pipelines) {
@@ -211,8 +213,16 @@ void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& reco
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &gpu.copyCommands;
   submitToQueue(gpu, submit, gpu.copyFence);
-  checkResult(gpu.vk.vkWaitForFences(gpu.device, 1, &gpu.copyFence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  awaitFence(gpu, gpu.copyFence);
   checkResult(gpu.vk.vkResetFences(gpu.device, 1, &gpu.copyFence), "vkResetFences");
+}
+
+// Long enough for a submission that compiles on a busy machine, far longer than a driver's watchdog.
+void awaitFence(Gpu::Handles& gpu, VkFence fence) {
+  constexpr uint64_t kNanoseconds = uint64_t{300} * 1'000'000'000;
+  const VkResult result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, kNanoseconds);
+  gpu.abandoned = gpu.abandoned || result == VK_TIMEOUT;
+  checkResult(result, "vkWaitForFences");
 }
 
 void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence) {

@@ -59,6 +59,8 @@ class Gpu {
   const DeviceTraits& traits() const;
   /// Lets programs that none of the sources so far has be found in one more.
   void addPrograms(ProgramSource source);
+  /// Whether Recording::gpuMicroseconds has anything to say.
+  bool hasTimestamps() const;
   /// Overrides the kernel family or limits, for tests that compare families.
   void setTraits(const DeviceTraits& traits);
 

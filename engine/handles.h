@@ -63,6 +63,8 @@ struct Gpu::Handles {
   std::string pipelineCacheKey;
   size_t loadedCacheBytes = 0;
   std::map<PipelineKey, Pipeline> pipelines;
+
+  bool abandoned = false;  // it does not answer: what it may still use is never destroyed
 };
 
 struct Buffer::Handles {
@@ -84,6 +86,10 @@ void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence)
 
 /// Records commands, submits them and waits for their end.
 void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& record);
+
+/// Waits for the submission that signals the fence. Throws DeviceLost if the device is lost, or abandons it if it does
+/// not answer for minutes.
+void awaitFence(Gpu::Handles& gpu, VkFence fence);
 
 /// Orders everything recorded or done by the host before against everything after.
 void fullBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands);

@@ -123,7 +123,6 @@ struct Recording::Handles {
   uint32_t firstQuery(const Submission& submission) const;
   void readTimestamps();
   void submit(const Submission& submission);
-  void wait(const Submission& submission);
 
   Gpu::Handles& gpu;
   VkCommandPool commandPool = VK_NULL_HANDLE;
@@ -136,6 +135,7 @@ struct Recording::Handles {
 };
 
 Recording::Handles::~Handles() {
+  if (gpu.abandoned) return;
   for (const Submission& submission : submissions) gpu.vk.vkDestroyFence(gpu.device, submission.fence, nullptr);
   for (const auto& [key, view] : views) gpu.vk.vkDestroyBufferView(gpu.device, view, nullptr);
   gpu.vk.vkDestroyQueryPool(gpu.device, queryPool, nullptr);
@@ -264,9 +264,30 @@ void Recording::Handles::submit(const Submission& submission) {
   submitToQueue(gpu, info, submission.fence);
 }
 
-void Recording::Handles::wait(const Submission& submission) {
-  checkResult(gpu.vk.vkWaitForFences(gpu.device, 1, &submission.fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-}
+/// Submissions in flight. Those that are left after a failure are waited for, so that nothing which the device still
+/// uses is destroyed.
+class Recording::Flight {
+ public:
+  explicit Flight(Handles& recording) : recording_(recording) {}
+  ~Flight() {
+    try {
+      while (waiting() && !recording_.gpu.abandoned) finishOne();
+    } catch (const std::exception&) {  // the device is lost: it uses nothing any more
+    }
+  }
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+
+  size_t submitted() const { return submitted_; }
+  size_t finished() const { return finished_; }
+  bool waiting() const { return finished_ < submitted_; }
+  void submitOne() { recording_.submit(recording_.submissions[submitted_]), ++submitted_; }
+  void finishOne() { awaitFence(recording_.gpu, recording_.submissions[finished_].fence), ++finished_; }
+
+ private:
+  Handles& recording_;
+  size_t submitted_ = 0, finished_ = 0;
+};
 
 void Recording::Handles::readTimestamps() {
   const uint64_t mask = gpu.timestampValidBits >= 64 ? ~uint64_t{0} : (uint64_t{1} << gpu.timestampValidBits) - 1;
@@ -312,15 +333,15 @@ bool Recording::run(const std::function<bool(size_t, size_t)>& progress) {
   const auto& submissions = handles_->submissions;
   handles_->gpuMicroseconds.clear();
   // Two are in flight, so that the device has work while the host turns around.
-  size_t submitted = 0, finished = 0;
+  Flight flight(*handles_);
   bool stopped = false;
-  while (finished < submitted || (submitted < submissions.size() && !stopped)) {
-    while (!stopped && submitted < submissions.size() && submitted < finished + 2)
-      handles_->submit(submissions[submitted++]);
-    handles_->wait(submissions[finished++]);
-    if (progress && !stopped) stopped = !progress(finished, submissions.size());
+  while (flight.waiting() || (flight.submitted() < submissions.size() && !stopped)) {
+    while (!stopped && flight.submitted() < submissions.size() && flight.submitted() < flight.finished() + 2)
+      flight.submitOne();
+    flight.finishOne();
+    if (progress && !stopped) stopped = !progress(flight.finished(), submissions.size());
   }
-  if (finished < submissions.size()) return false;
+  if (flight.finished() < submissions.size()) return false;
   if (handles_->queryPool) handles_->readTimestamps();
   return !stopped;
 }

@@ -50,6 +50,7 @@ class Recording {
 
  private:
   struct Handles;
+  class Flight;
   std::unique_ptr<Handles> handles_;
 };
 

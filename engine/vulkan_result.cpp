@@ -9,7 +9,7 @@ std::string resultText(VkResult result) {
     case VK_NOT_READY:
       return "not ready (VK_NOT_READY)";
     case VK_TIMEOUT:
-      return "it took too long (VK_TIMEOUT)";
+      return "the device did not finish within minutes (VK_TIMEOUT)";
     case VK_INCOMPLETE:
       return "the answer is incomplete (VK_INCOMPLETE)";
     case VK_ERROR_OUT_OF_HOST_MEMORY:
@@ -40,7 +40,19 @@ std::string resultText(VkResult result) {
 }
 
 void checkResult(VkResult result, const char* call) {
-  if (result != VK_SUCCESS) throw Error(std::string(call) + " failed: " + resultText(result));
+  if (result == VK_SUCCESS) return;
+  const std::string text = std::string(call) + " failed: " + resultText(result);
+  switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+      throw OutOfMemory(text + "; use smaller tiles or images, or close other programs");
+    case VK_ERROR_DEVICE_LOST:
+    case VK_TIMEOUT:
+      throw DeviceLost(text + "; try again, update its driver, or choose another device");
+    default:
+      throw Error(text + "; update the device's driver, or choose another device");
+  }
 }
 
 }  // namespace xrds

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 
+#include "graph/device_state.h"
 #include "graph/halo.h"
 #include "graph/quiet_windows.h"
 #include "graph/reference.h"
@@ -116,10 +118,6 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 
 }  // namespace
 
-struct Device::State {
-  Gpu gpu;
-};
-
 struct Model::State {
   ModelWeights weights;
 };
@@ -127,12 +125,18 @@ struct Model::State {
 struct Upscaler::State {
   State(Gpu& gpu, const ModelWeights& model, FrameShape shape, const Options& given)
       : config(model.config()), frame(shape), options(given) {
-    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memoryOf(gpu, options.tiles), gpu.traits()});
-    const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
-    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
-      session.emplace(gpu, model, frame, sessionOptions(options));
-      return;
+    try {
+      prepare(gpu, model, memoryOf(gpu, options.tiles));
+    } catch (const OutOfMemory&) {
+      prepareSmaller(gpu, model, std::current_exception());
     }
+  }
+
+  void prepare(Gpu& gpu, const ModelWeights& model, uint64_t memory) {
+    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, gpu.traits()});
+    const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
+    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips)
+      return openSession(session, gpu, model, frame, sessionOptions(options));
     tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
     if (skips) {
       sparse.emplace(gpu, model, sessionOptions(options), tiles, sparseOptions(config, options));
@@ -140,6 +144,20 @@ struct Upscaler::State {
     }
     runner.emplace(gpu, model, sessionOptions(options));
     runner->prepare(tiles);
+  }
+
+  // The device has less memory than it says, for other programs use it: tiles of half as much, again and again.
+  void prepareSmaller(Gpu& gpu, const ModelWeights& model, const std::exception_ptr& first) {
+    while (true) {
+      runner.reset();
+      sparse.reset();
+      try {
+        return prepare(gpu, model, (tiling.arenaBytes + tiling.weightBytes) / 2);
+      } catch (const OutOfMemory&) {
+      } catch (const Error&) {  // there are no smaller tiles
+        std::rethrow_exception(first);
+      }
+    }
   }
 
   bool runWhole(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,

@@ -212,4 +212,16 @@ uint64_t Session::ownByteSize() const {
 
 float Session::exposure() const { return read(graph_.exposure).front(); }
 
+void openSession(std::optional<Session>& session, Gpu& gpu, const ModelWeights& model, FrameShape frame,
+                 SessionOptions options) {
+  try {
+    session.emplace(gpu, model, frame, options);
+    return;
+  } catch (const OutOfMemory&) {
+    if (options.bandRows != 0) throw;
+  }
+  options.bandRows = model.config().window;
+  session.emplace(gpu, model, frame, options);
+}
+
 }  // namespace xrds

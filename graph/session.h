@@ -103,4 +103,9 @@ class Session {
   std::optional<Recording> recording_;
 };
 
+/// Opens a session of the frame. Where the device has no room for it, one whose bands are as narrow as bands can be,
+/// unless the options choose them: slower, but the same picture. Throws OutOfMemory if that does not fit either.
+void openSession(std::optional<Session>& session, Gpu& gpu, const ModelWeights& model, FrameShape frame,
+                 SessionOptions options);
+
 }  // namespace xrds

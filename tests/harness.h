@@ -6,6 +6,7 @@
 
 #include "engine/device.h"
 #include "engine/tensor.h"
+#include "shaders/common/tolerance.h"
 
 namespace xrds::test {
 
@@ -19,15 +20,8 @@ DeviceOptions gpuOptions();
 /// Messages collected since the last call; a test that provokes some takes them, so that they do not fail it.
 std::vector<std::string> takeMessages();
 
-/// How far a kernel may be from its reference, both relative to the RMS of the reference.
-struct Tolerance {
-  double rms = 0, max = 0;
-};
-
-/// The one tolerance of each storage type.
-constexpr Tolerance toleranceOf(DataType type) {
-  return type == DataType::f32 ? Tolerance{1e-5, 1e-4} : Tolerance{1e-3, 1e-2};
-}
+using xrds::Tolerance;
+using xrds::toleranceOf;
 
 /// What values hold before the dispatch, by value: all elements of the stored tensor. Those left out are random.
 using Contents = std::map<ValueId, std::vector<float>>;

@@ -3,7 +3,7 @@ _xrds() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} verb=${COMP_WORDS[1]} program=${COMP_WORDS[0]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W "upscale compare info devices view bench --help --version" -- "$current")
+    mapfile -t COMPREPLY < <(compgen -W "upscale compare info devices doctor view bench --help --version" -- "$current")
     return
   fi
   local verbs=("$verb")

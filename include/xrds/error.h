@@ -12,4 +12,17 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A device has no room for what was asked of it. Less may fit.
+class OutOfMemory : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A device stopped working, or did not answer for minutes. What was made on it is of no more use; another device may
+/// do, or the same one opened again.
+class DeviceLost : public Error {
+ public:
+  using Error::Error;
+};
+
 }  // namespace xrds

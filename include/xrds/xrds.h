@@ -55,6 +55,7 @@ class Device {
  private:
   friend class Upscaler;
   friend struct EngineAccess;
+  friend struct Examination;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -16,6 +16,8 @@ offers() {  # offers EXPECTED WORD...: the last word is the one being typed
   esac
 }
 offers upscale up
+offers doctor do
+offers --runs doctor --r
 offers --version --v
 offers fp16 upscale a.exr --precision f
 offers --side-by-side upscale a.exr --s

@@ -18,6 +18,7 @@ namespace {
   setenv("XDG_CACHE_HOME", XRDS_TEST_CACHE, 1);
   for (const auto& [name, value] : options.environment) setenv(name.c_str(), value.c_str(), 1);
   if (!options.folder.empty() && chdir(options.folder.c_str()) != 0) _exit(126);
+  if (options.fullOutput) dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO);
   if (options.largestFileBytes >= 0) {
     const rlimit limit{static_cast<rlim_t>(options.largestFileBytes), static_cast<rlim_t>(options.largestFileBytes)};
     setrlimit(RLIMIT_FSIZE, &limit);
@@ -69,6 +70,15 @@ Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& opt
   close(error[0]);
   ended.exitCode = waitFor(child);
   return ended;
+}
+
+Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due) {
+  const pid_t child = fork();
+  if (child == 0) becomeXrds(arguments, {});
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0)
+    if (due()) kill(child, SIGKILL);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), "", ""};
 }
 
 Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string& awaited, const std::string& keys) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -17,10 +18,14 @@ struct StartOptions {
   std::map<std::string, std::string> environment{};
   std::filesystem::path folder{};  // to start in; empty: here
   long largestFileBytes = -1;      // writing more fails, as on a full disk; -1: no limit
+  bool fullOutput = false;         // standard output is /dev/full
 };
 
 /// Starts the built xrds and waits for its end.
 Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& options = {});
+
+/// Starts xrds, kills it (SIGKILL) as soon as `due` says so, and waits for the end; `due` is asked over and over.
+Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due);
 
 /// Starts xrds on a terminal of its own, types `keys` once the output contains `awaited`, and waits for the end.
 /// `output` is all that appeared on the terminal.

@@ -1,0 +1,57 @@
+#include "cli/device_choice.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "cli/stage.h"
+
+namespace xrds {
+namespace {
+
+/// A device as Device::Options::select takes it, and its name for messages.
+struct Candidate {
+  std::string select, name;
+  size_t rank = 0;
+};
+
+// In the order in which Device itself would choose.
+std::vector<Candidate> bestFirst(const std::vector<Device::Description>& devices) {
+  static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
+  std::vector<Candidate> candidates;
+  for (size_t i = 0; i < devices.size(); ++i) {
+    const auto kind = std::find(std::begin(kKinds), std::end(kKinds), devices[i].kind);
+    candidates.push_back({std::to_string(i), devices[i].name, static_cast<size_t>(kind - std::begin(kKinds))});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
+  return candidates;
+}
+
+void runOn(const std::string& select, const std::function<void(Device&)>& work) {
+  stage(ExitCode::device, [&] {
+    Device device({.select = select});
+    work(device);
+  });
+}
+
+}  // namespace
+
+void onDevice(const std::string& select, const std::function<void(Device&)>& work) {
+  std::vector<Candidate> candidates{{select, "", 0}};
+  if (select.empty()) {
+    const auto devices = stage(ExitCode::device, [] { return Device::list(); });
+    if (devices.size() > 1) candidates = bestFirst(devices);
+  }
+  for (size_t i = 0; i + 1 < candidates.size(); ++i) try {
+      return runOn(candidates[i].select, work);
+    } catch (const Failure& failure) {
+      if (failure.code != ExitCode::device) throw;
+      std::fprintf(stderr, "xrds: warning: device %s (%s) failed: %s; continuing on device %s (%s).\n",
+                   candidates[i].select.c_str(), candidates[i].name.c_str(), failure.message.c_str(),
+                   candidates[i + 1].select.c_str(), candidates[i + 1].name.c_str());
+    }
+  runOn(candidates.back().select, work);
+}
+
+}  // namespace xrds

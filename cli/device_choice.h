@@ -1,0 +1,15 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "xrds/xrds.h"
+
+namespace xrds {
+
+/// Runs the work on the device that `select` names. Where it is empty, on the best device, and after a failure of that
+/// one on the next best, saying so on stderr: the work starts anew and must not have kept anything. Throws Failure
+/// with ExitCode::device if the last device fails; other failures of the work end it.
+void onDevice(const std::string& select, const std::function<void(Device&)>& work);
+
+}  // namespace xrds
