@@ -9,6 +9,7 @@ void addBench(CLI::App& app) {
   addBenchNetwork(*group);
   addBenchTiles(*group);
   addBenchSkip(*group);
+  addBenchStress(*group);
 }
 
 }  // namespace xrds

@@ -18,5 +18,6 @@ void addBenchQuality(CLI::App& group);
 void addBenchNetwork(CLI::App& group);
 void addBenchTiles(CLI::App& group);
 void addBenchSkip(CLI::App& group);
+void addBenchStress(CLI::App& group);
 
 }  // namespace xrds

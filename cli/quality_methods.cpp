@@ -7,7 +7,6 @@
 
 #include "cli/models.h"
 #include "cli/progress.h"
-#include "image/repair.h"
 
 namespace xrds {
 namespace {
@@ -48,11 +47,9 @@ Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, FrameSeco
     stopIfInterrupted();
   }
   seconds.device = deviceSeconds(upscaler);
-  if (const size_t count = repairNonFinite(result).nonFinitePixels; count > 0)
-    std::fprintf(
-        stderr,
-        "xrds: warning: %zu pixels of the result of %s were not finite and were filled from their neighbours.\n", count,
-        name_.c_str());
+  if (const uint64_t count = upscaler.repairs().output; count > 0)
+    std::fprintf(stderr, "xrds: warning: the network of %s gave %llu pixels that were not finite and were left out.\n",
+                 name_.c_str(), static_cast<unsigned long long>(count));
   return result;
 }
 

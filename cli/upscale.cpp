@@ -18,7 +18,6 @@
 #include "cli/skip_map.h"
 #include "cli/stage.h"
 #include "image/png_write.h"
-#include "image/repair.h"
 
 namespace xrds {
 namespace {
@@ -187,9 +186,9 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
   result.tiling = upscaler.tiling();
   result.skipped = upscaler.skipMap();
   if (options.profile) printProfile(upscaler.profile());
-  if (const size_t count = repairNonFinite(result.colour).nonFinitePixels; count > 0)
-    printWarnings({std::to_string(count) +
-                   " pixels of the result were not finite and were filled from their neighbours" +
+  if (const uint64_t count = upscaler.repairs().output; count > 0)
+    printWarnings({"the network gave " + std::to_string(count) +
+                   " pixels that were not finite: they show the base image without it" +
                    (options.precision == "fp16" ? "; --precision fp32 has a larger range." : ".")});
   return result;
 }

@@ -44,7 +44,7 @@ class AuxiliaryBranch {
     return {.height = aux_.height / layers_.config.scale, .width = aux_.width / layers_.config.scale};
   }
   RollingTensor rolling(const std::string& name, uint32_t divisor) const {
-    return {name, layers_.stored(), {aux_.height / divisor, aux_.width / divisor, layers_.config.auxChannels}};
+    return {name, layers_.stored(name), {aux_.height / divisor, aux_.width / divisor, layers_.config.auxChannels}};
   }
   RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, stage * layers_.sweepDistance()); }
 

@@ -17,7 +17,8 @@ FrameExposure exposureOnHost(const PixelView& colour) {
     ++count;
   }
   const double exposure = count > 0 ? double{shader::kExposureKey} / std::exp(sum / count) : 1;
-  return {static_cast<float>(exposure), static_cast<float>(1 / exposure)};
+  const double bounded = std::max(exposure, double{shader::kExposureMin});
+  return {static_cast<float>(bounded), static_cast<float>(1 / bounded)};
 }
 
 namespace {

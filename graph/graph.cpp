@@ -90,6 +90,12 @@ TensorView Graph::createRows(std::string name, DataType type, TensorShape shape,
   return asRowsOf(create(std::move(name), type, shape), height, rows.begin);
 }
 
+DataType Graph::typeOf(const std::string& name, bool weights, DataType precision) const {
+  for (const Promotion& promotion : promoted)
+    if (promotion.weights == weights && promotion.name == name) return DataType::f32;
+  return precision;
+}
+
 bool Graph::computesExposure() const {
   return std::any_of(nodes.begin(), nodes.end(), [](const Node& n) { return std::holds_alternative<Exposure>(n.op); });
 }

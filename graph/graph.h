@@ -40,6 +40,13 @@ struct Value {
   uint64_t texelCount() const { return uint64_t{shape.height} * shape.width * shape.channels / 4; }
 };
 
+/// Something of an fp16 graph that is stored in fp32, and why.
+struct Promotion {
+  std::string name;  // of a value, or of the layer whose weights it is
+  bool weights = false;
+  std::string reason;
+};
+
 /// The forward pass of one frame shape: values and the steps that compute them, in order.
 struct Graph {
   std::vector<Value> values;
@@ -48,13 +55,16 @@ struct Graph {
   TensorView auxiliary;  // input [s h, s w, ceil4(A)] f32, AOVs packed in the model's order; absent without inputs
   TensorView exposure;   // input or computed [1, 1, 4] f32: (e, 1/e, count, 0)
   TensorView network;    // the network's raw output, padded; absent without a network or where bands of it are made
-  TensorView output;     // [s h, s w, 4] f32: linear radiance
+  TensorView output;     // [s h, s w, 4] f32: linear radiance; 4th channel 1 where the network's share was left out
+  std::vector<Promotion> promoted;  // what fp16 does not store
 
   /// Adds a value and returns the view of all of it.
   TensorView create(std::string name, DataType type, TensorShape shape);
   /// Adds a value that stores these rows alone, and returns the view of the whole image.
   TensorView createRows(std::string name, DataType type, TensorShape shape, RowRange rows);
   std::vector<TensorView> inputs() const;
+  /// The type of a value, or of a layer's weights, in a graph of that precision.
+  DataType typeOf(const std::string& name, bool weights, DataType precision) const;
   bool computesExposure() const;
 };
 

@@ -18,7 +18,7 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   if (options.shuffle) shape = {2 * shape.height, 2 * shape.width, outputs / 4};
   Conv3x3 op;
   op.input = x;
-  op.output = options.into.exists() ? options.into : graph.create(name, stored(), shape);
+  op.output = options.into.exists() ? options.into : graph.create(name, stored(name), shape);
   op.residual = options.residual;
   op.weight = weight(name + ".weight", {outputs, inputs, 3, 3});
   op.bias = weight(name + ".bias", {outputs});
@@ -27,7 +27,7 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   op.activation = options.activation;
   op.unshuffleInput = options.unshuffle;
   op.shuffleOutput = options.shuffle;
-  op.weightType = stored();
+  op.weightType = storedWeights(name);
   op.rows = options.rows;
   graph.nodes.push_back({name, op});
   return op.output;
@@ -35,7 +35,7 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
 
 TensorView Layers::addLinear(const std::string& name, Linear op) {
   op.bias = weight(name + ".bias", {op.output.channels});
-  op.weightType = stored();
+  op.weightType = storedWeights(name);
   graph.nodes.push_back({name, op});
   return op.output;
 }

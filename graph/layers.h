@@ -31,9 +31,11 @@ class Layers {
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
                        const WindowBand& band);
 
-  DataType stored() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
+  /// The type of the value or of the layer's weights.
+  DataType stored(const std::string& value) const { return graph.typeOf(value, false, precision()); }
+  DataType storedWeights(const std::string& layer) const { return graph.typeOf(layer, true, precision()); }
   TensorView create(const std::string& name, const TensorView& like, uint32_t channels) {
-    return graph.create(name, stored(), {like.height, like.width, channels});
+    return graph.create(name, stored(name), {like.height, like.width, channels});
   }
 
   /// The steps over the high-resolution image.
@@ -48,6 +50,7 @@ class Layers {
   Graph& graph;
 
  private:
+  DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
   TensorView addLinear(const std::string& name, Linear op);
   std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
     return weights_(name, std::span(shape.begin(), shape.size()));

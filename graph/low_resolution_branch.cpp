@@ -58,7 +58,7 @@ class LowResolutionBranch {
   // Rows of a convolution to C channels, as an image of their own.
   TensorView convRows(const std::string& name, TensorView x, RowRange rows) {
     const uint32_t c = config_.channels;
-    const TensorView y = layers_.graph.createRows(name, layers_.stored(), {x.height, x.width, c}, rows);
+    const TensorView y = layers_.graph.createRows(name, layers_.stored(name), {x.height, x.width, c}, rows);
     return rowsOf(layers_.conv(name, x, c, c, {.into = y, .rows = rows}), rows);
   }
 

@@ -2,6 +2,7 @@
 
 #include "graph/auxiliary_branch.h"
 #include "graph/low_resolution_branch.h"
+#include "graph/promotion.h"
 #include "graph/upscaler.h"
 #include "xrds/error.h"
 
@@ -15,6 +16,8 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
                 " pixels cannot be upscaled by " + std::to_string(config.scale) +
                 ": each side of the output must be 1 to 65536 pixels.");
   Graph graph;
+  if (options.precision == Precision::fp16 && config.groups > 0)
+    graph.promoted = findPromotions(buildGraph(config, {1, 1}, weights, {.autoExposure = false}));
   Layers layers(config, weights, graph, options);
   const Prepared prepared = prepareInputs(config, frame, options, graph);
   graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});

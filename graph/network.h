@@ -35,6 +35,7 @@ struct GraphOptions {
 };
 
 /// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).
+/// In fp16 what the weights show to be beyond a half is stored in fp32 (findPromotions).
 /// Throws Error if the frame is empty or too large, and what the lookup throws.
 Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
                  const GraphOptions& options);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 
@@ -7,8 +8,10 @@
 #include "graph/quiet_windows.h"
 #include "graph/reference.h"
 #include "graph/sparse_runner.h"
+#include "graph/stress/stress.h"
 #include "graph/tile_choice.h"
 #include "graph/tile_runner.h"
+#include "image/repair.h"
 #include "shaders/programs.h"
 #include "xrds/engine_access.h"
 
@@ -22,26 +25,59 @@ Device::Description describeDevice(const DeviceDescription& device) {
 }
 
 // Three tightly packed floats a pixel.
-std::vector<float> packPixels(const PixelView& image) {
-  std::vector<float> packed(size_t{3} * image.width * image.height);
-  for (size_t p = 0; p < packed.size() / 3; ++p) std::copy_n(image.pixels + p * image.stride, 3, &packed[3 * p]);
-  return packed;
+Image packed(const PixelView& view) {
+  Image image(static_cast<int>(view.width), static_cast<int>(view.height), 3);
+  for (size_t p = 0; p < image.pixelCount(); ++p)
+    std::copy_n(view.pixels + p * view.stride, 3, image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * p));
+  return image;
 }
+
+/// An image of the caller, or a repaired copy if it has pixels that are not finite.
+class FiniteImage {
+ public:
+  /// Adds the number of those pixels to `repaired`.
+  FiniteImage(const PixelView& given, uint64_t& repaired) : view_(given) {
+    const size_t pixels = size_t{given.width} * given.height;
+    const auto isFinite = [&](size_t p) {
+      const float* rgb = given.pixels + p * given.stride;
+      return std::isfinite(rgb[0]) && std::isfinite(rgb[1]) && std::isfinite(rgb[2]);
+    };
+    size_t p = 0;
+    while (p < pixels && isFinite(p)) ++p;
+    if (p == pixels) return;
+    copy_ = packed(given);
+    repaired += repairNonFinite(copy_).nonFinitePixels;
+    view_ = {copy_.pixels.data(), given.width, given.height};
+  }
+  FiniteImage(FiniteImage&&) = default;  // the pixels of the copy stay where they are
+  const PixelView& view() const { return view_; }
+
+ private:
+  PixelView view_;
+  Image copy_;
+};
 
 /// Host copies of a frame, in the layout that the session takes.
 struct PackedFrame {
-  std::vector<float> colour;
-  std::vector<std::vector<float>> auxiliary;
+  Image colour;
+  std::vector<Image> auxiliary;
 
-  PackedFrame(const PixelView& colourImage, std::span<const PixelView> images) : colour(packPixels(colourImage)) {
-    for (const PixelView& image : images) auxiliary.push_back(packPixels(image));
+  PackedFrame(const PixelView& colourImage, std::span<const PixelView> images) : colour(packed(colourImage)) {
+    for (const PixelView& image : images) auxiliary.push_back(packed(image));
   }
   FrameInput input(std::optional<float> exposure) const {
-    FrameInput frame{colour, {}, exposure};
-    for (const auto& image : auxiliary) frame.auxiliary.emplace_back(image);
+    FrameInput frame{colour.pixels, {}, exposure};
+    for (const Image& image : auxiliary) frame.auxiliary.emplace_back(image.pixels);
     return frame;
   }
 };
+
+void checkExposure(const Upscaler::Options& options) {
+  constexpr float kLargest = 1e30f;
+  const float e = options.exposure.value_or(1);
+  if (!(e >= 1 / kLargest && e <= kLargest))
+    throw Error("An exposure of " + std::to_string(e) + " was given, expected a number between 1e-30 and 1e30.");
+}
 
 std::string sizeText(uint32_t width, uint32_t height) { return std::to_string(width) + " x " + std::to_string(height); }
 
@@ -160,10 +196,17 @@ struct Upscaler::State {
     }
   }
 
+  bool runFinite(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                 const Progress& progress) {
+    if (session) return runWhole(colour, auxiliary, output, progress);
+    const FrameViews views{colour, auxiliary, options.exposure};
+    return sparse ? sparse->run(views, output, progress) : runner->run(views, tiles, output, progress);
+  }
+
   bool runWhole(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                 const Progress& progress) {
-    const PackedFrame packed(colour, auxiliary);
-    return session->run(packed.input(options.exposure), output, countingShare(progress));
+    const PackedFrame pixels(colour, auxiliary);
+    return session->run(pixels.input(options.exposure), output, countingShare(progress));
   }
 
   // The images of a frame that is computed in tiles are never on the device as a whole.
@@ -182,6 +225,7 @@ struct Upscaler::State {
   std::optional<Session> session;      // of the whole frame
   std::optional<TileRunner> runner;    // or of its tiles
   std::optional<SparseRunner> sparse;  // or of those of its windows that need it
+  Repairs repairs{};
 
   const TileRunner& tileRunner() const { return sparse ? sparse->runner() : *runner; }
 };
@@ -260,7 +304,8 @@ Tiling Model::tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, con
 }
 
 Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
-    : state_(new State(device.state_->gpu, model.state_->weights, {height, width}, options)) {}
+    : state_((checkExposure(options), new State(device.state_->gpu, model.state_->weights, {height, width}, options))) {
+}
 Upscaler::~Upscaler() = default;
 Upscaler::Upscaler(Upscaler&&) noexcept = default;
 Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
@@ -268,11 +313,19 @@ Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
 bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                    const Progress& progress) {
   checkFrame(state_->config, state_->frame, colour, auxiliary);
-  if (state_->session) return state_->runWhole(colour, auxiliary, output, progress);
-  const FrameViews frame{colour, auxiliary, state_->options.exposure};
-  if (state_->sparse) return state_->sparse->run(frame, output, progress);
-  return state_->runner->run(frame, state_->tiles, output, progress);
+  Repairs repairs;
+  const FiniteImage finiteColour(colour, repairs.colour);
+  std::vector<FiniteImage> finiteImages;
+  std::vector<PixelView> views;
+  for (const PixelView& image : auxiliary) finiteImages.emplace_back(image, repairs.auxiliary);
+  for (const FiniteImage& image : finiteImages) views.push_back(image.view());
+  if (!state_->runFinite(finiteColour.view(), views, output, progress)) return false;
+  repairs.output = state_->session ? state_->session->lostPixels() : state_->tileRunner().lostPixels();
+  state_->repairs = repairs;
+  return true;
 }
+
+Upscaler::Repairs Upscaler::repairs() const { return state_->repairs; }
 
 float Upscaler::exposure() const {
   if (state_->session) return state_->session->exposure();
@@ -343,6 +396,12 @@ bool EngineAccess::replay(Upscaler& upscaler, const Upscaler::Progress& progress
 
 void EngineAccess::download(const Upscaler& upscaler, std::span<float> output) {
   upscaler.state_->wholeSession().download(output);
+}
+
+StressReport Upscaler::stress(Device& device, const StressOptions& options) {
+  std::vector<StressModel> models;
+  for (const auto& [name, model] : options.models) models.push_back({name, model->state_->weights, true});
+  return runStress(device.state_->gpu, models, options);
 }
 
 }  // namespace xrds

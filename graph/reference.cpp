@@ -5,7 +5,7 @@
 namespace xrds {
 namespace {
 
-Divergence compare(const Node& node, const std::vector<float>& found, HostMemory& memory) {
+Divergence compare(const Node& node, const auto& found, HostMemory& memory) {
   const TensorView view = outputOf(node);
   Divergence result{node.name};
   double difference = 0, power = 0;
@@ -46,6 +46,26 @@ void setInputs(const Graph& graph, const FrameInput& input, HostMemory& memory) 
   }
 }
 
+std::vector<Divergence> operatorErrors(const Session& session) {
+  const Graph& graph = session.graph();
+  HostMemory memory;
+  for (ValueId id = 0; id < graph.values.size(); ++id) {
+    const Value& value = graph.values[id];
+    const auto [height, width, channels] = value.shape;
+    const std::vector<float> found = session.read({id, value.type, height, width, channels, 0, channels});
+    memory.storage(id, found.size()).assign(found.begin(), found.end());
+  }
+  std::vector<Divergence> errors;
+  for (const Node& node : graph.nodes) {
+    std::vector<double>& stored = memory.storage(outputOf(node));
+    const std::vector<double> found = stored;
+    std::visit([&](const auto& op) { reference(op, memory); }, node.op);
+    errors.push_back(compare(node, found, memory));
+    stored = found;
+  }
+  return errors;
+}
+
 CheckResult checkAgainstReference(Gpu& gpu, const ModelWeights& model, FrameShape frame, const FrameInput& input,
                                   SessionOptions options) {
   options.aliasing = false;
@@ -54,7 +74,7 @@ CheckResult checkAgainstReference(Gpu& gpu, const ModelWeights& model, FrameShap
   session.run(input, output);
   HostMemory memory;
   setInputs(session.graph(), input, memory);
-  CheckResult result{{}, -1, options.precision == Precision::fp32 ? 1e-4 : 2e-2};
+  CheckResult result{{}, -1, kChainBudget.of(options.precision)};
   runReference(session.graph(), memory, [&](const Node& node) {
     result.nodes.push_back(compare(node, session.read(outputOf(node)), memory));
     const Divergence& last = result.nodes.back();

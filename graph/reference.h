@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "graph/error_ledger.h"
 #include "graph/session.h"
 
 namespace xrds {
@@ -21,6 +22,10 @@ struct Divergence {
   bool finite = true;
 };
 
+/// The error of each node alone, in order: the node's reference on what the device gave it, against what the device
+/// made of that, after a run of a session without aliasing.
+std::vector<Divergence> operatorErrors(const Session& session);
+
 struct CheckResult {
   std::vector<Divergence> nodes;  // in order
   int firstDivergent = -1;        // index into nodes; -1: none exceeds the bound
@@ -28,7 +33,7 @@ struct CheckResult {
 };
 
 /// Replays a frame on the device with every value kept, and in double precision on the host, and compares node by
-/// node. Bound: 1e-4 in fp32, 2e-2 in fp16 (rounding adds up over the depth).
+/// node. Bound: that of the ledger for chains of operators.
 CheckResult checkAgainstReference(Gpu& gpu, const ModelWeights& model, FrameShape frame, const FrameInput& input,
                                   SessionOptions options);
 

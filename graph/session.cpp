@@ -19,7 +19,7 @@ std::vector<std::byte> encode(std::span<const float> values, DataType type) {
   }
   std::vector<std::byte> bytes(values.size() * byteSize(type));
   for (size_t i = 0; i < values.size(); ++i) {
-    const uint16_t half = toHalf(values[i]);
+    const uint16_t half = toHalf(std::clamp(values[i], -65504.0f, 65504.0f));
     std::memcpy(bytes.data() + 2 * i, &half, 2);
   }
   return bytes;
@@ -175,7 +175,11 @@ void Session::upload(const FrameInput& input) {
 void Session::download(std::span<float> output) const {
   checkSize("output", output.size(), graph_.output.pixelCount());
   const std::vector<float> pixels = read(graph_.output);
-  for (size_t p = 0; p < graph_.output.pixelCount(); ++p) std::copy_n(&pixels[4 * p], 3, &output[3 * p]);
+  lostPixels_ = 0;
+  for (size_t p = 0; p < graph_.output.pixelCount(); ++p) {
+    std::copy_n(&pixels[4 * p], 3, &output[3 * p]);
+    lostPixels_ += pixels[4 * p + 3] != 0;
+  }
 }
 
 std::vector<DispatchTime> Session::times() const {

@@ -89,6 +89,8 @@ class Session {
   std::vector<float> read(const TensorView& view) const;
   /// Fills the arena with a bit pattern (tests: NaN).
   void fillArena(uint32_t pattern) { arena_->fill(pattern); }
+  /// Pixels of the last run's output without the network's share, which was not finite there.
+  uint64_t lostPixels() const { return lostPixels_; }
   /// The exposure that the last run used.
   float exposure() const;
 
@@ -101,6 +103,7 @@ class Session {
   Buffer *arena_ = nullptr, *weights_ = nullptr;  // the own ones or the lender's
   std::vector<PackedKey> packedKeys_;             // what the weights hold, in order
   std::optional<Recording> recording_;
+  mutable uint64_t lostPixels_ = 0;  // counted by download()
 };
 
 /// Opens a session of the frame. Where the device has no room for it, one whose bands are as narrow as bands can be,

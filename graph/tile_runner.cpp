@@ -60,6 +60,7 @@ Session& TileRunner::sessionOf(const Rectangle& crop) {
 bool TileRunner::run(const FrameViews& frame, std::span<const Tile> tiles, std::span<float> output,
                      const std::function<bool(double)>& progress) {
   times_.clear();
+  lostPixels_ = 0;
   if (tiles.empty()) return true;
   prepare(tiles);
   const float given = frame.exposure.value_or(1.f);
@@ -77,6 +78,7 @@ bool TileRunner::run(const FrameViews& frame, std::span<const Tile> tiles, std::
     result_.resize(3 * session.graph().output.pixelCount());
     if (!session.run(input, result_, progress ? std::function<bool(size_t, size_t)>(report) : nullptr)) return false;
     store(frame, tile, output);
+    lostPixels_ += session.lostPixels();
     addTimes(session);
     done += share;
   }

@@ -37,6 +37,8 @@ class TileRunner {
   uint64_t byteSize() const;
   /// The exposure of the last run.
   float exposure() const { return exposure_.value; }
+  /// As Session::lostPixels(), over the crops of all tiles.
+  uint64_t lostPixels() const { return lostPixels_; }
   /// Time of each operator in the last run, over all tiles; needs timestamps.
   const std::vector<DispatchTime>& times() const { return times_; }
 
@@ -54,6 +56,7 @@ class TileRunner {
   Size largestSize_{};
   std::map<Size, std::unique_ptr<Session>> others_;
   FrameExposure exposure_;
+  uint64_t lostPixels_ = 0;
   std::vector<float> colour_, result_;  // of a crop
   std::vector<std::vector<float>> auxiliary_;
   std::vector<DispatchTime> times_;

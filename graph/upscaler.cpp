@@ -18,13 +18,15 @@ class Upscaler {
       const bool last = j == config_.steps();
       const std::string name = last ? "upscaled" : j == 0 ? "up_pre" : "up." + std::to_string(j - 1);
       const uint32_t skipped = last && config_.auxSkip ? config_.auxChannels : 0;
-      doublings_.emplace_back(name, layers.stored(),
+      doublings_.emplace_back(name, layers.stored(name),
                               TensorShape{u.height << j, u.width << j, config_.channels + skipped});
     }
     const uint32_t outputs = ceilDivide(config_.outputWidth(), 4) * 4;
-    out_ = {"out", layers.stored(), {config_.scale * u.height, config_.scale * u.width, outputs}};
+    out_ = {"out", layers.stored("out"), {config_.scale * u.height, config_.scale * u.width, outputs}};
     if (config_.auxKernels == 0) return;
-    filtered_ = {"filtered.auxiliary", layers.stored(), {output.height, output.width, prepared.aux.channels}};
+    filtered_ = {"filtered.auxiliary",
+                 layers.stored("filtered.auxiliary"),
+                 {output.height, output.width, prepared.aux.channels}};
     encoded_.aux = prepared.aux;
     createEncoded(config_, "filtered.", graph_.colour.height, graph_.colour.width, graph_, encoded_);
   }

@@ -58,5 +58,20 @@ TEST(Half, DeviceStoresWithinOneStep) {
   RecordProperty("roundedToNearest", static_cast<int>(nearest));
 }
 
+// Infinity would make NaN of the sums that read it.
+TEST(Half, DeviceStoresTheLargestHalfForWhatIsLarger) {
+  const std::vector<float> numbers{65504, 65519, 65520, 1e30f, -65520, -1e30f, INFINITY, NAN};
+  const std::vector<uint16_t> expected{0x7BFF, 0x7BFF, 0x7BFF, 0x7BFF, 0xFBFF, 0xFBFF, 0x7BFF};
+  Buffer buffer(test::gpu(), 512);
+  test::uploadFloats(buffer, 0, numbers);
+  const PlacedDispatch toHalfs = test::toHalfs(buffer, 0, 256, 2);
+  Recording(test::gpu(), {&toHalfs, 1}).run();
+  std::vector<uint16_t> halfs(8);
+  buffer.download(256, std::as_writable_bytes(std::span(halfs)));
+  EXPECT_TRUE(std::isnan(fromHalf(halfs.back())));
+  halfs.pop_back();
+  EXPECT_EQ(halfs, expected);
+}
+
 }  // namespace
 }  // namespace xrds

@@ -163,10 +163,11 @@ def filtered(aux_neighbours, logits):
     return (weights[:, None] * aux_neighbours).sum(2) / weights.sum(1, keepdim=True)
 
 
-def to_radiance(transformed, albedo, exposure, config):
-    """Inverse of the pipeline: clamp when there is a base, T^-1, times albedo for the bases that demodulate, over exposure."""
-    if config.base != "none":
-        transformed = transformed.clamp(0, TRANSFORMED_MAX)
+def to_radiance(residual, base, albedo, exposure, config):
+    """Inverse of the pipeline: base (None: there is none) and residual, their sum clamped, T^-1, times albedo for the bases that demodulate, over exposure."""
+    transformed = residual
+    if base is not None:  # a highlight of the base itself is never clamped
+        transformed = torch.minimum((base + residual).clamp(min=0), base.clamp(min=TRANSFORMED_MAX))
     radiance = inverse_transform(transformed, config.transfer)
     if config.base in ("demodulated", "guided"):
         radiance = radiance * (albedo + EPSILON)
@@ -186,7 +187,8 @@ def baseline(colour, aux, config, exposure=None):
     exposure = auto_exposure(colour[0]) if exposure is None else exposure
     albedo = clamped_albedo(aux, config)
     x = network_colour(colour * exposure, albedo, config)
-    return to_radiance(base_image(x, aux, config), albedo, exposure, config)
+    base = base_image(x, aux, config)
+    return to_radiance(torch.zeros_like(base), base, albedo, exposure, config)
 
 
 def upscale(network, colour, aux=None, exposure=None):
@@ -200,11 +202,9 @@ def upscale(network, colour, aux=None, exposure=None):
     x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
     height, width = (side * config.scale for side in x.shape[-2:])
     raw = network(*pad_inputs(x, aux, config))[:, :, :height, :width]
-    transformed, logits, aux_logits = split_output(raw, config)
+    residual, logits, aux_logits = split_output(raw, config)
     if aux_logits is not None:
         aux = filtered(neighbours(aux, config.aux_kernels), aux_logits)
         x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
     base = base_image(x, aux, config, logits)
-    if base is not None:
-        transformed = base + transformed
-    return to_radiance(transformed, clamped_albedo(aux, config), exposure, config), raw, exposure
+    return to_radiance(residual, base, clamped_albedo(aux, config), exposure, config), raw, exposure

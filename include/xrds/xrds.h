@@ -98,13 +98,16 @@ class Model {
   std::unique_ptr<State> state_;
 };
 
+struct StressOptions;
+struct StressReport;
+
 /// A model made ready for one frame size on one device: planned and recorded once, replayed for each frame. A frame
 /// that does not fit the device's memory or limits is cut into tiles.
 class Upscaler {
  public:
   struct Options {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
-    std::optional<float> exposure{};  // factor on the colour; empty: from the frame's mean log luminance
+    std::optional<float> exposure{};  // factor on the colour, 1e-30 to 1e30; empty: from the mean log luminance
     bool profile = false;
     TileOptions tiles{};  // of a frame that does not fit the device
     SkipOptions skip{};
@@ -126,18 +129,25 @@ class Upscaler {
   };
 
   /// width x height: of the low-resolution colour. Device and model must outlive the upscaler. Throws Error if the
-  /// device cannot hold even the smallest tiles of the frame.
+  /// device cannot hold even the smallest tiles of the frame, or if the exposure is out of range.
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
   ~Upscaler();
   Upscaler(Upscaler&&) noexcept;
   Upscaler& operator=(Upscaler&&) noexcept;
 
   /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;
-  /// output: 3 floats a pixel, [scale height, scale width]. Throws Error if a size does not fit or the device fails.
+  /// output: 3 floats a pixel, [scale height, scale width], finite whatever the inputs: see repairs(). Throws Error if a
+  /// size does not fit or the device fails.
   /// Returns false if `progress` cancelled the run; of a frame in tiles, some are then written to the output.
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
            const Progress& progress = {});
 
+  /// Pixels of the last run that were not finite: of the inputs, filled from their finite neighbours, and of the
+  /// network's output, which then was left out, so that the base image shows.
+  struct Repairs {
+    uint64_t colour = 0, auxiliary = 0, output = 0;
+  };
+  Repairs repairs() const;
   float exposure() const;        // of the last run
   uint64_t deviceBytes() const;  // arena and weights
   const Tiling& tiling() const;
@@ -148,6 +158,8 @@ class Upscaler {
   /// host. Slow: seconds for 16 x 16 pixels.
   static std::vector<CheckRow> check(Device& device, const Model& model, const PixelView& colour,
                                      std::span<const PixelView> auxiliary, const Options& options);
+  /// Tries hostile images and weights, as xrds/stress.h has it; minutes.
+  static StressReport stress(Device& device, const StressOptions& options);
 
  private:
   friend struct EngineAccess;

@@ -1,4 +1,4 @@
-// transform(transfer, x) and its inverse on three channels; `transfer` is a specialization constant. GLSL has neither
+// The radiance transform and its inverse on three channels; `transfer` is a specialization constant. GLSL has neither
 // log1p nor expm1, and its log is exact only to 2^-21 near 1, so small arguments go through a series: the relative
 // error stays at about 1e-6 from the smallest number to the largest.
 #ifndef XRDS_SHADERS_COMMON_TRANSFER_GLSL
@@ -21,8 +21,21 @@ vec3 expm1(vec3 x) {
   return mix(exp(x) - 1.0, series, lessThan(abs(x), vec3(0.5)));
 }
 
-vec3 transform(uint transfer, vec3 x) { return transfer == kTransferLog1p ? log1p(max(x, 0.0)) : x; }
+// T(radiance exposure / divisor), where the product may be too large for a float.
+vec3 encoded(uint transfer, vec3 radiance, float exposure, vec3 divisor) {
+  const vec3 product = radiance * exposure / divisor;
+  if (transfer != kTransferLog1p) return clamp(product, -kLinearMax, kLinearMax);
+  return mix(log1p(max(product, 0.0)), log(radiance) + log(exposure) - log(divisor),
+             greaterThan(product, vec3(kLogarithmsFrom)));
+}
 
-vec3 inverseTransform(uint transfer, vec3 x) { return transfer == kTransferLog1p ? expm1(x) : x; }
+// T^-1(x) factor / exposure, where T^-1(x) alone may be too large for a float. The result never is.
+vec3 decoded(uint transfer, vec3 x, vec3 factor, vec2 exposureAndInverse) {
+  vec3 product = x * factor * exposureAndInverse.y;
+  if (transfer == kTransferLog1p)
+    product = mix(expm1(x) * factor * exposureAndInverse.y, exp(x + log(factor) - log(exposureAndInverse.x)),
+                  greaterThan(x, vec3(log(kLogarithmsFrom) / 2)));
+  return clamp(product, -kRadianceMax, kRadianceMax);
+}
 
 #endif

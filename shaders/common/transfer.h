@@ -8,7 +8,11 @@ const uint kTransferNone = 0;
 const uint kTransferLog1p = 1;       // log(1 + max(x, 0))
 const float kAlbedoEpsilon = 0.02f;  // added to the albedo before dividing and multiplying by it
 const float kAlbedoMax = 4.0f;
-const float kTransformedMax = 11.0f;  // of a result that is added to a base image
+const float kAuxiliaryMax = 65504.0f;  // of other auxiliary channels: the same whether they are stored as half or float
+const float kTransformedMax = 11.0f;   // of a sum of base image and residual, unless the base alone is larger
+const float kLinearMax = 1e18f;        // of what the transfer `none` hands on: squares of it are still floats
+const float kLogarithmsFrom = 1e30f;   // above this, products are taken as sums of logarithms
+const float kRadianceMax = 3.4028234e38f;
 XRDS_SHARED_END
 
 #ifdef __cplusplus
@@ -19,7 +23,8 @@ enum class Transfer : uint32_t { none, log1p };
 
 /// T in double precision, for reference().
 inline double transform(Transfer transfer, double x) {
-  return transfer == Transfer::log1p ? std::log1p(std::max(x, 0.0)) : x;
+  const double limit = shader::kLinearMax;
+  return transfer == Transfer::log1p ? std::log1p(std::max(x, 0.0)) : std::clamp(x, -limit, limit);
 }
 
 /// T^-1 in double precision, for reference().

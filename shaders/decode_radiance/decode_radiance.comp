@@ -1,6 +1,7 @@
-// out = T^-1(clamp(base + network, 0, 11)) (a + 0.02) / e; without base T^-1(network), without albedo no (a + 0.02).
-// network: [>= H, >= W, >= 4], zero if absent; base: [>= H, >= W, 4]; aux: [>= H, >= W, c], a in three channels;
-// out: [H, W, 4]. One pixel an invocation, fp32.
+// out = T^-1(clamp(base + network, 0, max(11, base))) (a + 0.02) / e; without base T^-1(network), without albedo no
+// (a + 0.02). network: [>= H, >= W, >= 4], zero if absent; base: [>= H, >= W, 4]; aux: [>= H, >= W, c], a in three
+// channels; out: [H, W, 4], finite; the fourth channel is 1 where the network was not and its share was left out, else 0.
+// One pixel an invocation, fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -24,9 +25,14 @@ void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   vec3 value = kHasNetwork ? texelFetch(network, texelAt(p.network, at)).rgb : vec3(0);
-  if (kHasBase) value = clamp(texelFetch(base, texelAt(p.base, at)).rgb + value, 0.0, kTransformedMax);
-  value = inverseTransform(kTransfer, value);
-  if (kAlbedoOffset >= 0) value *= fetchThree(aux, texelAt(p.aux, at), kAlbedoOffset) + kAlbedoEpsilon;
-  value *= texelFetch(exposure, p.exposure).y;
-  storePixel(0, 0, vec4(value, 0));
+  const bool lost = any(isnan(value)) || any(isinf(value));
+  value = lost ? vec3(0) : value;
+  if (kHasBase) {
+    const vec3 start = texelFetch(base, texelAt(p.base, at)).rgb;
+    value = clamp(start + value, vec3(0), max(start, kTransformedMax));
+  }
+  vec3 factor = vec3(1);
+  if (kAlbedoOffset >= 0) factor = fetchThree(aux, texelAt(p.aux, at), kAlbedoOffset) + kAlbedoEpsilon;
+  value = decoded(kTransfer, value, factor, texelFetch(exposure, p.exposure).xy);
+  storePixel(0, 0, vec4(value, lost ? 1 : 0));
 }

@@ -39,18 +39,23 @@ std::vector<float> packedWeights(const DecodeRadiance&, const DeviceTraits&) { r
 void reference(const DecodeRadiance& op, HostMemory& memory) {
   const auto [height, width, channels] = outputShape(op);
   const RowRange rows = resolve(op.rows, height);
-  const double exposure = memory.at(op.exposure, 0, 0, 0);
+  const double exposure = memory.at(op.exposure, 0, 0, 0), limit = shader::kRadianceMax;
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < width; ++x) {
+      double raw[3] = {};
+      for (uint32_t c = 0; op.network.exists() && c < 3; ++c) raw[c] = memory.at(op.network, y, x, c);
+      const bool lost = !std::all_of(raw, raw + 3, [](double value) { return std::isfinite(value); });
       for (uint32_t c = 0; c < 3; ++c) {
-        double value = op.network.exists() ? memory.at(op.network, y, x, c) : 0;
-        if (op.base.exists())
-          value = std::clamp(memory.at(op.base, y, x, c) + value, 0.0, double{shader::kTransformedMax});
+        double value = lost ? 0 : raw[c];
+        if (op.base.exists()) {
+          const double base = memory.at(op.base, y, x, c);
+          value = std::clamp(base + value, 0.0, std::max(base, double{shader::kTransformedMax}));
+        }
         value = inverseTransform(op.transfer, value);
         if (op.albedoOffset >= 0) value *= memory.at(op.aux, y, x, op.albedoOffset + c) + shader::kAlbedoEpsilon;
-        memory.at(op.output, y, x, c) = value / exposure;
+        memory.at(op.output, y, x, c) = std::clamp(value / exposure, -limit, limit);
       }
-      memory.at(op.output, y, x, 3) = 0;
+      memory.at(op.output, y, x, 3) = lost ? 1 : 0;
     }
 }
 

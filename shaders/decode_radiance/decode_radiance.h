@@ -14,8 +14,10 @@ XRDS_SHARED_END
 #ifdef __cplusplus
 namespace xrds {
 
-/// The result image: T^-1(clamp(base + network, 0, 11)) (a + 0.02) / e with the albedo a, cropped to the real image.
-/// Without a base T^-1(network) is not clamped; without demodulation there is no factor (a + 0.02).
+/// The result image: T^-1(clamp(base + network, 0, max(11, base))) (a + 0.02) / e with the albedo a, cropped to the
+/// real image. Without a base T^-1(network) is not clamped; without demodulation there is no factor (a + 0.02). Where
+/// the network is not finite its share is left out and the fourth channel tells so; what is too large becomes the
+/// largest float.
 struct DecodeRadiance {
   TensorView network{};   // optional [>= H, >= W, >= 4], of which three channels are read; absent: zero
                           // (a base is then needed)

@@ -80,6 +80,41 @@ TEST(DecodeRadiance, ClampsWhatIsAddedToABase) {
   test::expectMatchesReference(op, contents);
 }
 
+TEST(DecodeRadiance, NeverClampsTheBaseItself) {
+  const DecodeRadiance op = decodeOf({1, 4, 1, 4, Transfer::log1p, true, -1});
+  HostMemory memory;
+  memory.storage(op.exposure) = {1, 1, 0, 0};
+  memory.storage(op.base) = {20, 20, 20, 0, 10, 10, 10, 0, 20, 20, 20, 0, 5, 5, 5, 0};
+  memory.storage(op.network) = {1, -1, 0, 0, 5, 0, -20, 0, -15, 0, 0, 0, 1, 0, 0, 0};
+  reference(op, memory);
+  const double expected[] = {20, 19, 20, 11, 10, 0, 5, 20, 20, 6, 5, 5};
+  for (uint32_t i = 0; i < 12; ++i)
+    EXPECT_NEAR(std::log1p(memory.at(op.output, 0, i / 3, i % 3)), expected[i], 1e-12) << i;
+}
+
+// Highlights whose encoding, decoded alone, is larger than any float.
+TEST(DecodeRadiance, NeverOverflows) {
+  DecodeRadiance op = decodeOf({4, 32, 4, 32, Transfer::log1p, true, 0});
+  auto base = test::randomNumbers(4 * 32 * 4, 3);
+  for (float& value : base) value = 90 * value + 90;
+  auto albedo = test::randomNumbers(4 * 32 * 12, 4);
+  for (float& value : albedo) value = 2 * value + 2;
+  for (const float exposure : {1e-30f, 1.f, 1e30f})
+    test::expectMatchesReference(op, test::gpu().traits(), {1e-4, 1e-3},
+                                 {{1, base}, {2, albedo}, {3, {exposure, 1 / exposure, 0, 0}}});
+  op.transfer = Transfer::none;
+  for (float& value : base) value *= 1e16f;
+  test::expectMatchesReference(op, {{1, base}, {2, albedo}, {3, {1e-30f, 1e30f, 0, 0}}});
+}
+
+TEST(DecodeRadiance, LeavesOutANetworkThatIsNotFinite) {
+  const DecodeRadiance op = decodeOf({4, 32, 4, 32});
+  auto contents = contentsOf(op);
+  contents[0] = test::randomNumbers(4 * 32 * 4, 2);
+  for (size_t i = 0; i < contents[0].size(); i += 20) contents[0][i + i / 20 % 3] = i % 40 == 0 ? NAN : INFINITY;
+  test::expectMatchesReference(op, contents);
+}
+
 // expm1 keeps its relative accuracy from the smallest radiance to the largest.
 TEST(DecodeRadiance, IsAccurateAtEveryMagnitude) {
   const DecodeRadiance op = decodeOf({4, 32, 4, 32, Transfer::log1p, false, -1});

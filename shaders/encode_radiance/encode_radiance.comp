@@ -20,7 +20,9 @@ void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   const ivec2 from = replicated(at, ivec2(p.colour.width, p.colour.height));
-  vec3 value = texelFetch(colour, texelAt(p.colour, from)).rgb * texelFetch(exposure, p.exposure).x;
-  if (kAlbedoOffset >= 0) value /= fetchThree(auxMean, texelAt(p.auxMean, from), kAlbedoOffset) + kAlbedoEpsilon;
-  storePixel(0, 0, vec4(transform(kTransfer, value), 0));
+  const vec3 radiance = texelFetch(colour, texelAt(p.colour, from)).rgb;
+  vec3 divisor = vec3(1);
+  if (kAlbedoOffset >= 0) divisor = fetchThree(auxMean, texelAt(p.auxMean, from), kAlbedoOffset) + kAlbedoEpsilon;
+  const vec3 x = encoded(kTransfer, radiance, texelFetch(exposure, p.exposure).x, divisor);
+  storePixel(0, 0, vec4(x, 0));
 }

@@ -80,6 +80,19 @@ TEST(EncodeRadiance, IsAccurateAtEveryMagnitude) {
   }
 }
 
+// Also where radiance times exposure over albedo is larger than any float.
+TEST(EncodeRadiance, NeverOverflows) {
+  EncodeRadiance op = encodeOf({4, 32, 4, 32, Transfer::log1p, 0});
+  auto colour = test::randomNumbers(4 * 32 * 4, 3), albedo = test::randomNumbers(4 * 32 * 8, 4);
+  for (float& value : colour) value = std::exp(44 * value + 44);
+  for (float& value : albedo) value = std::max(0.0f, value);
+  for (const float exposure : {1e-30f, 1e-6f, 1e6f, 1e30f})
+    test::expectMatchesReference(op, test::gpu().traits(), {5e-7, 3e-6},
+                                 {{0, colour}, {1, {exposure, 1 / exposure, 0, 0}}, {2, albedo}});
+  op.transfer = Transfer::none;
+  test::expectMatchesReference(op, {{0, colour}, {1, {1e30f, 1e-30f, 0, 0}}, {2, albedo}});
+}
+
 TEST(EncodeRadiance, OfOneIsTheLogarithmOfTwo) {
   EncodeRadiance op = encodeOf({1, 1, 1, 1});
   HostMemory memory;

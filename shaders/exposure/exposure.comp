@@ -1,4 +1,4 @@
-// e = 0.18 / exp(mean(log L)) over the pixels with finite Rec. 709 luminance L > 1e-8; 1 if there are none.
+// e = 0.18 / exp(mean(log L)) >= 1e-37 over the pixels with finite Rec. 709 luminance L > 1e-8; 1 if there are none.
 // colour: [pixels][4]; target: (e, 1 / e, count, 0). One workgroup; each invocation sums every 256th pixel, 64 at a
 // time (long sums of single pixels would lose digits), then a tree: the order never changes. fp32.
 #version 450
@@ -35,6 +35,6 @@ void main() {
   }
   if (lane != 0) return;
   const float count = partial[0].y;
-  const float exposure = count > 0.0 ? kExposureKey / exp(partial[0].x / count) : 1.0;
+  const float exposure = count > 0.0 ? max(kExposureKey / exp(partial[0].x / count), kExposureMin) : 1.0;
   target[p.target] = stored4(vec4(exposure, 1.0 / exposure, count, 0));
 }

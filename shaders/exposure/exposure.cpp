@@ -1,5 +1,6 @@
 #include "shaders/exposure/exposure.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace xrds {
@@ -34,7 +35,7 @@ void reference(const Exposure& op, HostMemory& memory) {
       sum += std::log(luminance);
       ++count;
     }
-  const double exposure = count > 0 ? 0.18 / std::exp(sum / count) : 1;
+  const double exposure = count > 0 ? std::max(0.18 / std::exp(sum / count), double{shader::kExposureMin}) : 1;
   const double result[] = {exposure, 1 / exposure, count, 0};
   for (uint32_t c = 0; c < 4; ++c) memory.at(op.output, 0, 0, c) = result[c];
 }

@@ -12,13 +12,14 @@ struct ExposureParams {
 const uint kExposureGroup = 256;
 const float kExposureKey = 0.18f;
 const float kExposureMinLuminance = 1e-8f;
+const float kExposureMin = 1e-37f;  // of which the reciprocal is a float too
 XRDS_SHARED_END
 
 #ifdef __cplusplus
 namespace xrds {
 
 /// The automatic exposure of an image: 0.18 over the geometric mean of its Rec. 709 luminances L, taken over the pixels
-/// with finite L > 1e-8; 1 if there are none.
+/// with finite L > 1e-8, at least 1e-37; 1 if there are none.
 struct Exposure {
   TensorView colour;  // [h, w, 4] linear radiance
   TensorView output;  // [1, 1, 4] f32: e, 1 / e, the number of pixels that count, 0

@@ -41,7 +41,7 @@ void main() {
       if (j >= 0 && j < kSide * kSide) {
         const int channel = kFirstLogit + j;
         if (j == 0 || channel % 4 == 0) logits[r] = texelFetch(network, logitTexels[r] + channel / 4);
-        const float weight = exp(clamp(logits[r][channel % 4], -kLogitMax, kLogitMax));
+        const float weight = exp(boundedLogit(logits[r][channel % 4]));
         [[unroll]] for (int q = 0; q < kQuads; q++) sums[r * kQuads + q] += weight * values[q];
         totals[r] += weight;
       }

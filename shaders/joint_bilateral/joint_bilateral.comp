@@ -77,7 +77,7 @@ void main() {
         const int channel = j + kFirstLogit;
         if (j == 0 || channel % 4 == 0)
           logits[r] = texelFetch(network, texelAt(p.network, at + ivec2(0, r)) + channel / 4);
-        weight *= exp(clamp(logits[r][channel % 4], -kLogitMax, kLogitMax));
+        weight *= exp(boundedLogit(logits[r][channel % 4]));
       }
       sums[r] += weight * value;
       totals[r] += weight;

@@ -1,4 +1,4 @@
-// out[y, x] = in[min(y, H - 1), min(x, W - 1)], the albedo's three channels clamped to [0, 4].
+// out[y, x] = in[min(y, H - 1), min(x, W - 1)], the albedo's three channels clamped to [0, 4], others to +-65504.
 // in: [H, W, c], out: [Hp, Wp, c] slices. One pixel an invocation, a vec4 at a time.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -19,12 +19,14 @@ void main() {
   if (isOutside(at)) return;
   const int from = texelAt(p.source, replicated(at, ivec2(p.source.width, p.source.height)));
   [[unroll]] for (int q = 0; q < kChannels / 4; q++) {
-    vec4 value = texelFetch(source, from + q);
+    const vec4 value = texelFetch(source, from + q);
+    vec4 least = vec4(-kAuxiliaryMax), most = vec4(kAuxiliaryMax);
     if (kAlbedoOffset >= 0) {
       const ivec4 channel = 4 * q + ivec4(0, 1, 2, 3) - kAlbedoOffset;
       const bvec4 isAlbedo = equal(clamp(channel, 0, 2), channel);
-      value = mix(value, clamp(value, 0.0, kAlbedoMax), isAlbedo);
+      least = mix(least, vec4(0), isAlbedo);
+      most = mix(most, vec4(kAlbedoMax), isAlbedo);
     }
-    storePixel(0, q, value);
+    storePixel(0, q, clamp(value, least, most));
   }
 }

@@ -27,13 +27,15 @@ std::vector<float> packedWeights(const PackAuxiliary&, const DeviceTraits&) { re
 void reference(const PackAuxiliary& op, HostMemory& memory) {
   const auto [height, width, channels] = outputShape(op);
   const RowRange rows = resolve(op.rows, height);
+  const double limit = shader::kAuxiliaryMax;
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < width; ++x)
       for (uint32_t c = 0; c < channels; ++c) {
         const double value = memory.at(op.input, std::min(y, op.input.height - 1), std::min(x, op.input.width - 1), c);
         const int albedoChannel = static_cast<int>(c) - op.albedoOffset;
         const bool isAlbedo = op.albedoOffset >= 0 && albedoChannel >= 0 && albedoChannel < 3;
-        memory.at(op.output, y, x, c) = isAlbedo ? std::clamp(value, 0.0, double{shader::kAlbedoMax}) : value;
+        memory.at(op.output, y, x, c) =
+            isAlbedo ? std::clamp(value, 0.0, double{shader::kAlbedoMax}) : std::clamp(value, -limit, limit);
       }
 }
 

@@ -13,7 +13,7 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// The auxiliary images as the network reads them: padded on the right and at the bottom by edge replication, the
-/// albedo clamped to [0, 4], in the type of the output.
+/// albedo clamped to [0, 4] and the rest to +-65504, in the type of the output.
 struct PackAuxiliary {
   TensorView input, output;  // [H, W, c], [Hp, Wp, c]
   int albedoOffset = -1;     // first channel of the albedo; -1: there is none

@@ -59,6 +59,14 @@ TEST(PackAuxiliary, ClampsTheAlbedoOnlyAndRepeatsTheEdge) {
   for (uint32_t i = 0; i < 32; ++i) EXPECT_EQ(memory.storage(op.output)[i], pixel[i % 8]);
 }
 
+TEST(PackAuxiliary, KeepsAllElseWithinTheRangeOfAHalf) {
+  const Shape shape{4, 4, 4, 4, 8, 0};
+  auto numbers = values(shape);
+  for (float& number : numbers) number *= 1e30f;
+  for (const DataType type : {DataType::f32, DataType::f16})
+    test::expectMatchesReference(packOf(shape, DataType::f32, type), {{0, numbers}});
+}
+
 TEST(PackAuxiliary, RefusesWhatDoesNotFit) {
   EXPECT_THROW(dispatch(packOf({8, 8, 4, 8, 8, 0}), {}), std::logic_error);
   EXPECT_THROW(dispatch(packOf({8, 8, 8, 8, 8, 6}), {}), std::logic_error);
