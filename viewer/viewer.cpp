@@ -145,6 +145,7 @@ void Viewer::takeTurn() {
 
 // Whether all that was asked for is on the display.
 bool Viewer::ready() const {
+  if (playback_.playing) return report_.pictures >= awaited_;  // the next frame is always on its way
   return report_.settled && !changed_ && (dirty_ == 0 || display_.minimized()) && report_.pictures >= awaited_;
 }
 
