@@ -10,7 +10,8 @@ namespace {
 constexpr const char* kFooter =
     "Exit codes: 0 done; 1 a bug of xrds; 2 wrong option; 3 an image cannot be read or does not fit; 4 the model "
     "cannot\n"
-    "be read or does not fit; 5 no Vulkan device or display, it failed or lacks memory; 6 a result cannot be written; 7 a check\n"
+    "be read or does not fit; 5 no Vulkan device or display, it failed or lacks memory; 6 a result cannot be written; "
+    "7 a check\n"
     "found a difference; 130 interrupted. Only finished files are ever written.\n\n"
     "Examples:\n"
     "  xrds upscale color_64spp.exr aux_16spp.exr -o out.exr\n"

@@ -126,8 +126,8 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
     const bool queriesApart = op.queries.value != op.keys.value;
     const uint32_t rowCount = rows.end - rows.begin;
     const bool allRows = rowCount == shape.height || (shiftedBegin % op.window == 0 && rowCount % op.window == 0);
-    result.specialization = {device.subgroupSize, op.window,    op.headChannels, shares.queries, shares.keys,
-                             oneTensor,           queriesApart, allRows};
+    result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries,
+                             shares.keys,         oneTensor, queriesApart,    allRows};
     result.pushConstants = pushBytesWithDigits(params);
     result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
   } else {
