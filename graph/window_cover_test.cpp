@@ -87,7 +87,7 @@ TEST(WindowCover, IsTheCheapestThatCutsReach) {
         for (uint32_t c = left; c < std::min<uint32_t>(7, left + 1 + random() % 3); ++c) mask.at(r, c) = 1;
     }
     const FrameShape frame = shapeOf(mask);
-    const double whole = kTilePixels + double{frame.width} * frame.height;
+    const double whole = kTilePixels + static_cast<double>(frame.width) * frame.height;
     const double best = cheapest(mask, 0, 5, 0, 7, 8);
     const double found = costOf(cover(mask, frame, 8));
     EXPECT_DOUBLE_EQ(found, best > 0.95 * whole ? whole : best) << trial;

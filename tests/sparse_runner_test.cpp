@@ -110,7 +110,9 @@ TEST(SparseRunner, ComputesTheRestExactlyWithTheExactHalo) {
   const uint32_t side = kConfig.window * kConfig.scale, width = kConfig.scale * kFrame.width;
   for (size_t i = 0; i < result.size(); ++i) {
     const auto y = static_cast<uint32_t>(i / 3 / width), x = static_cast<uint32_t>(i / 3 % width);
-    if (!runner.interpolated().at(y / side, x / side)) ASSERT_EQ(result[i], whole[i]) << x << " " << y;
+    if (!runner.interpolated().at(y / side, x / side)) {
+      ASSERT_EQ(result[i], whole[i]) << x << " " << y;
+    }
   }
 }
 
