@@ -22,7 +22,7 @@ TEST(CliFailure, InputThatIsMissingEmptyTruncatedOrGarbage) {
   writeBytes(frame.color, good.substr(0, good.size() - 200));
   expectFailure(upscale(frame), 3, "damaged or unfinished", frame.folder, 2);
   writeBytes(frame.color, good.substr(0, 100));
-  expectFailure(upscale(frame), 3, "damaged or unfinished", frame.folder, 2);
+  expectFailure(upscale(frame), 3, "a complete OpenEXR image", frame.folder, 2);
   writeBytes(frame.color, "this is no image at all");
   expectFailure(upscale(frame), 3, "another kind of file", frame.folder, 2);
 }
