@@ -3,12 +3,12 @@
 #include <memory>
 #include <set>
 
+#include "app/models.h"
+#include "app/stage.h"
 #include "cli/commands.h"
-#include "cli/models.h"
 #include "cli/network_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/stage.h"
 
 namespace xrds {
 namespace {

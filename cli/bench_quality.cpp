@@ -4,12 +4,12 @@
 #include <memory>
 #include <set>
 
+#include "app/models.h"
+#include "app/stage.h"
 #include "cli/commands.h"
-#include "cli/models.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/quality_report.h"
-#include "cli/stage.h"
 
 namespace xrds {
 namespace {

@@ -1,11 +1,11 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/models.h"
+#include "app/stage.h"
 #include "cli/commands.h"
-#include "cli/models.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/stage.h"
 #include "cli/stress_report.h"
 
 namespace xrds {

@@ -4,12 +4,12 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/models.h"
+#include "app/stage.h"
 #include "cli/commands.h"
-#include "cli/models.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/quality_scenes.h"
-#include "cli/stage.h"
 #include "cli/table.h"
 #include "image/compose.h"
 #include "image/metrics.h"

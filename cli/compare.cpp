@@ -1,10 +1,10 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/stage.h"
 #include "image/aov.h"
 #include "image/compose.h"
 #include "image/flip.h"

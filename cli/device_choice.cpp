@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "cli/stage.h"
+#include "app/stage.h"
 
 namespace xrds {
 namespace {

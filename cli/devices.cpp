@@ -1,7 +1,7 @@
 #include <cstdio>
 
+#include "app/stage.h"
 #include "cli/commands.h"
-#include "cli/stage.h"
 #include "xrds/xrds.h"
 
 namespace xrds {

@@ -1,12 +1,12 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/models.h"
+#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/doctor_report.h"
-#include "cli/models.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/stage.h"
 
 namespace xrds {
 namespace {

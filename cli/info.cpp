@@ -1,10 +1,10 @@
 #include <cstdio>
 #include <memory>
 
-#include "cli/byte_count.h"
+#include "app/byte_count.h"
+#include "app/models.h"
+#include "app/stage.h"
 #include "cli/commands.h"
-#include "cli/models.h"
-#include "cli/stage.h"
 #include "image/exr_file.h"
 #include "xrds/xrds.h"
 

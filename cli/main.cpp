@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/exit_code.h"
 #include "cli/commands.h"
-#include "cli/exit_code.h"
 #include "cli/progress.h"
 
 namespace {

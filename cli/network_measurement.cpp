@@ -9,10 +9,10 @@
 #include <numeric>
 #include <random>
 
+#include "app/stage.h"
 #include "cli/process_memory.h"
 #include "cli/progress.h"
 #include "cli/quality_report.h"
-#include "cli/stage.h"
 
 namespace xrds {
 namespace {

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <fstream>
 
-#include "cli/stage.h"
+#include "app/stage.h"
 #include "image/pending_file.h"
 
 namespace xrds {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "cli/exit_code.h"
+#include "app/exit_code.h"
 
 #ifdef _WIN32
 #include <io.h>

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "cli/models.h"
+#include "app/models.h"
 #include "cli/progress.h"
 
 namespace xrds {

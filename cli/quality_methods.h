@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "cli/frame.h"
+#include "app/frame.h"
 #include "xrds/xrds.h"
 
 namespace xrds {

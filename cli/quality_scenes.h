@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/frame.h"
+#include "app/frame.h"
 
 namespace xrds {
 

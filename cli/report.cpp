@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <map>
 
+#include "app/stage.h"
 #include "cli/progress.h"
-#include "cli/stage.h"
 #include "image/compose.h"
 #include "image/metrics.h"
 #include "image/png_write.h"

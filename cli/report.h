@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/frame.h"
+#include "app/frame.h"
 #include "xrds/xrds.h"
 
 namespace xrds {

@@ -5,18 +5,18 @@
 #include <cstdlib>
 #include <memory>
 
+#include "app/byte_count.h"
+#include "app/frame.h"
+#include "app/models.h"
+#include "app/skip_bound.h"
+#include "app/stage.h"
 #include "cli/alpha.h"
-#include "cli/byte_count.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
-#include "cli/frame.h"
-#include "cli/models.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
-#include "cli/skip_bound.h"
 #include "cli/skip_map.h"
-#include "cli/stage.h"
 #include "image/png_write.h"
 
 namespace xrds {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/exit_code.h"
+#include "app/exit_code.h"
 #include "xrds/examination.h"
 
 namespace xrds {

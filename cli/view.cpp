@@ -1,9 +1,9 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "app/exit_code.h"
+#include "app/models.h"
 #include "cli/commands.h"
-#include "cli/exit_code.h"
-#include "cli/models.h"
 
 #ifdef _WIN32
 #include <process.h>

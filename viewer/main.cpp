@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "cli/exit_code.h"
+#include "app/exit_code.h"
 #include "viewer/viewer.h"
 
 namespace {

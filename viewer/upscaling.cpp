@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "cli/models.h"
+#include "app/models.h"
 #include "image/exr_write.h"
 #include "viewer/stage_times.h"
 #include "xrds/error.h"

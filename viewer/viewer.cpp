@@ -6,8 +6,8 @@
 #include <ctime>
 #include <utility>
 
-#include "cli/models.h"
-#include "cli/stage.h"
+#include "app/models.h"
+#include "app/stage.h"
 #include "image/png_write.h"
 #include "image/srgb.h"
 #include "viewer/placement.h"

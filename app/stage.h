@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cli/exit_code.h"
+#include "app/exit_code.h"
 #include "xrds/error.h"
 
 namespace xrds {

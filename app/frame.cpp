@@ -1,4 +1,4 @@
-#include "cli/frame.h"
+#include "app/frame.h"
 
 #include <algorithm>
 

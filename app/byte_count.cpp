@@ -1,4 +1,4 @@
-#include "cli/byte_count.h"
+#include "app/byte_count.h"
 
 #include <charconv>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "cli/models.h"
+#include "app/models.h"
 
 #include <algorithm>
 #include <cstdlib>

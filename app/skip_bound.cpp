@@ -1,4 +1,4 @@
-#include "cli/skip_bound.h"
+#include "app/skip_bound.h"
 
 #include <cstdlib>
 
