@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "xrds/device.h"
+#include "xrds/model.h"
+#include "xrds/pixel_view.h"
+#include "xrds/skip.h"
+#include "xrds/tiling.h"
+
+namespace xrds {
+
+struct StressOptions;
+struct StressReport;
+
+/// A model made ready for one frame size on one device: planned and recorded once, replayed for each frame. A frame
+/// that does not fit the device's memory or limits is cut into tiles.
+class Upscaler {
+ public:
+  struct Options {
+    bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
+    std::optional<float> exposure{};  // factor on the colour, 1e-30 to 1e30; empty: from the mean log luminance
+    bool profile = false;
+    TileOptions tiles{};  // of a frame that does not fit the device
+    SkipOptions skip{};
+    /// A run is cut into submissions of about that much work: others wait for the device no longer than one takes.
+    uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
+  };
+  /// Called between submissions with the finished share in [0, 1]; returning false cancels the run.
+  using Progress = std::function<bool(double)>;
+  struct ProfileRow {
+    std::string label, program;
+    uint64_t multiplyAdds = 0, bytes = 0;
+    double microseconds = 0;
+  };
+  /// How far the device is from the double-precision reference at one operator.
+  struct CheckRow {
+    std::string label;
+    double relativeRms = 0;
+    bool finite = true, withinBound = true;
+  };
+
+  /// width x height: of the low-resolution colour. Device and model must outlive the upscaler. Throws Error if the
+  /// device cannot hold even the smallest tiles of the frame, or if the exposure is out of range.
+  Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
+  ~Upscaler();
+  Upscaler(Upscaler&&) noexcept;
+  Upscaler& operator=(Upscaler&&) noexcept;
+
+  /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;
+  /// output: 3 floats a pixel, [scale height, scale width], finite whatever the inputs: see repairs(). Throws Error if
+  /// a size does not fit or the device fails. Returns false if `progress` cancelled the run; of a frame in tiles, some
+  /// are then written to the output.
+  bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+           const Progress& progress = {});
+
+  /// Pixels of the last run that were not finite: of the inputs, filled from their finite neighbours, and of the
+  /// network's output, which then was left out, so that the base image shows.
+  struct Repairs {
+    uint64_t colour = 0, auxiliary = 0, output = 0;
+  };
+  Repairs repairs() const;
+  float exposure() const;        // of the last run
+  uint64_t deviceBytes() const;  // arena and weights
+  const Tiling& tiling() const;
+  SkipMap skipMap() const;                  // of the last run
+  std::vector<ProfileRow> profile() const;  // of each dispatch in the last run; empty without Options::profile
+
+  /// Replays one frame with every value kept and compares each operator with its double-precision reference on the
+  /// host. Slow: seconds for 16 x 16 pixels.
+  static std::vector<CheckRow> check(Device& device, const Model& model, const PixelView& colour,
+                                     std::span<const PixelView> auxiliary, const Options& options);
+  /// Tries hostile images and weights, as xrds/stress.h has it; minutes.
+  static StressReport stress(Device& device, const StressOptions& options);
+
+ private:
+  friend struct EngineAccess;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace xrds
