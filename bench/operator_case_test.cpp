@@ -36,6 +36,16 @@ TEST(OperatorCase, HoldsEveryNodeOfTheGraph) {
   EXPECT_TRUE(names.contains("linear/small/fp32/groups.0.xm.self_attn.qkv"));
 }
 
+TEST(OperatorCase, TakesFramesThatAreComputedInBandsInOnePiece) {
+  const ModelWeights model = ModelWeights::random(kSmall, 1);
+  const FrameShape frame{256, 256};
+  ASSERT_GT(buildGraph(kSmall, frame, model.lookup(), {}).nodes.size(),
+            buildGraph(kSmall, {16, 16}, model.lookup(), {}).nodes.size());
+  const auto& traits = test::gpu().traits();
+  EXPECT_EQ(distinctOperators("small", model, 1024, Precision::fp32, traits).size(),
+            distinctOperators("small", model, 64, Precision::fp32, traits).size());
+}
+
 TEST(OperatorCase, CountsEachTensorOnce) {
   const ModelWeights model = ModelWeights::random(kSmall, 1);
   for (const auto& operatorCase : distinctOperators("small", model, 64, Precision::fp16, test::gpu().traits())) {
