@@ -27,8 +27,9 @@ struct DeviceTraits {
 };
 
 enum class Access : uint8_t { read, write };
-/// Reads go through uniform texel buffers of vec4 (which convert f16 for free), writes through storage buffers.
-enum class BindingKind : uint8_t { storage, texel };
+/// Reads go through uniform texel buffers of vec4 (which convert f16 for free), writes through storage buffers. Bytes
+/// that are only copied need no kernel.
+enum class BindingKind : uint8_t { storage, texel, copied };
 
 /// One descriptor: a byte range inside a value, and what the kernel does with it.
 struct Binding {
@@ -36,7 +37,7 @@ struct Binding {
   Access access = Access::read;
   BindingKind kind = BindingKind::texel;
   DataType type = DataType::f32;  // of a texel: rgba32f or rgba16f
-  uint64_t byteOffset = 0;        // inside the value; a multiple of kBindingAlignment
+  uint64_t byteOffset = 0;        // inside the value; a multiple of kBindingAlignment, or of 4 if copied
   uint64_t byteSize = 0;          // kWeights: 0 means all of them
 };
 
@@ -44,7 +45,8 @@ struct Binding {
 inline constexpr uint64_t kBindingAlignment = 256;
 inline constexpr uint32_t kMaxPushConstantBytes = 128;
 
-/// One kernel launch as plain data. Descriptor i of set 0 is bindings[i]; constant_id i is specialization[i].
+/// One kernel launch as plain data. Descriptor i of set 0 is bindings[i]; constant_id i is specialization[i]. Or a copy
+/// of the bytes of bindings[0] to as many of bindings[1], both `copied`; its program only names it.
 struct Dispatch {
   std::string program;  // operator, family and storage type of the output: "layer_norm_plain_f32"
   std::vector<uint32_t> specialization;
@@ -53,6 +55,8 @@ struct Dispatch {
   std::array<uint32_t, 3> groupCount{1, 1, 1};
   std::string label;          // the node's name in the graph
   uint64_t multiplyAdds = 0;  // for the profile and for cutting submissions
+
+  bool isCopy() const { return !bindings.empty() && bindings[0].kind == BindingKind::copied; }
 };
 
 template <class T>
@@ -85,6 +89,9 @@ inline Binding writeRows(const TensorView& view, RowRange rows) {
 inline uint32_t storeOrigin(const TensorView& view, RowRange rows) {
   return static_cast<uint32_t>(writeRows(view, rows).byteOffset / (4 * byteSize(view.type)));
 }
+
+/// The copy of the rows from one view to the same rows of the other, of the same width and type and both whole pixels.
+Dispatch copyRows(std::string program, const TensorView& from, const TensorView& to, RowRange rows);
 
 /// "layer_norm" + "plain" + "f16" -> the name under which CMake embeds that variant.
 std::string programName(const char* op, KernelFamily family, DataType stored);

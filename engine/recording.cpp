@@ -20,9 +20,9 @@ struct Submission {
   VkFence fence = VK_NULL_HANDLE;
 };
 
-ByteRange resolve(ByteRange range) {
+ByteRange resolve(ByteRange range, BindingKind kind) {
   XRDS_CHECK(range.buffer != nullptr);
-  XRDS_CHECK_EQ(range.byteOffset % kBindingAlignment, 0u);
+  XRDS_CHECK_EQ(range.byteOffset % (kind == BindingKind::copied ? 4 : kBindingAlignment), 0u);
   XRDS_CHECK_LT(range.byteOffset, range.buffer->byteSize());
   const uint64_t rest = range.buffer->byteSize() - range.byteOffset;
   if (range.byteSize == 0) range.byteSize = rest;
@@ -31,6 +31,7 @@ ByteRange resolve(ByteRange range) {
 }
 
 void checkBinding(const Gpu::Handles& gpu, const Binding& binding, const ByteRange& range) {
+  if (binding.kind == BindingKind::copied) return;
   if (binding.kind == BindingKind::storage) {
     XRDS_CHECK_EQ(range.byteSize % 4, 0u);
     XRDS_CHECK_LE(range.byteSize, uint64_t{gpu.limits.maxStorageBufferRange});
@@ -44,7 +45,6 @@ void checkBinding(const Gpu::Handles& gpu, const Binding& binding, const ByteRan
 
 void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
   const Dispatch& dispatch = placed.dispatch;
-  XRDS_CHECK_EQ(placed.ranges.size(), dispatch.bindings.size());
   XRDS_CHECK_LE(dispatch.pushConstants.size(), size_t{kMaxPushConstantBytes});
   XRDS_CHECK_EQ(dispatch.pushConstants.size() % 4, 0u);
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -52,6 +52,10 @@ void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
     XRDS_CHECK_LE(dispatch.groupCount[axis], gpu.limits.maxComputeWorkGroupCount[axis]);
   }
   for (size_t i = 0; i < placed.ranges.size(); ++i) checkBinding(gpu, dispatch.bindings[i], placed.ranges[i]);
+  if (!dispatch.isCopy()) return;
+  XRDS_CHECK_EQ(placed.ranges.size(), 2u);
+  XRDS_CHECK(dispatch.bindings[1].kind == BindingKind::copied && dispatch.bindings[1].access == Access::write);
+  XRDS_CHECK_EQ(placed.ranges[0].byteSize, placed.ranges[1].byteSize);
 }
 
 // llvmpipe (Mesa 22.3) takes bits 8 to 15 of a texel buffer's size for a mip level, and compiles a program anew
@@ -84,11 +88,11 @@ std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
 }
 
 // One dispatch for each pipeline that is still to be made.
-std::vector<const Dispatch*> notMade(const Gpu::Handles& gpu, std::span<const PlacedDispatch> dispatches,
-                                     std::span<const PipelineKey> keys) {
+std::vector<const Dispatch*> notMade(const Gpu::Handles& gpu, std::span<const PlacedDispatch> dispatches) {
   std::map<PipelineKey, const Dispatch*> found;
-  for (size_t i = 0; i < keys.size(); ++i)
-    if (!gpu.pipelines.contains(keys[i])) found.try_emplace(keys[i], &dispatches[i].dispatch);
+  for (const PlacedDispatch& placed : dispatches)
+    if (const PipelineKey key(placed.dispatch); !placed.dispatch.isCopy() && !gpu.pipelines.contains(key))
+      found.try_emplace(key, &placed.dispatch);
   std::vector<const Dispatch*> fresh;
   for (const auto& [key, dispatch] : found) fresh.push_back(dispatch);
   return fresh;
@@ -119,6 +123,8 @@ struct Recording::Handles {
   void makePools(std::span<const PlacedDispatch> dispatches, bool timestamps);
   VkBufferView viewOf(const ByteRange& range, DataType type);
   VkDescriptorSet describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout);
+  void barrierBetween(VkCommandBuffer commands) const;
+  void recordCopy(VkCommandBuffer commands, const PlacedDispatch& placed) const;
   void record(Submission& submission, std::span<const PlacedDispatch> dispatches);
   uint32_t firstQuery(const Submission& submission) const;
   void readTimestamps();
@@ -150,8 +156,10 @@ void Recording::Handles::makePools(std::span<const PlacedDispatch> dispatches, b
 
   uint32_t storages = 0, texels = 0;
   for (const auto& placed : dispatches)
-    for (const Binding& binding : placed.dispatch.bindings)
-      ++(binding.kind == BindingKind::storage ? storages : texels);
+    for (const Binding& binding : placed.dispatch.bindings) {
+      storages += binding.kind == BindingKind::storage;
+      texels += binding.kind == BindingKind::texel;
+    }
   // One more of each, because a pool of zero is not allowed.
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1},
                                         {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, texels + 1}};
@@ -218,6 +226,21 @@ uint32_t Recording::Handles::firstQuery(const Submission& submission) const {
   return static_cast<uint32_t>(submission.begin + (&submission - submissions.data()));
 }
 
+void Recording::Handles::barrierBetween(VkCommandBuffer commands) const {
+  constexpr VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                          VK_ACCESS_TRANSFER_WRITE_BIT;
+  gpu.vk.vkCmdPipelineBarrier(commands, stages, stages, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+}
+
+void Recording::Handles::recordCopy(VkCommandBuffer commands, const PlacedDispatch& placed) const {
+  const ByteRange &from = placed.ranges[0], &to = placed.ranges[1];
+  const VkBufferCopy region{from.byteOffset, to.byteOffset, from.byteSize};
+  gpu.vk.vkCmdCopyBuffer(commands, from.buffer->handles().buffer, to.buffer->handles().buffer, 1, &region);
+}
+
 void Recording::Handles::record(Submission& submission, std::span<const PlacedDispatch> dispatches) {
   VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   info.commandPool = commandPool;
@@ -240,14 +263,13 @@ void Recording::Handles::record(Submission& submission, std::span<const PlacedDi
   fullBarrier(gpu, commands);
   stamp(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
   for (size_t i = submission.begin; i < submission.end; ++i) {
-    if (barriers[i] && i > submission.begin) {
-      VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-      barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
-      barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
-      gpu.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                  0, 1, &barrier, 0, nullptr, 0, nullptr);
-    }
+    if (barriers[i] && i > submission.begin) barrierBetween(commands);
     const Dispatch& dispatch = dispatches[i].dispatch;
+    if (dispatch.isCopy()) {
+      recordCopy(commands, dispatches[i]);
+      stamp(VK_PIPELINE_STAGE_TRANSFER_BIT);
+      continue;
+    }
     const VkDescriptorSet set = describe(dispatches[i], gpu.pipelines.at(PipelineKey(dispatch)).setLayout);
     recordDispatch(gpu, commands, dispatch, set, dispatch.groupCount);
     stamp(VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
@@ -310,13 +332,15 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
   std::vector<PipelineKey> keys;
   std::vector<std::vector<RangeAccess>> accesses;
   for (PlacedDispatch& placed : dispatches) {
-    for (ByteRange& range : placed.ranges) range = resolve(range);
+    XRDS_CHECK_EQ(placed.ranges.size(), placed.dispatch.bindings.size());
+    for (size_t i = 0; i < placed.ranges.size(); ++i)
+      placed.ranges[i] = resolve(placed.ranges[i], placed.dispatch.bindings[i].kind);
     checkLimits(gpu.handles(), placed);
     if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu.handles(), placed);
-    keys.emplace_back(placed.dispatch);
+    if (!placed.dispatch.isCopy()) keys.emplace_back(placed.dispatch);
     accesses.push_back(accessesOf(placed));
   }
-  const std::vector<const Dispatch*> fresh = notMade(gpu.handles(), dispatches, keys);
+  const std::vector<const Dispatch*> fresh = notMade(gpu.handles(), dispatches);
   makePipelines(gpu.handles(), keys);
   if (gpu.description().kind == DeviceKind::cpu) compileBeforeDispatch(gpu, fresh);
   handles_->barriers = barriersBefore(accesses);

@@ -62,6 +62,43 @@ TEST(Recording, AliasingRangesAreOrdered) {
   EXPECT_EQ(test::downloadFloats(buffer, 256, (kQuads - 100) * 4), std::vector<float>((kQuads - 100) * 4, 8));
 }
 
+PlacedDispatch copied(const Buffer& buffer, uint64_t from, uint64_t to, uint64_t byteSize) {
+  PlacedDispatch placed;
+  placed.dispatch.program = "copy";
+  placed.dispatch.bindings = {{.access = Access::read, .kind = BindingKind::copied},
+                              {.access = Access::write, .kind = BindingKind::copied}};
+  placed.ranges = {{&buffer, from, byteSize}, {&buffer, to, byteSize}};
+  return placed;
+}
+
+// Between two kernels, at offsets that no descriptor could have.
+TEST(Recording, OrdersACopyAmongDispatches) {
+  Buffer buffer(gpu(), 5 * kRegion);
+  const auto numbers = test::randomNumbers(kQuads * 4, 1);
+  test::uploadFloats(buffer, 0, numbers);
+  const std::vector<PlacedDispatch> dispatches{
+      twicePlus(buffer, 0, kRegion, kQuads, 1),
+      copied(buffer, kRegion + 4, 2 * kRegion + 20, 400),
+      twicePlus(buffer, 2 * kRegion, 3 * kRegion, kQuads, 0),
+      twicePlus(buffer, 0, 2 * kRegion, kQuads, 3),
+  };
+  Recording recording(gpu(), dispatches, {.timestamps = true});
+  EXPECT_EQ(recording.barrierCount(), 3u);
+  for (int run = 0; run < 2; ++run) {
+    EXPECT_TRUE(recording.run());
+    const auto result = test::downloadFloats(buffer, 3 * kRegion, kQuads * 4);
+    for (size_t i = 0; i < 100; ++i) ASSERT_EQ(result[i + 5], 2 * (2 * numbers[i + 1] + 1)) << i;
+  }
+  EXPECT_EQ(recording.gpuMicroseconds().size(), dispatches.size());
+}
+
+TEST(Recording, RefusesACopyOfUnequalSizes) {
+  Buffer buffer(gpu(), 2 * kRegion);
+  PlacedDispatch placed = copied(buffer, 0, kRegion, 400);
+  placed.ranges[1].byteSize = 404;
+  EXPECT_THROW(Recording(gpu(), {&placed, 1}), std::logic_error);
+}
+
 // Says of the first dispatch that it only reads what it writes: then no barrier is recorded, which
 // synchronization validation must notice, or it guards nothing here.
 TEST(Recording, ValidationNoticesAMissingBarrier) {

@@ -1,6 +1,16 @@
 #include "shaders/box_mean/box_mean.h"
 
 namespace xrds {
+namespace {
+
+bool isWholePixels(const TensorView& view) { return view.channels == view.channelStride; }
+
+// The mean of one pixel, which needs no kernel.
+bool isCopy(const BoxMean& op) {
+  return op.scale == 1 && op.input.type == op.output.type && isWholePixels(op.input) && isWholePixels(op.output);
+}
+
+}  // namespace
 
 TensorShape outputShape(const BoxMean& op) {
   checkView(op.input, op.input.shape());
@@ -13,6 +23,9 @@ TensorShape outputShape(const BoxMean& op) {
 Dispatch dispatch(const BoxMean& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
+  if (isCopy(op))
+    return copyRows(op.output.type == DataType::f32 ? "box_mean_copy_f32" : "box_mean_copy_f16", op.input, op.output,
+                    rows);
   const shader::BoxMeanParams params{imageOf(op.input), imageOf(op.output), targetRows(op.output, rows)};
   return imageDispatch("box_mean", device, op.output, rows, 1, params, {op.output.channels, op.scale},
                        {readTexels(op.input), writeRows(op.output, rows)});

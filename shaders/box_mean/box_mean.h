@@ -22,7 +22,7 @@ struct BoxMean {
 /// [h, w, c]. Throws std::logic_error if the input is no multiple of the scale.
 TensorShape outputShape(const BoxMean& op);
 
-/// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.
+/// The kernel launch for the rows, or their copy if the mean is of one pixel. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const BoxMean& op, const DeviceTraits& device);
 
 /// None.

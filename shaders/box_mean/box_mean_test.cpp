@@ -37,6 +37,23 @@ INSTANTIATE_TEST_SUITE_P(All, BoxMeanShapes,
                          testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
                                           testing::Values(DataType::f32, DataType::f16)));
 
+// Bands: rows of a stored part of an image; one pixel of three vec4 a row, so that no offset is aligned.
+TEST(BoxMean, OfOnePixelCopiesRows) {
+  for (const DataType type : {DataType::f32, DataType::f16}) {
+    BoxMean op = meanOf({9, 5, 12, 1, {4, 7}}, type, type);
+    op.input = asRowsOf(view(0, type, 5, 5, 12), 9, 3);
+    op.output = asRowsOf(view(1, type, 4, 5, 12), 9, 4);
+    EXPECT_TRUE(dispatch(op, {}).isCopy());
+    test::expectMatchesReference(op);
+  }
+}
+
+TEST(BoxMean, OfOnePixelIsNoCopyBetweenSlicesOrTypes) {
+  EXPECT_FALSE(dispatch(meanOf({4, 4, 8, 1, {}, 4, 16}), {}).isCopy());
+  EXPECT_FALSE(dispatch(meanOf({4, 4, 8, 1, {}, 0, 0, 0, 12}), {}).isCopy());
+  EXPECT_FALSE(dispatch(meanOf({4, 4, 8, 1}, DataType::f16, DataType::f32), {}).isCopy());
+}
+
 TEST(BoxMean, OfAConstantImageIsTheConstant) {
   const BoxMean op = meanOf({2, 3, 4, 4});
   HostMemory memory;

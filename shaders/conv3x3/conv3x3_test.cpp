@@ -38,6 +38,13 @@ constexpr Case kCases[] = {
     {5, 6, 8, 64, Layout::shuffled},
     {18, 37, 32, 32, Layout::straight, Activation::none, true},
     {9, 20, 64, 64, Layout::straight, Activation::leakyRelu},
+    // Even widths, which the lane kernel takes: one pair, groups that end within a subgroup and behind it, rows of a
+    // band.
+    {3, 2, 8, 8},
+    {5, 70, 16, 16, Layout::straight, Activation::relu, true},
+    {10, 64, 12, 28, Layout::straight, Activation::none, false, false, 4, 24, 4, 36, {3, 8}},
+    {6, 36, 16, 48, Layout::unshuffled, Activation::gelu},
+    {7, 34, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}},
 };
 
 std::vector<float> halves(std::vector<float> numbers) {
