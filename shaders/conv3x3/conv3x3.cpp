@@ -32,7 +32,7 @@ double weightAt(const Conv3x3& op, uint32_t output, uint32_t input, uint32_t tap
 
 // What a workgroup of the lane kernel computes. Its compiled body grows with outputs * rows; larger ones spread the
 // fetched inputs (outputs) and weights (rows) over more products.
-constexpr uint32_t kMaxSubgroups = 4;  // of a workgroup, one above the other
+constexpr uint32_t kMaxSubgroups = 4;  // of a workgroup, side by side
 struct LaneTile {
   uint32_t outputs = 0;  // 0: the device takes the plain kernel
   uint32_t maxRows = 0;  // of a lane
@@ -52,6 +52,13 @@ LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
     return {};
   if (const uint32_t tile = largestDivisor(outputs, step, 16); tile >= 8 || outputs < 8) return {tile, 4};
   return {largestDivisor(outputs, step, 32), 3};
+}
+
+// Subgroups of a workgroup for that many along a row: the most that leave at most a sixteenth of them idle.
+uint32_t subgroupsOf(uint32_t columns) {
+  uint32_t subgroups = kMaxSubgroups;
+  while ((ceilDivide(columns, subgroups) * subgroups - columns) * 16 > columns) --subgroups;
+  return subgroups;
 }
 
 // The weights between kernel channels; zero where either is padding.
@@ -158,12 +165,12 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                   .pushConstants = pushBytes(paramsOf(op, rows, residual)),
                   .multiplyAdds = uint64_t{rowCount} * shape.width * 9 * op.inputChannels * op.outputChannels};
   if (const auto [tile, maxRows] = laneTile(op, device); tile) {
-    const uint32_t tileRows = evenShare(rowCount, maxRows), subgroups = evenShare(rowCount / tileRows, kMaxSubgroups);
+    const uint32_t tileRows = evenShare(rowCount, maxRows), columns = ceilDivide(shape.width, 2 * device.subgroupSize);
+    const uint32_t subgroups = subgroupsOf(columns);
     launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
     launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, subgroups};
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
-    launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(shape.width, 2 * device.subgroupSize),
-                         rowCount / tileRows / subgroups};
+    launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(columns, subgroups), rowCount / tileRows};
   } else {
     launch.program = programName("conv3x3", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};

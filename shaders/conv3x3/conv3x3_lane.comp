@@ -9,7 +9,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/activation.glsl"
 #include "shaders/conv3x3/conv3x3.h"
-layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size; y: subgroups one above the other
+layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size; y: subgroups side by side
 #define PARAMS Conv3x3Params
 #define TARGET_BINDING 3
 #include "shaders/common/uniform_store.glsl"
@@ -19,6 +19,7 @@ layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
 const uint kTileQuads = kTile / 4;
 const uint kRegisters = (12 * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
+#define WEIGHT(texel) subgroupShuffle(w[(texel) / kLanes], (texel) % kLanes)
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
@@ -30,9 +31,9 @@ vec4 finished(vec4 sum, uint pixel, uint quad) {
 }
 
 void main() {
-  const uint column = min(2 * (gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x), p.width - 2);
-  const uint rowOfLanes = gl_WorkGroupID.z * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
-  const uint row = p.rowBegin + rowOfLanes * kRows;
+  const uint columnOfLanes = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
+  const uint column = min(2 * (columnOfLanes * kLanes + gl_LocalInvocationID.x), p.width - 2);
+  const uint row = p.rowBegin + gl_WorkGroupID.z * kRows;
   const uint steps = p.inputChannels / 4 * p.unshuffle * p.unshuffle;
   const uint firstWeight = gl_WorkGroupID.x * (steps * kRegisters * kLanes + kTileQuads);
 
@@ -73,12 +74,18 @@ void main() {
     }
     [[unroll]] for (uint n = 0; n < kTileQuads; n++)
       [[unroll]] for (uint e = 0; e < 4; e++)
-        [[unroll]] for (uint ky = 0; ky < 3; ky++)
-          [[unroll]] for (uint c = 0; c < 4; c++) {
-            const uint texel = ((e * 3 + ky) * 4 + c) * kTileQuads + n;
-            const vec4 weight = subgroupShuffle(w[texel / kLanes], texel % kLanes);
-            [[unroll]] for (uint i = 0; i < kRows; i++) product[i][e][n] += x[i + ky][e][c] * weight;
+        [[unroll]] for (uint ky = 0; ky < 3; ky++) {
+          const uint texel = (e * 3 + ky) * 4 * kTileQuads + n;
+          const vec4 w0 = WEIGHT(texel), w1 = WEIGHT(texel + kTileQuads);
+          const vec4 w2 = WEIGHT(texel + 2 * kTileQuads), w3 = WEIGHT(texel + 3 * kTileQuads);
+          [[unroll]] for (uint i = 0; i < kRows; i++) {
+            const vec4 v = x[i + ky][e];
+            product[i][e][n] += v.x * w0;
+            product[i][e][n] += v.y * w1;
+            product[i][e][n] += v.z * w2;
+            product[i][e][n] += v.w * w3;
           }
+        }
     inputQuad++;
     if (inputQuad == p.inputChannels / 4) {
       inputQuad = 0;
@@ -87,7 +94,11 @@ void main() {
   }
 
   const uint targetQuads = p.outputChannels / 4, firstQuad = uniformOf(gl_WorkGroupID.x, 2) * kTileQuads;
-  const uvec2 corner = uvec2(2 * kLanes * uniformOf(gl_WorkGroupID.y, 4), p.rowBegin + uniformOf(rowOfLanes, 4) * kRows);
+  const uvec2 corner = uvec2(2 * kLanes * uniformOf(columnOfLanes, 4), p.rowBegin + uniformOf(gl_WorkGroupID.z, 4) * kRows);
+  const uint targetStart = p.target.offset - p.storeOrigin;
+  uint laneOffset[kLanes];  // of a lane's first pixel in the target
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    laneOffset[l] = (min(corner.x + 2 * l, p.width - 2) - corner.x) * p.shuffle * p.target.stride;
   [[unroll]] for (uint i = 0; i < kRows; i++)
     [[unroll]] for (uint h = 0; h < 2; h++)
       [[unroll]] for (uint n = 0; n < kTileQuads; n++) {
@@ -101,10 +112,7 @@ void main() {
         const uvec2 own = uvec2(column + h, row + i) * p.shuffle + partOffset;
         const WIDE4 y = wide4(finished(sum, own.y * targetWidth + own.x, quad));
         const uvec2 first = uvec2(corner.x + h, corner.y + i) * p.shuffle + partOffset;
-        const uint firstTarget = (first.y * targetWidth + first.x) * p.target.stride + p.target.offset + quad;
-        [[unroll]] for (uint l = 0; l < kLanes; l++) {
-          const uint laneColumn = min(corner.x + 2 * l, p.width - 2) - corner.x;
-          storeLane(firstTarget - p.storeOrigin + laneColumn * p.shuffle * p.target.stride, y, l);
-        }
+        const uint firstTarget = (first.y * targetWidth + first.x) * p.target.stride + targetStart + quad;
+        [[unroll]] for (uint l = 0; l < kLanes; l++) storeLane(firstTarget + laneOffset[l], y, l);
       }
 }

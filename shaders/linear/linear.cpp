@@ -17,8 +17,8 @@ constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kerne
 uint32_t inputChannels(const Linear& op) { return op.input.channels; }
 uint32_t outputChannels(const Linear& op) { return static_cast<uint32_t>(op.bias.size()); }
 
-// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits, of eights if there is one; 0: none
-// fits.
+// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of 8; 0: there is
+// none.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
   const uint32_t inputs = inputChannels(op), outputs = outputChannels(op);
   const uint32_t subgroups = ceilDivide(op.output.pixelCount(), device.subgroupSize);
@@ -26,8 +26,7 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
       subgroups / evenShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
-  const uint32_t step = outputs % 8 ? 4 : 8;
-  for (uint32_t tile = std::min(kMaxTile, outputs) / step * step; tile > 0; tile -= step)
+  for (uint32_t tile = std::min(kMaxTile, outputs) / 8 * 8; tile > 0; tile -= 8)
     if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes)
       return tile;
   return 0;

@@ -1,7 +1,8 @@
 // y = activation(x W^T + b) + residual as in linear.comp, for CPU devices.
 // A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Weights of the tile, [K][kTile] then bias[kTile], lie in
 // shared memory and are read at constant offsets, outside of any branch or loop that survives compilation: only then is
-// a read a broadcast operand of the multiplication. Eight outputs at a time. Lanes behind the last token repeat it. fp32.
+// a read a broadcast operand of the multiplication. Eight outputs at a time, four inputs written out, as drivers are slow
+// to unroll. Lanes behind the last token repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -43,20 +44,26 @@ void main() {
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
     x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
 
-  [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
-    const uint n = 2 * m;  // a step of 2 past a bound of 1 would not be unrolled
-    const bool pair = n + 1 < kTileQuads;
-    vec4 a = tile[kInputs * kTileQuads + n];
-    vec4 b = pair ? tile[kInputs * kTileQuads + n + 1] : vec4(0);
-    [[unroll]] for (uint k = 0; k < kInputs; k++) {
-      a += x[k / 4][k % 4] * tile[k * kTileQuads + n];
-      if (pair) b += x[k / 4][k % 4] * tile[k * kTileQuads + n + 1];
+  [[unroll]] for (uint m = 0; m < kTileQuads / 2; m++) {
+    const uint n = 2 * m;
+    vec4 a = tile[kInputs * kTileQuads + n], b = tile[kInputs * kTileQuads + n + 1];
+    [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
+      const vec4 v = x[k];
+      const uint at = 4 * k * kTileQuads + n;
+      a += v.x * tile[at];
+      b += v.x * tile[at + 1];
+      a += v.y * tile[at + kTileQuads];
+      b += v.y * tile[at + kTileQuads + 1];
+      a += v.z * tile[at + 2 * kTileQuads];
+      b += v.z * tile[at + 2 * kTileQuads + 1];
+      a += v.w * tile[at + 3 * kTileQuads];
+      b += v.w * tile[at + 3 * kTileQuads + 1];
     }
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
-    const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(pair ? finished(b, token, quad + 1) : b);
+    const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(finished(b, token, quad + 1));
     [[unroll]] for (uint l = 0; l < kLanes; l++) {
       storeLane(firstTarget + n + laneOffset[l], first, l);
-      if (pair) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
+      storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
     }
   }
 }
