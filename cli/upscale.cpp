@@ -16,7 +16,7 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
-#include "cli/skip_map.h"
+#include "app/skip_map.h"
 #include "image/png_write.h"
 
 namespace xrds {

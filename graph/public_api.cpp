@@ -213,7 +213,7 @@ struct Upscaler::State {
   Session& wholeSession() {
     if (!session)
       throw Error(
-          "The frame fits the device in tiles only, so that it cannot be drawn from there: take a smaller one.");
+          "The frame is computed in parts, so that it cannot be drawn from the device: use Upscaler::run().");
     return *session;
   }
 
@@ -372,6 +372,8 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
 }
 
 Gpu& EngineAccess::gpu(Device& device) { return device.state_->gpu; }
+
+bool EngineAccess::isWhole(const Upscaler& upscaler) { return upscaler.state_->session.has_value(); }
 
 DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
   const Session& session = upscaler.state_->wholeSession();

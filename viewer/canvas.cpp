@@ -1,5 +1,7 @@
 #include "viewer/canvas.h"
 
+#include <utility>
+
 #include "canvas.frag.h"
 #include "canvas.vert.h"
 #include "engine/vulkan_result.h"
@@ -8,7 +10,7 @@
 namespace xrds {
 namespace {
 
-constexpr uint32_t kBindings = 4;
+constexpr uint32_t kBindings = 3;
 
 VkShaderModule makeModule(const Gpu::Handles& gpu, std::span<const uint32_t> words) {
   VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
@@ -31,14 +33,16 @@ std::vector<float> heatColours() {
   return pixels;
 }
 
-shader::Picture describePicture(const Canvas::Choice& choice, const PictureView& picture) {
-  return {choice.kind, picture.width, picture.height, picture.channels, choice.channel};
+// The pixels of the display whose middle lies in [begin, end), as far as they are in [0, limit).
+std::pair<uint32_t, uint32_t> pixelsOf(double begin, double end, double limit) {
+  const auto first = [&](double edge) { return static_cast<uint32_t>(std::clamp(std::ceil(edge - 0.5), 0.0, limit)); };
+  return {first(begin), first(end)};
 }
 
 }  // namespace
 
 Canvas::Canvas(Gpu& gpu, Pictures& pictures, VkRenderPass renderPass) : gpu_(gpu.handles()), pictures_(pictures) {
-  pictures.upload(Slot::heat, 256, 1, heatColours());
+  pictures.upload(Slot::heat, 256, 1, 4, heatColours());
   VkDescriptorSetLayoutBinding bindings[kBindings]{};
   for (uint32_t i = 0; i < kBindings; ++i)
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
@@ -54,28 +58,29 @@ Canvas::Canvas(Gpu& gpu, Pictures& pictures, VkRenderPass renderPass) : gpu_(gpu
   layout.pushConstantRangeCount = 1;
   layout.pPushConstantRanges = &range;
   checkResult(gpu_.vk.vkCreatePipelineLayout(gpu_.device, &layout, nullptr, &layout_), "vkCreatePipelineLayout");
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kBindings};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kBindings * 3};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  pool.maxSets = 1;
+  pool.maxSets = 3;
   pool.poolSizeCount = 1;
   pool.pPoolSizes = &size;
   checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
   VkDescriptorSetAllocateInfo allocation{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocation.descriptorPool = pool_;
-  allocation.descriptorSetCount = 1;
-  allocation.pSetLayouts = &setLayout_;
-  checkResult(gpu_.vk.vkAllocateDescriptorSets(gpu_.device, &allocation, &set_), "vkAllocateDescriptorSets");
-  makePipeline(renderPass);
+  const VkDescriptorSetLayout layouts[] = {setLayout_, setLayout_, setLayout_};
+  allocation.descriptorSetCount = 3;
+  allocation.pSetLayouts = layouts;
+  checkResult(gpu_.vk.vkAllocateDescriptorSets(gpu_.device, &allocation, sets_.data()), "vkAllocateDescriptorSets");
+  makePipelines(renderPass);
 }
 
 Canvas::~Canvas() {
-  gpu_.vk.vkDestroyPipeline(gpu_.device, pipeline_, nullptr);
+  for (const VkPipeline pipeline : pipelines_) gpu_.vk.vkDestroyPipeline(gpu_.device, pipeline, nullptr);
   gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
   gpu_.vk.vkDestroyPipelineLayout(gpu_.device, layout_, nullptr);
   gpu_.vk.vkDestroyDescriptorSetLayout(gpu_.device, setLayout_, nullptr);
 }
 
-void Canvas::makePipeline(VkRenderPass renderPass) {
+void Canvas::makePipelines(VkRenderPass renderPass) {
   VkPipelineShaderStageCreateInfo stages[2]{};
   for (VkPipelineShaderStageCreateInfo& stage : stages) {
     stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -115,8 +120,13 @@ void Canvas::makePipeline(VkRenderPass renderPass) {
   info.pDynamicState = &changing;
   info.layout = layout_;
   info.renderPass = renderPass;
-  const VkResult made =
-      gpu_.vk.vkCreateGraphicsPipelines(gpu_.device, gpu_.pipelineCache, 1, &info, nullptr, &pipeline_);
+  constexpr VkSpecializationMapEntry kEntry{0, 0, sizeof(uint32_t)};
+  VkResult made = VK_SUCCESS;
+  for (uint32_t kind = 0; kind < shader::kKindCount && made == VK_SUCCESS; ++kind) {
+    const VkSpecializationInfo specialization{1, &kEntry, sizeof kind, &kind};
+    stages[1].pSpecializationInfo = &specialization;
+    made = gpu_.vk.vkCreateGraphicsPipelines(gpu_.device, gpu_.pipelineCache, 1, &info, nullptr, &pipelines_[kind]);
+  }
   for (const auto& stage : stages) gpu_.vk.vkDestroyShaderModule(gpu_.device, stage.module, nullptr);
   checkResult(made, "vkCreateGraphicsPipelines");
 }
@@ -134,11 +144,13 @@ Canvas::Choice Canvas::choiceOf(View view) {
     case View::reference:
       return {Slot::reference};
     case View::error:
-      return {Slot::output, shader::kKindError};
+      return {Slot::output, shader::kKindError, Slot::reference};
     case View::albedo:
       return {Slot::auxiliary, shader::kKindAlbedo};
     case View::normal:
-      return {Slot::auxiliary, shader::kKindNormal, 3};
+      return {Slot::auxiliary, shader::kKindNormal};
+    case View::skip:
+      return {Slot::output, shader::kKindSkip, Slot::skipMap};
     case View::output:
       break;
   }
@@ -148,17 +160,16 @@ Canvas::Choice Canvas::choiceOf(View view) {
 View Canvas::shownFor(View view) const {
   const Choice choice = choiceOf(view);
   const PictureView picture = pictures_.at(choice.slot);
-  const bool missing = !picture.valid || picture.channels < choice.channel + 3 ||
-                       (view == View::error && !pictures_.at(Slot::reference).valid);
-  return missing ? View::input : view;
+  const bool missing = !picture.valid || picture.channels < choice.channel() + 3 || !pictures_.at(choice.other).valid;
+  if (!missing) return view;
+  return view == View::output && pictures_.at(Slot::guided).valid ? View::guided : View::input;
 }
 
-void Canvas::describe(const PictureView& left, const PictureView& right) {
-  const PictureView heat = pictures_.at(Slot::heat), reference = pictures_.at(Slot::reference);
-  const VkBufferView views[kBindings] = {left.texels, right.texels, reference.texels ? reference.texels : heat.texels,
-                                         heat.texels};
+void Canvas::describe(VkDescriptorSet set, const Choice& choice) {
+  const VkBufferView views[kBindings] = {pictures_.at(choice.slot).texels, pictures_.at(choice.other).texels,
+                                         pictures_.at(Slot::heat).texels};
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-  write.dstSet = set_;
+  write.dstSet = set;
   write.descriptorCount = kBindings;  // runs on over the following bindings
   write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   write.pTexelBufferView = views;
@@ -166,27 +177,60 @@ void Canvas::describe(const PictureView& left, const PictureView& right) {
 }
 
 void Canvas::draw(VkCommandBuffer commands, const ViewState& state, uint32_t width, uint32_t height) {
-  if (!pictures_.at(Slot::input).valid || width == 0) return;
-  const Choice left = choiceOf(shownFor(state.left)), right = choiceOf(shownFor(state.right));
-  const PictureView leftPicture = pictures_.at(left.slot), rightPicture = pictures_.at(right.slot);
-  describe(leftPicture, rightPicture);
+  if (width == 0) return;
+  if (!std::exchange(isWarm_, true)) warmUp(commands);
+  if (!pictures_.at(Slot::input).valid) return;
+  const Viewport& viewport = state.viewport;
+  const double left = viewport.left, right = left + viewport.zoom * viewport.pictureWidth;
+  const double divider = state.wiping ? std::clamp(std::round(state.divider()), left, right) : left;
+  const auto rows = pixelsOf(viewport.top, viewport.top + viewport.zoom * viewport.pictureHeight, height);
+  const auto part = [&](double begin, double end) {
+    const auto columns = pixelsOf(begin, end, width);
+    return VkRect2D{{static_cast<int32_t>(columns.first), static_cast<int32_t>(rows.first)},
+                    {columns.second - columns.first, rows.second - rows.first}};
+  };
+  drawPart(commands, sets_[0], choiceOf(shownFor(state.left)), state, part(left, divider));
+  drawPart(commands, sets_[1], choiceOf(shownFor(state.right)), state, part(divider, right));
+}
+
+// CPU devices compile a pipeline when it first draws: one pixel with each, before anybody waits for a new view.
+void Canvas::warmUp(VkCommandBuffer commands) {
+  const VkRect2D pixel{{}, {1, 1}};
   shader::PictureParameters parameters{};
-  parameters.left = describePicture(left, leftPicture);
-  parameters.right = describePicture(right, rightPicture);
-  parameters.originX = static_cast<float>(state.viewport.left);
-  parameters.originY = static_cast<float>(state.viewport.top);
-  parameters.zoom = static_cast<float>(state.viewport.zoom);
-  parameters.divider = state.wiping ? static_cast<float>(std::round(state.divider())) : -1.F;
-  parameters.width = static_cast<uint32_t>(state.viewport.pictureWidth);
-  parameters.height = static_cast<uint32_t>(state.viewport.pictureHeight);
+  parameters.picture = {1, 1, 4};
+  parameters.width = parameters.height = parameters.windowSide = 1;
+  parameters.zoom = 1;
+  describe(sets_[2], {Slot::heat});
+  gpu_.vk.vkCmdSetScissor(commands, 0, 1, &pixel);
+  for (uint32_t kind = 0; kind < shader::kKindCount; ++kind) record(commands, sets_[2], kind, parameters);
+}
+
+void Canvas::drawPart(VkCommandBuffer commands, VkDescriptorSet set, const Choice& choice, const ViewState& state,
+                      const VkRect2D& part) {
+  if (part.extent.width == 0 || part.extent.height == 0) return;
+  describe(set, choice);
+  const PictureView picture = pictures_.at(choice.slot);
+  const Viewport& viewport = state.viewport;
+  shader::PictureParameters parameters{};
+  parameters.picture = {picture.width, picture.height, picture.channels};
+  parameters.width = static_cast<uint32_t>(viewport.pictureWidth);
+  parameters.height = static_cast<uint32_t>(viewport.pictureHeight);
+  parameters.originX = static_cast<float>(viewport.left);
+  parameters.originY = static_cast<float>(viewport.top);
+  parameters.zoom = static_cast<float>(viewport.zoom);
   parameters.exposure = state.exposure();
   parameters.curve = state.curve;
   parameters.leastErrorLog10 = -4;
   parameters.mostErrorLog10 = 0;
-  const VkRect2D scissor{{}, {width, height}};
-  gpu_.vk.vkCmdSetScissor(commands, 0, 1, &scissor);
-  gpu_.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
-  gpu_.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+  parameters.windowSide = std::max(state.windowSide, 1U);
+  gpu_.vk.vkCmdSetScissor(commands, 0, 1, &part);
+  record(commands, set, choice.kind, parameters);
+}
+
+void Canvas::record(VkCommandBuffer commands, VkDescriptorSet set, uint32_t kind,
+                    const shader::PictureParameters& parameters) {
+  gpu_.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[kind]);
+  gpu_.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set, 0, nullptr);
   gpu_.vk.vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof parameters, &parameters);
   gpu_.vk.vkCmdDraw(commands, 3, 1, 0, 0);
 }

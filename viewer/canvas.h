@@ -18,27 +18,34 @@ class Canvas {
   /// input. Call it under Pictures::hold(), when what was drawn before is finished.
   void draw(VkCommandBuffer commands, const ViewState& state, uint32_t width, uint32_t height);
 
-  /// Which picture a view takes, and which of its channels; the output's place in the frame is what the reference and
-  /// the error are measured by.
+  /// Which picture a view takes, as what, and which other one it needs beside it.
   struct Choice {
     Slot slot = Slot::output;
-    uint32_t kind = shader::kKindRadiance, channel = 0;
+    uint32_t kind = shader::kKindRadiance;
+    Slot other = Slot::heat;                                                  // which is always there
+    uint32_t channel() const { return kind == shader::kKindNormal ? 3 : 0; }  // the first that is shown
   };
   static Choice choiceOf(View view);
-  /// What is drawn for a view now: itself, or the input where its picture is not there (yet).
+  /// What is drawn for a view now: itself, or where its picture is not there (yet), the guided image or the input.
   View shownFor(View view) const;
 
  private:
-  void makePipeline(VkRenderPass renderPass);
-  void describe(const PictureView& left, const PictureView& right);
+  void makePipelines(VkRenderPass renderPass);
+  void describe(VkDescriptorSet set, const Choice& choice);
+  void drawPart(VkCommandBuffer commands, VkDescriptorSet set, const Choice& choice, const ViewState& state,
+                const VkRect2D& part);
+  void warmUp(VkCommandBuffer commands);
+  void record(VkCommandBuffer commands, VkDescriptorSet set, uint32_t kind,
+              const shader::PictureParameters& parameters);
 
   Gpu::Handles& gpu_;
   Pictures& pictures_;
   VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
-  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  std::array<VkPipeline, shader::kKindCount> pipelines_{};  // by what they show
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  std::array<VkDescriptorSet, 3> sets_{};  // left and right of the divider; to warm up
+  bool isWarm_ = false;
 };
 
 }  // namespace xrds

@@ -14,8 +14,8 @@ constexpr KeyBinding kBindings[] = {
     {GLFW_KEY_W, 0, "W", "wipe between two views, or one alone", Command::wipe},
     {GLFW_KEY_COMMA, 0, ", .", "move the divider (or drag it)", Command::wipeLeft},
     {GLFW_KEY_PERIOD, 0, "", "", Command::wipeRight},
-    {GLFW_KEY_1, 0, "1 ... 9", "right view: xrds, input, bicubic, demodulated,", Command::showRight},
-    {GLFW_KEY_1, GLFW_MOD_SHIFT, "Shift+1 ... 9", "left view:  guided, reference, error, albedo, normal",
+    {GLFW_KEY_1, 0, "1 ... 0", "right view: xrds, input, bicubic, demodulated, guided,", Command::showRight},
+    {GLFW_KEY_1, GLFW_MOD_SHIFT, "Shift+1 ... 0", "left view:  reference, error, albedo, normal, skip map",
      Command::showLeft},
     {GLFW_KEY_EQUAL, 0, "+ -", "zoom (or turn the wheel)", Command::zoomIn},
     {GLFW_KEY_EQUAL, GLFW_MOD_SHIFT, "", "", Command::zoomIn},
@@ -35,6 +35,7 @@ constexpr KeyBinding kBindings[] = {
     {GLFW_KEY_M, 0, "M, Shift+M", "next, previous model", Command::nextModel},
     {GLFW_KEY_M, GLFW_MOD_SHIFT, "", "", Command::previousModel},
     {GLFW_KEY_C, 0, "C", "precision: fp32, fp16", Command::precision},
+    {GLFW_KEY_K, 0, "K", "skip windows: off, safe, up to the bound in the panel", Command::skip},
     {GLFW_KEY_SPACE, 0, "Space", "play, pause", Command::play},
     {GLFW_KEY_L, 0, "L", "loop", Command::loop},
     {GLFW_KEY_PAGE_UP, 0, "PageUp PageDown", "previous, next frame of a sequence", Command::previousFrame},
@@ -80,8 +81,8 @@ std::optional<Pressed> commandOf(int key, int modifiers) {
   for (const KeyBinding& binding : kBindings) {
     if ((modifiers & kUsedModifiers) != binding.modifiers) continue;
     if (key == binding.key) return Pressed{binding.command};
-    if (takesDigit(binding.command) && key > GLFW_KEY_1 && key <= GLFW_KEY_9)
-      return Pressed{binding.command, key - GLFW_KEY_1};
+    if (takesDigit(binding.command) && key >= GLFW_KEY_0 && key <= GLFW_KEY_9)
+      return Pressed{binding.command, (key - GLFW_KEY_1 + 10) % 10};
   }
   return std::nullopt;
 }

@@ -14,7 +14,7 @@ enum class Command : uint8_t {
   wipe,
   wipeLeft,
   wipeRight,
-  showRight,  // view 1 to 9, by the key's digit
+  showRight,  // a view, by the key's digit; 0 is the tenth
   showLeft,
   zoomIn,
   zoomOut,
@@ -31,6 +31,7 @@ enum class Command : uint8_t {
   nextModel,
   previousModel,
   precision,
+  skip,
   play,
   loop,
   nextFrame,
@@ -62,7 +63,7 @@ struct KeyBinding {
 /// Every key, in the order of the help.
 std::span<const KeyBinding> keyBindings();
 
-/// What a key that was pressed means; `digit` is 0 to 8 for the views.
+/// What a key that was pressed means; `digit` is 0 to 9 for the views.
 struct Pressed {
   Command command;
   int digit = 0;

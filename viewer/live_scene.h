@@ -36,7 +36,7 @@ class LiveScene {
   bool finished(const LiveWanted& wanted) const { return samples() >= wanted.mostSamples; }
   /// Adds samples: one at first, more at once while nothing moves. Returns false if `progress` stopped it.
   bool refine(const LiveWanted& wanted, const PathTracer::Progress& progress);
-  void giveTo(PreparedNetwork& network) { network.copyInputs(gpu_, tracer_.colour(), tracer_.auxiliary()); }
+  void giveTo(PreparedNetwork& network) { network.take(gpu_, tracer_.colour(), tracer_.auxiliary()); }
 
  private:
   Gpu& gpu_;

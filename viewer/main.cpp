@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "app/byte_count.h"
 #include "app/exit_code.h"
+#include "app/skip_bound.h"
 #include "viewer/viewer.h"
 
 namespace {
@@ -30,6 +32,13 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("--precision", options.precision, "Storage of activations and weights")
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->capture_default_str();
+  app.add_option("--skip", options.skip, "Leave out windows that need no network: off, safe, or N as in xrds upscale")
+      ->check(CLI::Validator(xrds::validSkip, "off|safe|N"))
+      ->capture_default_str();
+  app.add_option("--memory", options.memory,
+                 "Device memory to use at most, such as 256M or 2G (default: three quarters of what the device has); a "
+                 "frame that needs more is shown tile by tile")
+      ->check(CLI::Validator(xrds::validBytes, "BYTES"));
   app.add_option("--fps", options.framesPerSecond, "Frames a second of a sequence")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();

@@ -37,7 +37,8 @@ struct PanelModel {
   const Report& report;
   const PixelProbe& probe;
   const std::vector<std::string>& models;  // that can be chosen
-  double drawMilliseconds = 0;
+  View shownLeft, shownRight;              // now, where the pictures of the chosen views are not there
+  double drawMilliseconds = 0, longestTurnMilliseconds = 0;
   std::function<void(Command)> perform;  // as if its key had been pressed
 };
 

@@ -79,6 +79,27 @@ void drawSource(PanelModel& model) {
   }
 }
 
+void drawSkip(PanelModel& model) {
+  using Mode = SkipChoice::Mode;
+  SkipChoice& skip = model.wanted.skip;
+  ImGui::TextUnformatted("skip");
+  for (const auto& [name, mode] : {std::pair{"off", Mode::off}, {"safe", Mode::safe}, {"##bound", Mode::bounded}}) {
+    ImGui::SameLine();
+    if (ImGui::RadioButton(name, skip.mode == mode)) skip.mode = mode;
+  }
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  constexpr ImGuiSliderFlags kFlags = ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic;
+  if (ImGui::DragFloat("##skip", &skip.bounded, 0.001F, 0.001F, 1, "%.3f", kFlags)) skip.mode = Mode::bounded;
+  const Report& report = model.report;
+  if (!report.whyNotSkipped.empty())
+    paragraph("Nothing is skipped: this model " + report.whyNotSkipped + ".", kWarning);
+  else if (skip.mode != Mode::off && !report.onDevice)
+    ImGui::Text("%.0f %% interpolated, %.0f %% kept", 100 * report.interpolated, 100 * report.kept);
+  if (report.tiles > 1) ImGui::Text("in %u tiles", report.tiles);
+  if (!report.onDevice) ImGui::TextDisabled("pictures pass through the host");
+}
+
 void drawModel(PanelModel& model) {
   heading("NETWORK");
   const Report& report = model.report;
@@ -96,6 +117,7 @@ void drawModel(PanelModel& model) {
     ImGui::SameLine();
     ImGui::ProgressBar(static_cast<float>(report.share), {-1, 0});
   }
+  drawSkip(model);
 }
 
 void viewCombo(const char* label, View& view) {
@@ -168,6 +190,7 @@ void drawTimes(const PanelModel& model) {
   if (!beginRows("times")) return;
   for (const StageTime& stage : model.report.stages) row(stage.name.c_str(), "%.1f ms", stage.milliseconds);
   row("drawing", "%.1f ms", model.drawMilliseconds);
+  row("longest turn", "%.1f ms", model.longestTurnMilliseconds);
   if (model.report.pictures > 1) row("pictures", "%.1f a second", model.report.picturesPerSecond);
   row("device memory", "%.0f MB", static_cast<double>(model.report.deviceBytes) / 1e6);
   ImGui::EndTable();
@@ -177,6 +200,11 @@ void drawTimes(const PanelModel& model) {
 void drawNotices(const Report& report) {
   if (!report.notice.empty()) ImGui::TextWrapped("%s", report.notice.c_str());
   for (const std::string& warning : report.warnings) paragraph(warning, kWarning);
+}
+
+// A view's name, with what stands in for it.
+std::string labelOf(View wanted, View shown) {
+  return wanted == shown ? nameOf(wanted) : std::string(nameOf(shown)) + ", for want of " + nameOf(wanted);
 }
 
 void label(ImDrawList& list, const char* text, float x, float y, float scale) {
@@ -217,10 +245,10 @@ void drawLabels(const PanelModel& model, float width, float height, float scale)
       list.AddCircleFilled({x, height / 2}, 7 * scale, IM_COL32(0, 0, 0, 150), 24);
       list.AddCircleFilled({x, height / 2}, 5 * scale, IM_COL32(255, 255, 255, 230), 24);
     }
-    label(list, nameOf(view.left), rim, y, scale);
+    label(list, labelOf(view.left, model.shownLeft).c_str(), rim, y, scale);
   }
-  const float length = ImGui::CalcTextSize(nameOf(view.right)).x + 12 * scale;
-  label(list, nameOf(view.right), width - rim - length, y, scale);
+  const std::string right = labelOf(view.right, model.shownRight);
+  label(list, right.c_str(), width - rim - ImGui::CalcTextSize(right.c_str()).x - 12 * scale, y, scale);
 }
 
 void drawHelp(ViewState& view, float scale) {

@@ -1,4 +1,4 @@
-// Included by GLSL and C++: what the fragment shader of the canvas is told of a frame.
+// Included by GLSL and C++: what the fragment shader of the canvas is told of a picture.
 #ifndef XRDS_VIEWER_PICTURE_PARAMETERS_H
 #define XRDS_VIEWER_PICTURE_PARAMETERS_H
 
@@ -10,28 +10,29 @@ using uint = uint32_t;
 
 const uint kKindRadiance = 0;  // linear: exposure, tone curve
 const uint kKindAlbedo = 1;    // linear: no exposure, sRGB
-const uint kKindNormal = 2;    // [-1, 1]
+const uint kKindNormal = 2;    // [-1, 1], of the channels 3 to 5
 const uint kKindError = 3;     // against the reference, as a heat map
+const uint kKindSkip = 4;      // radiance, under the map of what was not computed
+const uint kKindCount = 5;
 
 const uint kCurveSrgb = 0;    // clamped to [0, 1]
 const uint kCurveFilmic = 1;  // highlights roll off
 
-/// How a picture lies in its texel buffer: rows from the top, `stride` floats a pixel, three of which from `channel`
-/// on are shown.
+/// How a picture lies in its texel buffer: rows from the top, `stride` floats a pixel.
 struct Picture {
-  uint kind, width, height, stride, channel;
+  uint width, height, stride;
 };
 
 /// Lengths on the display are in its pixels, from the top left.
 struct PictureParameters {
-  Picture left, right;     // of the divider
-  float originX, originY;  // where the corner of the output lies
-  float zoom;              // display pixels in a pixel of the output
-  float divider;
-  uint width, height;  // of the output; the pictures cover the same area
+  Picture picture;
+  uint width, height;      // of the output; every picture covers the same area
+  float originX, originY;  // where its corner lies
+  float zoom;              // display pixels in a pixel of it
   float exposure;
   uint curve;
   float leastErrorLog10, mostErrorLog10;  // ends of the heat map
+  uint windowSide;                        // of the skip map, in pixels of the output
 };
 
 #ifdef __cplusplus

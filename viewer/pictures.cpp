@@ -55,8 +55,8 @@ void Pictures::copy(std::span<const PictureSource> sources) {
   for (const PictureSource& source : sources) picture(source.slot).view.valid = true;
 }
 
-void Pictures::upload(Slot slot, uint32_t width, uint32_t height, std::span<const float> pixels) {
-  Picture fresh = make(width, height, 4);
+void Pictures::upload(Slot slot, uint32_t width, uint32_t height, uint32_t channels, std::span<const float> pixels) {
+  Picture fresh = make(width, height, channels);
   fresh.memory->upload(0, std::as_bytes(pixels));
   fresh.view.valid = true;
   replace(slot, std::move(fresh));

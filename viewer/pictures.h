@@ -14,8 +14,8 @@
 namespace xrds {
 
 /// The images of a frame that can be looked at.
-enum class Slot : uint8_t { input, auxiliary, output, bicubic, demodulated, guided, reference, heat };
-inline constexpr size_t kSlotCount = 8;
+enum class Slot : uint8_t { input, auxiliary, output, bicubic, demodulated, guided, reference, heat, skipMap };
+inline constexpr size_t kSlotCount = 9;
 
 /// An image in device memory as texels: rows from the top, `channels` floats a pixel (a multiple of 4). `valid` once it
 /// belongs to the frame that is shown.
@@ -46,8 +46,8 @@ class Pictures {
   void resize(Slot slot, uint32_t width, uint32_t height, uint32_t channels);
   /// Copies whole pictures, as one step for those who draw.
   void copy(std::span<const PictureSource> sources);
-  /// Gives the slot memory of its own with these pixels, of 4 floats.
-  void upload(Slot slot, uint32_t width, uint32_t height, std::span<const float> pixels);
+  /// Gives the slot memory of its own with these pixels.
+  void upload(Slot slot, uint32_t width, uint32_t height, uint32_t channels, std::span<const float> pixels);
   void invalidate(Slot slot);
   uint64_t byteSize() const;
 

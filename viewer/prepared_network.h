@@ -16,36 +16,57 @@ struct FrameSize {
   bool has(const std::string& input) const;
 };
 
-/// A model on a device, ready for frames of one size.
+/// How a network runs.
+struct NetworkOptions {
+  bool fp16 = false;
+  SkipOptions skip{};
+  uint64_t memoryBytes = 0;  // of the device; 0: most of it. What does not fit is computed in tiles.
+};
+bool operator==(const NetworkOptions& a, const NetworkOptions& b);
+
+/// A model on a device, ready for frames of one size. The frame stays on the device where it is computed as a whole;
+/// in tiles or with windows left out it passes through the host.
 class PreparedNetwork {
  public:
   /// Throws Error if the model does not fit the frame, or the device cannot hold it.
-  PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame, bool fp16);
+  PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame, const NetworkOptions& options);
 
   const std::string& name() const { return name_; }
-  bool fp16() const { return fp16_; }
+  const NetworkOptions& options() const { return options_; }
   const Model& model() const { return model_; }
   bool fits(const FrameSize& frame) const;
   const Upscaler& upscaler() const { return upscaler_; }
+  bool isOnDevice() const { return EngineAccess::isWhole(upscaler_); }
+  uint32_t tileCount() const { return upscaler_.tiling().columns * upscaler_.tiling().rows; }
 
-  /// Gives it the frame's images: from the host, or from buffers on the device that hold [height, width, 4] floats of
-  /// colour and [scale height, scale width, 8] of albedo and normal.
-  void upload(const LoadedFrame& frame);
-  void copyInputs(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary);
+  /// Gives it the frame's images: from the host, where they stay in use until another frame is given; or from buffers
+  /// on the device that hold [height, width, 4] floats of colour and [scale height, scale width, 8] of albedo and
+  /// normal.
+  void take(const LoadedFrame& frame);
+  void take(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary);
   /// Makes the inputs pictures to look at; call it before run(), which may overwrite them.
   void showInputs(Pictures& pictures) const;
   /// Returns false if `progress` stopped it.
-  bool run(const Upscaler::Progress& progress) { return EngineAccess::replay(upscaler_, progress); }
+  bool run(const Upscaler::Progress& progress);
+  /// Of a run in tiles that is under way or was stopped, those that are finished over what was there before.
   void showOutput(Pictures& pictures, Slot slot) const;
+  void showSkipMap(Pictures& pictures) const;
   /// A copy of the output for the host.
   Image download() const;
 
  private:
+  void copyOnDevice(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary);
+  void fillOutput();
+
   std::string name_;
   Model model_;
-  bool fp16_;
+  NetworkOptions options_;
   uint32_t width_, height_;
   Upscaler upscaler_;
+  // Of a frame that passes through the host.
+  std::vector<float> copiedColour_, copiedAuxiliary_, output_;
+  PixelView colour_;
+  std::vector<PixelView> auxiliary_;
 };
 
 }  // namespace xrds

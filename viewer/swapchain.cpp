@@ -258,13 +258,13 @@ void Swapchain::record(const Image& image, const Record& before, const Record& i
   memoryBarrier(gpu_, commands_, kNetwork, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT, kDrawing,
                 VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
   before(commands_);
-  const VkClearValue clear{};
+  constexpr VkClearValue kBackground{{{0.11F, 0.11F, 0.11F, 1}}};
   VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
   pass.renderPass = renderPass_;
   pass.framebuffer = image.framebuffer;
   pass.renderArea.extent = extent_;
   pass.clearValueCount = 1;
-  pass.pClearValues = &clear;
+  pass.pClearValues = &kBackground;
   gpu_.vk.vkCmdBeginRenderPass(commands_, &pass, VK_SUBPASS_CONTENTS_INLINE);
   const VkViewport viewport{0, 0, static_cast<float>(extent_.width), static_cast<float>(extent_.height), 0, 1};
   const VkRect2D scissor{{}, extent_};

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "app/models.h"
-#include "image/exr_write.h"
 #include "viewer/stage_times.h"
 #include "xrds/error.h"
 
@@ -16,6 +15,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(50);
+constexpr auto kTilePeriod = std::chrono::milliseconds(200);
+
+// From so much work on, a second or more on a CPU, the guided image is shown first.
+constexpr uint64_t kWorkWorthABase = uint64_t{1} << 36;
 
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -39,8 +42,9 @@ bool samePixels(const AovRequest& a, const AovRequest& b) {
 }  // namespace
 
 bool Wanted::operator==(const Wanted& other) const {
-  return files == other.files && watching == other.watching && folder == other.folder &&
-         samePixels(layers, other.layers) && live == other.live && model == other.model && fp16 == other.fp16 &&
+  return files == other.files && watching == other.watching && inSequence == other.inSequence &&
+         folder == other.folder && samePixels(layers, other.layers) && live == other.live && model == other.model &&
+         fp16 == other.fp16 && skip.bound() == other.skip.bound() && memoryBytes == other.memoryBytes &&
          slots == other.slots && metrics == other.metrics && reload == other.reload;
 }
 
@@ -232,7 +236,7 @@ void Upscaling::takeFrame(LoadedFrame frame) {
   std::vector<float> pixels(reference.pixelCount() * 4);
   for (size_t p = 0; p < reference.pixelCount(); ++p)
     std::copy_n(&reference.pixels[p * static_cast<size_t>(reference.channels)], 3, &pixels[4 * p]);
-  pictures_.upload(Slot::reference, static_cast<uint32_t>(reference.width), static_cast<uint32_t>(reference.height),
+  pictures_.upload(Slot::reference, static_cast<uint32_t>(reference.width), static_cast<uint32_t>(reference.height), 4,
                    pixels);
 }
 
@@ -243,21 +247,58 @@ std::string Upscaling::wantedModel(const Wanted& wanted) const {
   return defaultModel(size_.scale, size_.has("normal")).stem().string();
 }
 
+// Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
+// frames follow each other; in a live view every sample changes every pixel but those that are skipped anyway.
+NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) const {
+  NetworkOptions options{.fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes};
+  if (wanted.skip.bound() == 0 || !model.whyNeverSkipped().empty()) return options;
+  options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.inSequence)};
+  return options;
+}
+
 void Upscaling::prepare(const Wanted& wanted) {
   const std::string name = wantedModel(wanted);
-  if (network_ && network_->name() == name && network_->fp16() == wanted.fp16 && network_->fits(size_)) return;
+  const bool same = network_ && network_->name() == name;
+  if (same && network_->options() == optionsFor(wanted, network_->model()) && network_->fits(size_)) return;
   upscaled_ = false;
   tell([&](Report& report) { report.waiting = "preparing " + fs::path(name).stem().string(); });
   network_.reset();  // its memory goes before the next one's comes
+  pictures_.invalidate(Slot::skipMap);
   if (!bases_.empty() && !bases_.begin()->second->fits(size_)) bases_.clear();
-  network_ = std::make_unique<PreparedNetwork>(device_, name, Model(resolveModel(name)), size_, wanted.fp16);
+  Model model(resolveModel(name));
+  const NetworkOptions options = optionsFor(wanted, model);
+  network_ = std::make_unique<PreparedNetwork>(device_, name, std::move(model), size_, options);
 }
 
 void Upscaling::giveInputs(PreparedNetwork& network) {
   if (live_)
     live_->giveTo(network);
   else
-    network.upload(*frame_);
+    network.take(*frame_);
+}
+
+// Something to look at while a large network computes.
+void Upscaling::showBaseFirst() {
+  const PictureView output = pictures_.at(Slot::output);
+  if (live_ || output.valid || pictures_.at(Slot::guided).valid) return;
+  const uint32_t scale = network_->model().scale();
+  const Model::Cost cost = network_->model().cost(scale * size_.width, scale * size_.height, network_->options().fp16);
+  if (cost.multiplyAdds >= kWorkWorthABase) makeBase(Slot::guided);
+}
+
+// Of a run that is under way; returns whether it shall go on. Tiles are shown as they are finished.
+bool Upscaling::showProgress(double share) {
+  const auto finished = static_cast<uint32_t>(share * network_->tileCount());
+  if (finished > tilesShown_ && Clock::now() - lastShown_ > kTilePeriod) {
+    tilesShown_ = finished;
+    network_->showOutput(pictures_, Slot::output);
+    lastShown_ = Clock::now();
+    changed_();
+  }
+  const std::lock_guard lock(mutex_);
+  report_.share = share;
+  const bool hardlyLost = live_ || (share > 0.5 && network_->tileCount() == 1);
+  return !stopping_ && (asked_ == serving_ || hardlyLost);
 }
 
 void Upscaling::upscale() {
@@ -274,6 +315,9 @@ void Upscaling::upscale() {
     report.waiting.clear();
     report.compared.clear();
     report.share = 0;
+    report.tiles = network_->tileCount();
+    report.onDevice = network_->isOnDevice();
+    report.whyNotSkipped = wanted_.skip.bound() > 0 ? network_->model().whyNeverSkipped() : "";
   };
   {
     const std::lock_guard lock(mutex_);
@@ -282,13 +326,11 @@ void Upscaling::upscale() {
   giveInputs(*network_);
   network_->showInputs(pictures_);
   if (!live_) changed_();  // a live view is drawn once for each picture
-  const bool finished = network_->run([&](double share) {
-    const std::lock_guard lock(mutex_);
-    report_.share = share;
-    return !stopping_ && (asked_ == serving_ || live_ || share > 0.5);
-  });
-  if (!finished) return;
+  showBaseFirst();
+  tilesShown_ = 0;
+  if (!network_->run([this](double share) { return showProgress(share); })) return;
   network_->showOutput(pictures_, Slot::output);
+  network_->showSkipMap(pictures_);
   upscaled_ = true;
   measured_ = false;
   tellPicture(millisecondsSince(start));
@@ -302,7 +344,11 @@ void Upscaling::tellPicture(double networkMilliseconds) {
   lastPicture_ = Clock::now();
   tell([&](Report& report) {
     report.model = network_->name();
-    report.fp16 = network_->fp16();
+    report.fp16 = network_->options().fp16;
+    const SkipMap map = network_->upscaler().skipMap();
+    report.interpolated = map.share(SkipMap::Window::interpolated);
+    report.kept = map.share(SkipMap::Window::kept);
+    report.windowSide = map.side;
     report.exposure = network_->upscaler().exposure();
     report.deviceBytes = network_->upscaler().deviceBytes() + pictures_.byteSize();
     report.stages = std::move(stages);
@@ -316,64 +362,18 @@ void Upscaling::tellPicture(double networkMilliseconds) {
 void Upscaling::makeBase(Slot slot) {
   std::unique_ptr<PreparedNetwork>& base = bases_[slot];
   const auto scale = network_->model().scale();
-  if (!base || !base->fits(size_) || base->model().scale() != scale) {
+  const NetworkOptions options{.memoryBytes = network_->options().memoryBytes};
+  if (!base || !base->fits(size_) || base->model().scale() != scale || base->options() != options) {
     Model model = Model::untrained(scale, baseName(slot));
     for (const std::string& input : model.auxiliaryInputs())
       if (!size_.has(input)) return;
-    base = std::make_unique<PreparedNetwork>(device_, baseName(slot), std::move(model), size_, false);
+    base = std::make_unique<PreparedNetwork>(device_, baseName(slot), std::move(model), size_, options);
   }
   giveInputs(*base);
   if (!base->run([&](double) { return !stopping(); })) return;
   base->showOutput(pictures_, slot);
   measured_ = false;
   changed_();
-}
-
-// On a thread of its own, because FLIP takes longer than some networks.
-void Upscaling::startMetrics() {
-  if (!frame_->reference || measured_ || measuring_.valid() || !upscaled_) return;
-  std::vector<std::pair<std::string, Image>> images;
-  if (pictures_.at(Slot::output).width != static_cast<uint32_t>(frame_->reference->width)) return;
-  images.emplace_back(fs::path(network_->name()).stem().string(), network_->download());
-  for (const auto& [slot, base] : bases_)
-    if (base && pictures_.at(slot).valid) images.emplace_back(base->name(), base->download());
-  measured_ = true;
-  measuredFrame_ = frameCount_;
-  measuring_ = std::async(std::launch::async, [images = std::move(images), reference = *frame_->reference] {
-    std::vector<ComparedPicture> compared;
-    for (const auto& [name, image] : images) compared.push_back({name, measure(image, reference)});
-    return compared;
-  });
-}
-
-void Upscaling::takeMetrics() {
-  if (!measuring_.valid() || measuring_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-  try {
-    std::vector<ComparedPicture> compared = measuring_.get();
-    if (measuredFrame_ == frameCount_) tell([&](Report& report) { report.compared = std::move(compared); });
-  } catch (const Error& failure) {  // pixels that are not finite
-    tell([&](Report& report) { report.warnings.emplace_back(failure.what()); });
-  }
-}
-
-void Upscaling::saveIfAsked() {
-  fs::path path;
-  {
-    const std::lock_guard lock(mutex_);
-    if (saveTo_.empty() || asked_ != serving_) return;
-    path = std::exchange(saveTo_, {});
-  }
-  std::string notice = "There is no picture to save yet.";
-  if (network_ && upscaled_) {
-    ExrOutput output = frame_ ? frame_->output : ExrOutput{};
-    const Image image = network_->download();
-    if (output.dataWindow.width() != image.width || output.dataWindow.height() != image.height)
-      output.dataWindow = output.displayWindow = {0, 0, image.width - 1, image.height - 1};
-    output.texts["xrds:model"] = fs::path(network_->name()).stem().string() + " " + network_->model().hash();
-    writeExr(path, image, output);
-    notice = "Saved " + path.string();
-  }
-  tell([&](Report& report) { report.notice = notice; });
 }
 
 }  // namespace xrds

@@ -14,15 +14,26 @@
 
 namespace xrds {
 
+/// Which windows of a frame may be left out.
+struct SkipChoice {
+  enum class Mode : uint8_t { off, safe, bounded };
+  Mode mode = Mode::off;
+  float bounded = 0.02F;  // the bound of that mode
+  float bound() const { return mode == Mode::off ? 0 : mode == Mode::safe ? kSafeSkip : bounded; }
+};
+
 /// What is to be upscaled, and how.
 struct Wanted {
   FrameFiles files;              // of one frame; no colour: nothing
   bool watching = false;         // files that are written again and again
+  bool inSequence = false;       // the next files are likely to look alike
   std::filesystem::path folder;  // watched for new files; empty: `files` are meant
   AovRequest layers;
   LiveWanted live;    // goes before files
   std::string model;  // a name or a file; empty: the default of the frame's scale, of a live view the fastest
   bool fp16 = false;
+  SkipChoice skip;
+  uint64_t memoryBytes = 0;              // of the device; 0: most of it
   std::array<bool, kSlotCount> slots{};  // of bicubic, demodulated and guided: those that are looked at
   bool metrics = true;
   uint64_t reload = 0;  // another number reads the files again
@@ -42,6 +53,11 @@ struct Report {
   bool fp16 = false, hasReference = false;
   uint32_t width = 0, height = 0, scale = 1;  // of the input
   double share = 1;                           // of the run under way
+  uint32_t tiles = 1;
+  bool onDevice = true;               // or it passes through the host
+  std::string whyNotSkipped;          // by this model, though it is asked for
+  double interpolated = 0, kept = 0;  // of the windows, the share
+  uint32_t windowSide = 0;            // of one, in pixels of the output
   float exposure = 0;
   uint64_t deviceBytes = 0;
   std::vector<StageTime> stages;
@@ -82,6 +98,9 @@ class Upscaling {
   void prepare(const Wanted& wanted);
   void showChosen(const Wanted& wanted);
   void upscale();
+  NetworkOptions optionsFor(const Wanted& wanted, const Model& model) const;
+  void showBaseFirst();
+  bool showProgress(double share);
   void giveInputs(PreparedNetwork& network);
   void makeBase(Slot slot);
   void startMetrics();
@@ -117,6 +136,8 @@ class Upscaling {
   std::unique_ptr<PreparedNetwork> network_;
   std::map<Slot, std::unique_ptr<PreparedNetwork>> bases_;
   bool upscaled_ = false;
+  std::chrono::steady_clock::time_point lastShown_{};
+  uint32_t tilesShown_ = 0;
   std::chrono::steady_clock::time_point lastPicture_{};
   std::vector<StageTime> loadStages_;
   std::future<std::vector<ComparedPicture>> measuring_;

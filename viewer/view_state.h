@@ -10,9 +10,9 @@
 namespace xrds {
 
 /// What one side of the divider shows.
-enum class View : uint8_t { output, input, bicubic, demodulated, guided, reference, error, albedo, normal };
-inline constexpr std::array<const char*, 9> kViewNames{"xrds",      "input", "bicubic", "demodulated", "guided",
-                                                       "reference", "error", "albedo",  "normal"};
+enum class View : uint8_t { output, input, bicubic, demodulated, guided, reference, error, albedo, normal, skip };
+inline constexpr std::array<const char*, 10> kViewNames{"xrds",      "input", "bicubic", "demodulated", "guided",
+                                                        "reference", "error", "albedo",  "normal",      "skip map"};
 inline const char* nameOf(View view) { return kViewNames[static_cast<size_t>(view)]; }
 
 /// Where a picture lies on an area of the display. Lengths are display pixels from the top left corner of the area.
@@ -94,6 +94,7 @@ struct ViewState {
   float stops = 0;     // of exposure
   uint32_t curve = shader::kCurveSrgb;
   Viewport viewport;
+  uint32_t windowSide = 0;  // of the skip map, in pixels of the picture
   bool panel = true, help = false;
 
   float exposure() const { return std::exp2(stops); }

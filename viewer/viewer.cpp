@@ -6,7 +6,9 @@
 #include <ctime>
 #include <utility>
 
+#include "app/byte_count.h"
 #include "app/models.h"
+#include "app/skip_bound.h"
 #include "app/stage.h"
 #include "image/png_write.h"
 #include "image/srgb.h"
@@ -32,6 +34,12 @@ std::pair<int, int> sizeOf(const std::string& text, const char* option) {
       height > 16384)
     throw Failure{ExitCode::usage, std::string(option) + " takes WIDTHxHEIGHT, found '" + text + "'."};
   return {width, height};
+}
+
+SkipChoice skipChoice(const std::string& text) {
+  if (text == "off") return {};
+  if (text == "safe") return {SkipChoice::Mode::safe};
+  return {SkipChoice::Mode::bounded, parseSkip(text)};
 }
 
 Placement placementOf(const ViewerOptions& options) {
@@ -66,6 +74,8 @@ Viewer::Viewer(const ViewerOptions& options)
   wanted_.layers = options.layers;
   wanted_.model = options.model;
   wanted_.fp16 = options.precision == "fp16";
+  wanted_.skip = skipChoice(options.skip);
+  wanted_.memoryBytes = parseBytes(options.memory);
   playback_.framesPerSecond = static_cast<float>(options.framesPerSecond);
   if (!options.model.empty() && std::find(models_.begin(), models_.end(), options.model) == models_.end())
     models_.push_back(options.model);
@@ -128,9 +138,7 @@ void Viewer::takeTurn() {
   if (dirty_ > 0 && !display_.minimized()) {
     --dirty_;
     draw();
-    measured_.slowestTurn = std::max(measured_.slowestTurn, secondsSince(start));
-    measured_.turns += secondsSince(start);
-    ++measured_.drawings;
+    measureTurn(secondsSince(start));
   }
   if (script_ && script_->finished() && ready()) quit_ = true;
   if (options_.frames > 0 && report_.pictures >= static_cast<uint64_t>(options_.frames) && dirty_ == 0) {
@@ -141,6 +149,15 @@ void Viewer::takeTurn() {
       quit_ = true;
     }
   }
+}
+
+// Of handling events and drawing. Until the first picture is there CPU devices compile what draws it.
+void Viewer::measureTurn(double seconds) {
+  ++measured_.drawings;
+  if (report_.pictures == 0) return;
+  measured_.slowestTurn = std::max(measured_.slowestTurn, seconds);
+  measured_.turns += seconds;
+  ++measured_.turnCount;
 }
 
 // Whether all that was asked for is on the display.
@@ -179,6 +196,7 @@ void Viewer::placeViewport() {
   if (!input.valid) return;
   const VkExtent2D extent = swapchain_.extent();
   const double width = extent.width - std::min(panel_.width(view_), extent.width - 1);
+  view_.windowSide = report_.windowSide;
   view_.viewport.resize(width, extent.height, report_.scale * input.width, report_.scale * input.height);
 }
 
@@ -188,8 +206,17 @@ void Viewer::draw() {
   readProbe();
   const auto hold = pictures_.hold();
   placeViewport();
-  PanelModel model{view_,  wanted_, playback_,         report_,
-                   probe_, models_, drawMilliseconds_, [this](Command command) { perform(command, 0); }};
+  PanelModel model{.view = view_,
+                   .wanted = wanted_,
+                   .playback = playback_,
+                   .report = report_,
+                   .probe = probe_,
+                   .models = models_,
+                   .shownLeft = canvas_.shownFor(view_.left),
+                   .shownRight = canvas_.shownFor(view_.right),
+                   .drawMilliseconds = drawMilliseconds_,
+                   .longestTurnMilliseconds = 1000 * measured_.slowestTurn,
+                   .perform = [this](Command command) { perform(command, 0); }};
   panel_.layOut(model, swapchain_.extent());
   placeViewport();  // the panel may have come or gone
   if (!screenshotTo_.empty()) swapchain_.captureNext();
@@ -225,7 +252,7 @@ void Viewer::recordProbe(VkCommandBuffer commands) {
     const auto x = static_cast<uint64_t>(probe_.x * picture.width / viewport.pictureWidth);
     const auto y = static_cast<uint64_t>(probe_.y * picture.height / viewport.pictureHeight);
     const uint64_t pixel = std::min<uint64_t>(y, picture.height - 1) * picture.width + x;
-    const VkBufferCopy region{4 * (pixel * picture.channels + choice.channel), 32 * probe_.rows.size(), 12};
+    const VkBufferCopy region{4 * (pixel * picture.channels + choice.channel()), 32 * probe_.rows.size(), 12};
     gpu.vk.vkCmdCopyBuffer(commands, picture.buffer, probeBuffer_.buffer(), 1, &region);
     probe_.rows.push_back({nameOf(view)});
   }
@@ -256,7 +283,7 @@ void Viewer::printStatistics() const {
       "seconds %.2f\n",
       measured_.seconds, static_cast<unsigned long long>(report_.pictures),
       static_cast<double>(report_.pictures) / measured_.seconds, static_cast<unsigned long long>(measured_.drawings),
-      1000 * measured_.turns / std::max<double>(1, static_cast<double>(measured_.drawings)),
+      1000 * measured_.turns / std::max<double>(1, static_cast<double>(measured_.turnCount)),
       1000 * measured_.slowestTurn, busy);
 }
 

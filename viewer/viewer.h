@@ -20,7 +20,7 @@ struct ViewerOptions {
   std::string scene;                            // live: built-in or a file; with a scene there are no files
   std::string liveSize = "128x128";             // of its colour
   uint32_t samples = LiveWanted{}.mostSamples;  // of a pixel of it
-  std::string model, device, precision = "fp32";
+  std::string model, device, precision = "fp32", skip = "off", memory;
   double framesPerSecond = 24;
   std::string size;                  // "WIDTHxHEIGHT"; empty: as it was left
   std::string script;                // file of steps to take
@@ -43,8 +43,8 @@ class Viewer {
 
  private:
   struct Measured {
-    double seconds = 0, slowestTurn = 0, turns = 0;  // of handling events and drawing
-    uint64_t drawings = 0;
+    double seconds = 0, slowestTurn = 0, turns = 0;
+    uint64_t drawings = 0, turnCount = 0;
   };
   Device openDevice();
   std::map<std::string, Script::Verb> scriptVerbs();
@@ -67,6 +67,7 @@ class Viewer {
   // The turns of the main loop.
   std::optional<double> patience() const;
   void takeTurn();
+  void measureTurn(double seconds);
   void advancePlayback();
   void updateWanted();
   bool ready() const;

@@ -49,6 +49,7 @@ void Viewer::open(const std::vector<std::string>& files) {
   wanted.files = {};
   wanted.folder.clear();
   wanted.live.scene.clear();
+  wanted.inSequence = false;
   wanted.watching = options_.watch;
   playback.frames.clear();
   playback.index = 0;
@@ -61,6 +62,7 @@ void Viewer::open(const std::vector<std::string>& files) {
     if (files.size() > 2) patterns.reference = files[2];
     playback.frames = sequenceOf(patterns);
     wanted.watching = false;
+    wanted.inSequence = true;
   } else if (options_.watch) {  // they need not be there yet
     wanted.files = {files[0], files.size() > 1 ? files[1] : "", options_.reference};
     if (files.size() > 2) wanted.files.reference = files[2];
@@ -102,6 +104,9 @@ void Viewer::perform(Command command, int digit) {
       break;
     case Command::precision:
       wanted_.fp16 = !wanted_.fp16;
+      break;
+    case Command::skip:
+      wanted_.skip.mode = static_cast<SkipChoice::Mode>((static_cast<int>(wanted_.skip.mode) + 1) % 3);
       break;
     case Command::reload:
       ++wanted_.reload;
@@ -214,7 +219,7 @@ bool Viewer::performLive(Command command) {
 void Viewer::showScene(const std::string& scene) {
   wanted_.files = {};
   wanted_.folder.clear();
-  wanted_.watching = false;
+  wanted_.watching = wanted_.inSequence = false;
   wanted_.live.scene = scene;
   wanted_.live.camera.reset();
   playback_.frames.clear();
@@ -267,6 +272,8 @@ void Viewer::printReport() {
               static_cast<unsigned long long>(report_.pictures), report_.files.c_str(), report_.model.c_str(),
               report_.fp16 ? "fp16" : "fp32", playback_.index, view_.viewport.zoom, swapchain_.extent().width,
               swapchain_.extent().height, swapchain_.timesMade(), report_.compared.size());
+  if (!report_.onDevice)
+    std::printf(" tiles=%u interpolated=%.2f kept=%.2f", report_.tiles, report_.interpolated, report_.kept);
   if (report_.samples > 0) std::printf(" samples=%u", report_.samples);
   for (const PixelProbe::Row& row : probe_.rows)
     std::printf(" %s@%d,%d=%.4g,%.4g,%.4g", row.name.c_str(), probe_.x, probe_.y, row.red, row.green, row.blue);

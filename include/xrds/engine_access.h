@@ -28,7 +28,11 @@ struct DeviceFrame {
 struct EngineAccess {
   static Gpu& gpu(Device& device);
 
-  /// Valid as long as the upscaler lives. Throws Error, as the following do, if the frame is computed in tiles.
+  /// Whether the frame is on the device as a whole: neither in tiles, nor are parts of it skipped. Else it goes through
+  /// Upscaler::run(), and the following throw Error.
+  static bool isWhole(const Upscaler& upscaler);
+
+  /// Valid as long as the upscaler lives.
   static DeviceFrame frame(const Upscaler& upscaler);
 
   /// The steps of Upscaler::run, each of which may be left out or replaced by work on the device. A replay takes
