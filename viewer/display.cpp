@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "xrds/error.h"
 
@@ -18,14 +19,6 @@ std::string lastGlfwError() {
 
 Display& displayOf(GLFWwindow* window) { return *static_cast<Display*>(glfwGetWindowUserPointer(window)); }
 
-// Events count in screen coordinates, which on some desktops are not pixels.
-double pixelsPerUnit(GLFWwindow* window) {
-  int units = 0, pixels = 0;
-  glfwGetWindowSize(window, &units, nullptr);
-  glfwGetFramebufferSize(window, &pixels, nullptr);
-  return units > 0 ? static_cast<double>(pixels) / units : 1;
-}
-
 template <class Action, class... Arguments>
 void tell(const Action& action, const Arguments&... arguments) {
   if (action) action(arguments...);
@@ -39,7 +32,7 @@ void listen(GLFWwindow* window) {
     tell(displayOf(w).events().button, button, action == GLFW_PRESS);
   });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    const double scale = pixelsPerUnit(w);
+    const double scale = displayOf(w).pixelsPerUnit();  // events count in screen coordinates
     tell(displayOf(w).events().move, scale * x, scale * y);
   });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) { tell(displayOf(w).events().scroll, y); });
@@ -50,6 +43,7 @@ void listen(GLFWwindow* window) {
   glfwSetWindowRefreshCallback(window, redraw);
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { tell(displayOf(w).events().redraw); });
   glfwSetWindowIconifyCallback(window, [](GLFWwindow* w, int) { tell(displayOf(w).events().redraw); });
+  glfwSetWindowContentScaleCallback(window, [](GLFWwindow* w, float, float) { tell(displayOf(w).events().rescale); });
   glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int) { tell(displayOf(w).events().redraw); });
 }
 
@@ -127,6 +121,13 @@ float Display::scale() const {
   return std::max(x, 1.F);
 }
 
+float Display::pixelsPerUnit() const {
+  int units = 0, pixels = 0;
+  glfwGetWindowSize(window_, &units, nullptr);
+  glfwGetFramebufferSize(window_, &pixels, nullptr);
+  return units > 0 ? static_cast<float>(pixels) / static_cast<float>(units) : 1;
+}
+
 Placement Display::placement() const {
   if (glfwGetWindowAttrib(window_, GLFW_MAXIMIZED) != 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) != 0) {
     Placement kept = restored_;
@@ -137,6 +138,10 @@ Placement Display::placement() const {
   int x = 0, y = 0;
   glfwGetWindowSize(window_, &found.width, &found.height);
   glfwGetWindowPos(window_, &x, &y);
+  // A new window is enlarged by the scale.
+  const float enlarged = scale() / pixelsPerUnit();
+  found.width = static_cast<int>(std::lround(static_cast<float>(found.width) / enlarged));
+  found.height = static_cast<int>(std::lround(static_cast<float>(found.height) / enlarged));
   found.x = x;
   found.y = y;
   return found;

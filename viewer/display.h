@@ -23,7 +23,7 @@ class Desktop {
   std::vector<std::string> instanceExtensions() const;
 };
 
-/// Where a window lies on the desktop, in screen coordinates.
+/// Where a window lies on the desktop, in screen coordinates; its size as it would be on an ordinary display.
 struct Placement {
   int width = 1280, height = 800;
   std::optional<int> x{}, y{};
@@ -38,6 +38,7 @@ struct DisplayEvents {
   std::function<void(double steps)> scroll{};
   std::function<void(const std::vector<std::string>& files)> drop{};
   std::function<void()> redraw{};
+  std::function<void()> rescale{};  // the window's pixels are of another size now
 };
 
 /// A window without contents. Used by the main thread alone, but for wake().
@@ -59,8 +60,10 @@ class Display {
   bool closing() const;
   /// Nothing to draw on.
   bool minimized() const;
-  /// Pixels of the framebuffer in a unit of the user interface.
+  /// Pixels of the framebuffer in a pixel of the user interface, as it would be on an ordinary display.
   float scale() const;
+  /// Pixels of the framebuffer in a screen coordinate, which on some desktops are as large as those of scale().
+  float pixelsPerUnit() const;
   Placement placement() const;
   void resize(int width, int height);
   void minimize();

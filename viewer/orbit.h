@@ -11,6 +11,7 @@ namespace xrds {
 struct Orbit {
   Camera start;  // what it looks at, and how wide
   float yaw = 0, pitch = 0, distance = 1;
+  bool moved = false;  // until then its camera is `start` to the bit, and no picture of it is made twice
 
   explicit Orbit(const Camera& camera) : start(camera) {
     const Vec3 from = camera.position - camera.target;
@@ -21,11 +22,16 @@ struct Orbit {
   /// Goes round by angles in radians, never over the poles.
   void turn(float right, float up) {
     constexpr float kMostPitch = 1.5F;
+    moved = true;
     yaw += right;
     pitch = std::clamp(pitch + up, -kMostPitch, kMostPitch);
   }
-  void approach(float factor) { distance = std::clamp(distance * factor, 1e-3F, 1e4F); }
+  void approach(float factor) {
+    moved = true;
+    distance = std::clamp(distance * factor, 1e-3F, 1e4F);
+  }
   Camera camera() const {
+    if (!moved) return start;
     Camera camera = start;
     const float flat = distance * std::cos(pitch);
     const Vec3 from{flat * std::sin(yaw), distance * std::sin(pitch), flat * std::cos(yaw)};

@@ -11,8 +11,9 @@ namespace xrds {
 namespace {
 
 void setStyle(float scale) {
-  ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
+  style = {};
+  ImGui::StyleColorsDark();
   style.WindowRounding = 0;
   style.FrameRounding = style.GrabRounding = 3;
   style.WindowBorderSize = 0;
@@ -28,7 +29,7 @@ void setStyle(float scale) {
 }  // namespace
 
 Panel::Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain)
-    : gpu_(gpu.handles()), scale_(display.scale()) {
+    : gpu_(gpu.handles()), display_(display), swapchain_(swapchain) {
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
@@ -39,27 +40,9 @@ Panel::Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain)
 
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // the panel lies where it lies
-  ImFontConfig font;
-  font.SizePixels = std::round(13 * scale_);  // drawn for 13 pixels: sharp at whole multiples
-  io.Fonts->AddFontDefault(&font);
-  setStyle(scale_);
+  ImGui::GetIO().IniFilename = nullptr;  // the panel lies where it lies
   ImGui_ImplGlfw_InitForVulkan(display.window(), true);
-  ImGui_ImplVulkan_InitInfo info{};
-  info.Instance = gpu_.instance->instance;
-  info.PhysicalDevice = gpu_.physicalDevice;
-  info.Device = gpu_.device;
-  info.QueueFamily = gpu_.queueFamily;
-  info.Queue = gpu_.queue;
-  info.DescriptorPool = pool_;
-  info.MinImageCount = 2;
-  info.ImageCount = std::max(swapchain.imageCount(), 2u);
-  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-  info.CheckVkResultFn = [](VkResult result) { checkResult(result, "Dear ImGui"); };
-  ImGui_ImplVulkan_Init(&info, swapchain.renderPass());
-  runOnce(gpu_, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
-  ImGui_ImplVulkan_DestroyFontUploadObjects();
+  open();
 }
 
 Panel::~Panel() {
@@ -69,6 +52,40 @@ Panel::~Panel() {
   gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
 }
 
+// Letters and sizes for the scale of the display, and what draws them.
+void Panel::open() {
+  scale_ = display_.scale();
+  unit_ = display_.pixelsPerUnit();
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  ImFontConfig font;
+  font.SizePixels = std::round(13 * scale_);  // drawn for 13 pixels: sharp at whole multiples
+  io.Fonts->AddFontDefault(&font);
+  io.FontGlobalScale = 1 / unit_;
+  setStyle(scale_ / unit_);
+  ImGui_ImplVulkan_InitInfo info{};
+  info.Instance = gpu_.instance->instance;
+  info.PhysicalDevice = gpu_.physicalDevice;
+  info.Device = gpu_.device;
+  info.QueueFamily = gpu_.queueFamily;
+  info.Queue = gpu_.queue;
+  info.DescriptorPool = pool_;
+  info.MinImageCount = 2;
+  info.ImageCount = std::max(swapchain_.imageCount(), 2u);
+  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+  info.CheckVkResultFn = [](VkResult result) { checkResult(result, "Dear ImGui"); };
+  ImGui_ImplVulkan_Init(&info, swapchain_.renderPass());
+  runOnce(gpu_, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
+  ImGui_ImplVulkan_DestroyFontUploadObjects();
+}
+
+void Panel::rescale() {
+  if (scale_ == display_.scale() && unit_ == display_.pixelsPerUnit()) return;
+  ImGui_ImplVulkan_Shutdown();
+  checkResult(gpu_.vk.vkResetDescriptorPool(gpu_.device, pool_, 0), "vkResetDescriptorPool");
+  open();
+}
+
 bool Panel::takesMouse() const { return ImGui::GetIO().WantCaptureMouse; }
 bool Panel::takesKeys() const { return ImGui::GetIO().WantTextInput; }
 
@@ -76,18 +93,17 @@ void Panel::layOut(PanelModel& model, VkExtent2D extent) {
   ImGui_ImplVulkan_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
-  const auto panelWidth = static_cast<float>(width(model.view));
-  const ImVec2 unit = ImGui::GetIO().DisplayFramebufferScale;
-  const ImVec2 area{static_cast<float>(extent.width) / unit.x, static_cast<float>(extent.height) / unit.y};
-  drawLabels(model, (area.x - panelWidth) / unit.x, area.y, scale_);
+  const float scale = scale_ / unit_, panelWidth = static_cast<float>(width(model.view)) / unit_;
+  const ImVec2 area{static_cast<float>(extent.width) / unit_, static_cast<float>(extent.height) / unit_};
+  drawLabels(model, area.x - panelWidth, area.y, scale, unit_);
   if (model.view.panel) {
-    ImGui::SetNextWindowPos({area.x - panelWidth / unit.x, 0});
-    ImGui::SetNextWindowSize({panelWidth / unit.x, area.y});
+    ImGui::SetNextWindowPos({area.x - panelWidth, 0});
+    ImGui::SetNextWindowSize({panelWidth, area.y});
     ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
     drawPanel(model);
     ImGui::End();
   }
-  if (model.view.help) drawHelp(model.view, scale_);
+  if (model.view.help) drawHelp(model.view, scale);
   ImGui::Render();
 }
 

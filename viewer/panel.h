@@ -51,6 +51,8 @@ class Panel {
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
 
+  /// Takes a new scale of the display. Call it when what was drawn before is finished.
+  void rescale();
   /// Display pixels that the panel takes at the right.
   uint32_t width(const ViewState& view) const { return view.panel ? static_cast<uint32_t>(304 * scale_) : 0; }
   float scale() const { return scale_; }
@@ -64,9 +66,14 @@ class Panel {
   static void draw(VkCommandBuffer commands);
 
  private:
+  void open();
+
   Gpu::Handles& gpu_;
+  const Display& display_;
+  const Swapchain& swapchain_;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
-  float scale_ = 1;
+  float scale_ = 1;  // display pixels in a pixel of what is laid out
+  float unit_ = 1;   // display pixels in Dear ImGui's unit of length, the desktop's
 };
 
 }  // namespace xrds

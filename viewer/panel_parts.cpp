@@ -33,7 +33,10 @@ void row(const char* name, const char* format, ...) {
 }
 
 bool beginRows(const char* name) {
-  return ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoPadOuterX);
+  if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoPadOuterX)) return false;
+  ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch, 0.6F);
+  ImGui::TableSetupColumn("how much", ImGuiTableColumnFlags_WidthStretch, 0.4F);
+  return true;
 }
 
 void paragraph(const std::string& text, const ImVec4& colour) {
@@ -82,6 +85,7 @@ void drawSource(PanelModel& model) {
 void drawSkip(PanelModel& model) {
   using Mode = SkipChoice::Mode;
   SkipChoice& skip = model.wanted.skip;
+  ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("skip");
   for (const auto& [name, mode] : {std::pair{"off", Mode::off}, {"safe", Mode::safe}, {"##bound", Mode::bounded}}) {
     ImGui::SameLine();
@@ -232,13 +236,13 @@ void drawPanel(PanelModel& model) {
   if (ImGui::Button("EXR (Ctrl+S)")) model.perform(Command::save);
 }
 
-void drawLabels(const PanelModel& model, float width, float height, float scale) {
+void drawLabels(const PanelModel& model, float width, float height, float scale, float unit) {
   if (model.report.width == 0) return;
   const ViewState& view = model.view;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float rim = 8 * scale, y = height - ImGui::GetFontSize() - rim - 6 * scale;
   if (view.wiping) {
-    const auto x = std::round(static_cast<float>(view.divider()));
+    const auto x = std::round(static_cast<float>(view.divider()) / unit);
     if (x >= 0 && x <= width) {
       list.AddRectFilled({x - 1.5F * scale, 0}, {x + 1.5F * scale, height}, IM_COL32(0, 0, 0, 130));
       list.AddRectFilled({x - 0.5F * scale, 0}, {x + 0.5F * scale, height}, IM_COL32(255, 255, 255, 220));

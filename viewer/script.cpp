@@ -44,6 +44,13 @@ Script::Script(std::vector<ScriptLine> lines, std::map<std::string, Verb> verbs)
   }
 }
 
+std::optional<double> Script::patience(bool ready) const {
+  const double sleep = std::chrono::duration<double>(until_ - std::chrono::steady_clock::now()).count();
+  if (sleep > 0) return sleep;
+  if (ready || (!lines_.empty() && lines_.front().verb.starts_with('!'))) return 0;
+  return std::nullopt;
+}
+
 void Script::step(bool ready) {
   if (lines_.empty() || std::chrono::steady_clock::now() < until_) return;
   const bool hasty = lines_.front().verb.starts_with('!');

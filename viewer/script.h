@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ class Script {
   Script(std::vector<ScriptLine> lines, std::map<std::string, Verb> verbs);
 
   bool finished() const { return lines_.empty(); }
+  /// Seconds until a step can be taken, if all is ready by then or is now (`ready`); nothing: only when it is.
+  std::optional<double> patience(bool ready) const;
   /// Takes the next step if `ready`. Besides the given verbs there are "wait", which does nothing but need readiness,
   /// and "sleep SECONDS"; a verb with a leading '!' does not need it. Throws Error, with the line's number, what the
   /// verb throws.

@@ -293,7 +293,7 @@ bool Upscaling::showProgress(double share) {
     tilesShown_ = finished;
     network_->showOutput(pictures_, Slot::output);
     lastShown_ = Clock::now();
-    changed_();
+    tell([](Report& report) { ++report.partialPictures; });
   }
   const std::lock_guard lock(mutex_);
   report_.share = share;

@@ -64,11 +64,12 @@ struct Report {
   std::vector<std::string> warnings;
   std::vector<ComparedPicture> compared;
   double picturesPerSecond = 0;
-  uint64_t pictures = 0;  // upscaled so far
-  uint32_t samples = 0;   // of a pixel of a live view's colour
-  std::string scene;      // of the live view, once it is there
-  Camera startCamera;     // its own
-  bool settled = false;   // all that is wanted is shown
+  uint64_t pictures = 0;         // upscaled so far
+  uint64_t partialPictures = 0;  // shown before all their tiles were there
+  uint32_t samples = 0;          // of a pixel of a live view's colour
+  std::string scene;             // of the live view, once it is there
+  Camera startCamera;            // its own
+  bool settled = false;          // all that is wanted is shown
 };
 
 /// Upscales on a thread of its own and leaves the results in pictures, on the device.

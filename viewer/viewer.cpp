@@ -112,12 +112,15 @@ void Viewer::run() {
 
 // Seconds until something is to be done without an event; nothing: never.
 std::optional<double> Viewer::patience() const {
-  if (script_) return dirty_ > 0 ? 0 : 0.005;
   if (dirty_ > 0 && !display_.minimized()) return 0;
-  if (playback_.playing && report_.settled)
-    return std::max(0.0, std::chrono::duration<double>(nextFrame_ - Clock::now()).count());
-  if (report_.share < 1) return std::chrono::duration<double>(kBarPeriod).count();
-  return std::nullopt;
+  std::optional<double> least;
+  const auto consider = [&](std::optional<double> seconds) {
+    if (seconds) least = std::max(0.0, std::min(*seconds, least.value_or(*seconds)));
+  };
+  if (script_) consider(script_->patience(ready()));
+  if (playback_.playing && report_.settled) consider(std::chrono::duration<double>(nextFrame_ - Clock::now()).count());
+  if (report_.share < 1) consider(std::chrono::duration<double>(kBarPeriod).count());
+  return least;
 }
 
 void Viewer::takeTurn() {
@@ -154,6 +157,8 @@ void Viewer::takeTurn() {
 // Of handling events and drawing. Until the first picture is there CPU devices compile what draws it.
 void Viewer::measureTurn(double seconds) {
   ++measured_.drawings;
+  clocked_.turns += seconds;
+  clocked_.longestTurn = std::max(clocked_.longestTurn, seconds);
   if (report_.pictures == 0) return;
   measured_.slowestTurn = std::max(measured_.slowestTurn, seconds);
   measured_.turns += seconds;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <ctime>
 #include <memory>
 
 #include "viewer/canvas.h"
@@ -46,6 +47,12 @@ class Viewer {
     double seconds = 0, slowestTurn = 0, turns = 0;
     uint64_t drawings = 0, turnCount = 0;
   };
+  struct Clocked {
+    std::chrono::steady_clock::time_point wall{};
+    std::clock_t processor = 0;
+    uint64_t drawings = 0;
+    double turns = 0, longestTurn = 0;  // since then, in seconds
+  };
   Device openDevice();
   std::map<std::string, Script::Verb> scriptVerbs();
   void open(const std::vector<std::string>& files);
@@ -78,6 +85,7 @@ class Viewer {
   void saveScreenshot(const std::filesystem::path& path);
   void printStatistics() const;
   void printReport();
+  void printClock();
 
   ViewerOptions options_;
   std::atomic<int> complaints_ = 0;  // of the validation layers
@@ -105,6 +113,7 @@ class Viewer {
   std::filesystem::path screenshotTo_;
   std::chrono::steady_clock::time_point nextFrame_{}, lastBar_{};
   Measured measured_;
+  Clocked clocked_;
   std::unique_ptr<Upscaling> upscaling_;
   std::unique_ptr<Script> script_;
 };

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 #include "viewer/viewer.h"
 #include "xrds/error.h"
@@ -40,6 +41,11 @@ void Viewer::listen() {
     needDrawing();
   };
   events_.redraw = [this] { needDrawing(); };
+  events_.rescale = [this] {
+    swapchain_.wait();
+    panel_.rescale();
+    needDrawing();
+  };
 }
 
 // One folder is watched; names with '#' are a sequence; files of a frame may come in any order.
@@ -273,13 +279,28 @@ void Viewer::printReport() {
               report_.fp16 ? "fp16" : "fp32", playback_.index, view_.viewport.zoom, swapchain_.extent().width,
               swapchain_.extent().height, swapchain_.timesMade(), report_.compared.size());
   if (!report_.onDevice)
-    std::printf(" tiles=%u interpolated=%.2f kept=%.2f", report_.tiles, report_.interpolated, report_.kept);
+    std::printf(" tiles=%u partial=%llu interpolated=%.2f kept=%.2f", report_.tiles,
+                static_cast<unsigned long long>(report_.partialPictures), report_.interpolated, report_.kept);
   if (report_.samples > 0) std::printf(" samples=%u", report_.samples);
   for (const PixelProbe::Row& row : probe_.rows)
     std::printf(" %s@%d,%d=%.4g,%.4g,%.4g", row.name.c_str(), probe_.x, probe_.y, row.red, row.green, row.blue);
   if (!report_.error.empty()) std::printf(" error=\"%s\"", report_.error.c_str());
+  if (!report_.whyNotSkipped.empty()) std::printf(" not-skipped=\"%s\"", report_.whyNotSkipped.c_str());
   if (!report_.waiting.empty()) std::printf(" waiting=\"%s\"", report_.waiting.c_str());
   std::printf("\n");
+  std::fflush(stdout);
+}
+
+// What has passed since it was printed last.
+void Viewer::printClock() {
+  const Clocked now{std::chrono::steady_clock::now(), std::clock(), measured_.drawings};
+  const Clocked last = std::exchange(clocked_, now);
+  const uint64_t drawings = now.drawings - last.drawings;
+  std::printf("clock seconds=%.3f processor=%.3f drawings=%llu mean_turn_ms=%.1f longest_turn_ms=%.1f\n",
+              std::chrono::duration<double>(now.wall - last.wall).count(),
+              static_cast<double>(now.processor - last.processor) / CLOCKS_PER_SEC,
+              static_cast<unsigned long long>(drawings),
+              1000 * last.turns / std::max<double>(1, static_cast<double>(drawings)), 1000 * last.longestTurn);
   std::fflush(stdout);
 }
 
@@ -310,6 +331,7 @@ std::map<std::string, Script::Verb> Viewer::scriptVerbs() {
                      swapchain_.lose(words[0] == "surface");
                      needDrawing();
                    }};
+  verbs["clock"] = {0, [this](const Arguments&) { printClock(); }};
   // Stand in for a renderer that writes while the viewer runs.
   verbs["copy"] = {
       2, [](const Arguments& words) { fs::copy_file(words[0], words[1], fs::copy_options::overwrite_existing); }};

@@ -4,20 +4,8 @@
 namespace xrds::test {
 namespace {
 
-/// A frame of 90 x 70 pixels: noise on the left of column `edge`, an even background on its right.
 struct HalfEvenFrame : SmallFrame {
-  explicit HalfEvenFrame(int edge) {
-    const auto layer = [edge](const std::string& name, const char* channels, int scale, float even) {
-      return Layer{name, channels, [=](int x, int y, int c) {
-                     if (x >= scale * edge) return even;
-                     return 0.1F + 0.9F * static_cast<float>((x * 7919 + y * 104729 + c * 31 + x * y) % 256) / 255;
-                   }};
-    };
-    writeParts(color, {{windowOf(90, 70), windowOf(90, 70), {layer("", "RGB", 1, 0.4F)}}});
-    writeParts(
-        aux,
-        {{windowOf(360, 280), windowOf(360, 280), {layer("albedo", "RGB", 4, 0.4F), layer("normal", "XYZ", 4, 0)}}});
-  }
+  explicit HalfEvenFrame(int edge) { writeHalfEvenFrame(color, aux, edge); }
   Image upscaled(const std::vector<std::string>& more, const std::string& words = "") const {
     const Ended ended = runXrds(arguments(more));
     EXPECT_EQ(ended.exitCode, 0) << ended.error;

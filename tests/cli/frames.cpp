@@ -84,6 +84,21 @@ Layer layerOf(const std::string& name, const std::vector<float>& values, int wid
           [&values, width](int x, int y, int c) { return values[3 * (static_cast<size_t>(y) * width + x) + c]; }};
 }
 
+void writeHalfEvenFrame(const std::filesystem::path& color, const std::filesystem::path& aux, int edge, int brighter) {
+  const auto layer = [edge](const std::string& name, const char* channels, int scale, float even, int from) {
+    return Layer{name, channels, [=](int x, int y, int c) {
+                   const float more = y >= from ? 0.05F : 0;
+                   if (x >= scale * edge) return even + more;
+                   return 0.1F + more + 0.9F * static_cast<float>((x * 7919 + y * 104729 + c * 31 + x * y) % 256) / 255;
+                 }};
+  };
+  constexpr int kNever = 280;
+  writeParts(color, {{windowOf(90, 70), windowOf(90, 70), {layer("", "RGB", 1, 0.4F, brighter)}}});
+  writeParts(aux, {{windowOf(360, 280),
+                    windowOf(360, 280),
+                    {layer("albedo", "RGB", 4, 0.4F, kNever), layer("normal", "XYZ", 4, 0, kNever)}}});
+}
+
 SmallFrame::SmallFrame() {
   writeParts(color, {{windowOf(10, 8), windowOf(10, 8), {colourLayer("", 10)}}});
   writeParts(aux, {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}}});

@@ -43,6 +43,11 @@ Layer normalLayer(const std::string& name, int width);
 /// The image as a layer.
 Layer layerOf(const std::string& name, const std::vector<float>& values, int width);
 
+/// A frame of 90 x 70 pixels for scale 4: noise on the left of column `edge`, an even background on its right; in the
+/// colour, the rows from `brighter` on are brighter.
+void writeHalfEvenFrame(const std::filesystem::path& color, const std::filesystem::path& aux, int edge,
+                        int brighter = 70);
+
 /// A folder with colour.exr (10 x 8) and aux.exr (four times that), the frame of most tests.
 struct SmallFrame {
   TemporaryFolder folder;

@@ -10,6 +10,10 @@
 #include <csignal>
 #include <cstdlib>
 
+// Last: it defines names that others use.
+#include <X11/Xatom.h>
+#include <X11/Xlib.h>
+
 namespace xrds::test {
 namespace fs = std::filesystem;
 
@@ -23,7 +27,7 @@ VirtualDesktop::VirtualDesktop() {
     dup2(nowhere, STDERR_FILENO);
     const std::string descriptor = std::to_string(number[1]);
     execl(XRDS_XVFB, "Xvfb", "-displayfd", descriptor.c_str(), "-screen", "0", "1280x960x24", "-nolisten", "tcp",
-          nullptr);
+          "-noreset", nullptr);
     _exit(127);
   }
   close(number[1]);
@@ -37,6 +41,15 @@ VirtualDesktop::VirtualDesktop() {
 VirtualDesktop::~VirtualDesktop() {
   kill(server_, SIGTERM);
   waitpid(server_, nullptr, 0);
+}
+
+void VirtualDesktop::scale(double factor) const {
+  Display* display = XOpenDisplay(name_.c_str());
+  if (!display) throw std::runtime_error("no X server at " + name_);
+  const std::string resources = "Xft.dpi: " + std::to_string(std::lround(96 * factor)) + "\n";
+  XChangeProperty(display, DefaultRootWindow(display), XA_RESOURCE_MANAGER, XA_STRING, 8, PropModeReplace,
+                  reinterpret_cast<const unsigned char*>(resources.data()), static_cast<int>(resources.size()));
+  XCloseDisplay(display);
 }
 
 Ended runViewer(const VirtualDesktop& desktop, const TemporaryFolder& folder, const std::string& script,

@@ -18,6 +18,8 @@ class VirtualDesktop {
   VirtualDesktop(const VirtualDesktop&) = delete;
   VirtualDesktop& operator=(const VirtualDesktop&) = delete;
   const std::string& name() const { return name_; }  // for $DISPLAY
+  /// Tells programs to draw that much larger, as desktops do for displays of small pixels.
+  void scale(double factor) const;
 
  private:
   int server_ = -1;

@@ -1,43 +1,12 @@
 // The viewer's window, driven by scripts, under the validation layers: every run must end without a message.
 #include <gtest/gtest.h>
 
-#include "tests/viewer/virtual_desktop.h"
+#include "tests/viewer/viewer_window.h"
 
 namespace xrds::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-const std::string kSamples = XRDS_SAMPLE_FOLDER;
-const std::string kColour = kSamples + "/outdoor_lr.exr", kAuxiliary = kSamples + "/outdoor_aux.exr",
-                  kReference = kSamples + "/outdoor_ref.exr";  // 80 x 60 to 320 x 240
-const std::vector<std::string> kSmallWindow{"--size", "400x340", "--model", "xrds-x4-nano"};
-
-std::vector<std::string> smallWindow(std::vector<std::string> files) {
-  files.insert(files.end(), kSmallWindow.begin(), kSmallWindow.end());
-  return files;
-}
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-size_t occurrences(const std::string& text, const std::string& part) {
-  size_t count = 0;
-  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
-
-struct ViewerWindow : testing::Test {
-  VirtualDesktop desktop;
-  TemporaryFolder folder;
-
-  Ended run(const std::string& script, const std::vector<std::string>& arguments) {
-    Ended ended = runViewer(desktop, folder, script, arguments);
-    EXPECT_EQ(ended.exitCode, 0) << ended.error;
-    EXPECT_EQ(ended.error, "") << script;
-    return ended;
-  }
-  void copy(const std::string& from, const std::string& to) const { fs::copy_file(from, folder / to); }
-};
 
 TEST_F(ViewerWindow, ShowsTheColoursThatUpscaleWrites) {
   run("key P\nkey W\nwait\nscreenshot shot.png\nsave saved.exr\nwait\n", smallWindow({kColour, kAuxiliary}));
@@ -126,6 +95,21 @@ TEST_F(ViewerWindow, PlaysScrubsAndLoopsASequence) {
   EXPECT_TRUE(has(ended.output, "files=shot.0011.exr model=xrds-x4-nano precision=fp32 frame=2")) << ended.output;
   EXPECT_TRUE(has(ended.output, "files=shot.0010.exr model=xrds-x4-nano precision=fp32 frame=1")) << ended.output;
   EXPECT_EQ(occurrences(ended.output, "pictures="), 4u);
+}
+
+TEST_F(ViewerWindow, FollowsTheScaleOfTheDisplay) {
+  const std::vector<std::string> files = smallWindow({kColour, kAuxiliary});
+  run("wait\nprint\n", {});
+  desktop.scale(2);
+  const Ended first = run("wait\nprint\nkey H\nwait\nscreenshot large.png\nwait\n", files);
+  EXPECT_TRUE(has(first.output, "window=800x680")) << first.output;
+  expectLikeStored(folder / "large.png");
+  // It is remembered as it would be on an ordinary display, and does not grow from start to start.
+  run("size 864 642\nwait\n", {});
+  EXPECT_TRUE(has(run("wait\nprint\n", {}).output, "window=864x642"));
+  EXPECT_TRUE(has(run("wait\nprint\n", {}).output, "window=864x642"));
+  desktop.scale(1);
+  EXPECT_TRUE(has(run("wait\nprint\n", {}).output, "window=432x321"));
 }
 
 TEST_F(ViewerWindow, RemembersItsSize) {
