@@ -61,7 +61,7 @@ std::vector<Candidate> candidatesOf(FrameShape frame, uint32_t window, const Cut
 
 /// What a session of a crop needs, and which share of its pixels would fit the limits: all if that is 1 or more.
 struct Needs {
-  uint64_t arenaByteSize = 0;
+  uint64_t arenaByteSize = 0, largestTexels = 0;  // of one tensor
   double share = 0;
 };
 
@@ -81,11 +81,12 @@ class Planner {
     const Graph graph = graphOf(crop);
     Needs needs{xrds::arenaByteSize(graph)};
     needs.share = static_cast<double>(room_) / static_cast<double>(needs.arenaByteSize);
-    for (const Value& value : graph.values)
-      needs.share = std::min(
-          needs.share, static_cast<double>(traits_.maxTexelBufferElements) / static_cast<double>(value.texelCount()));
+    for (const Value& value : graph.values) needs.largestTexels = std::max(needs.largestTexels, value.texelCount());
+    needs.share = std::min(
+        needs.share, static_cast<double>(traits_.maxTexelBufferElements) / static_cast<double>(needs.largestTexels));
     return needs;
   }
+  bool fitsMemory(const Needs& needs) const { return needs.arenaByteSize <= room_; }
 
   uint64_t weightByteSize = 0;
 
@@ -100,6 +101,17 @@ class Planner {
   uint64_t room_ = 0;
 };
 
+Error tooSmall(const Planner& planner, const Needs& least, const MemoryLimits& limits) {
+  if (planner.fitsMemory(least))
+    return Error("The smallest tiles of the frame hold a tensor of " + std::to_string(least.largestTexels) +
+                 " texels, but the device binds at most " + std::to_string(limits.traits.maxTexelBufferElements) +
+                 ": take bounded tiles, a smaller model or another device.");
+  return Error("The smallest tiles of the frame need " +
+               std::to_string((least.arenaByteSize + planner.weightByteSize + 999'999) / 1'000'000) +
+               " MB of device memory, but " + std::to_string(limits.byteSize / 1'000'000) +
+               " MB are allowed: allow more, or take fp16, bounded tiles or a smaller model.");
+}
+
 }  // namespace
 
 TileChoice chooseTiles(const ModelWeights& model, FrameShape frame, Precision precision, const Cut& wanted,
@@ -107,7 +119,7 @@ TileChoice chooseTiles(const ModelWeights& model, FrameShape frame, Precision pr
   const Planner planner(model, precision, limits);
   // Memory grows with the pixels of the crop: of those that are likely not to fit only a few are planned.
   double likelyPixels = 1e30;
-  uint64_t least = ~uint64_t{0};
+  Needs least{~uint64_t{0}};
   const auto candidates = candidatesOf(frame, model.config().window, wanted);
   const auto smallest = std::min_element(candidates.begin(), candidates.end(),
                                          [](const auto& a, const auto& b) { return a.cropPixels() < b.cropPixels(); });
@@ -118,13 +130,10 @@ TileChoice chooseTiles(const ModelWeights& model, FrameShape frame, Precision pr
     if (needs.share >= 1)
       return {candidate->cut, candidate->crop, needs.arenaByteSize, planner.weightByteSize,
               static_cast<double>(candidate->work) / (static_cast<double>(frame.width) * frame.height)};
-    least = std::min(least, needs.arenaByteSize);
+    if (needs.arenaByteSize < least.arenaByteSize) least = needs;
     likelyPixels = std::min(0.98, 1.1 * needs.share) * pixels;
   }
-  throw Error("The smallest tiles of the frame need " +
-              std::to_string((least + planner.weightByteSize + 999'999) / 1'000'000) + " MB of device memory, but " +
-              std::to_string(limits.byteSize / 1'000'000) +
-              " MB are allowed: allow more, or take fp16, bounded tiles or a smaller model.");
+  throw tooSmall(planner, least, limits);
 }
 
 }  // namespace xrds

@@ -140,5 +140,16 @@ TEST(ChooseTiles, SaysWhatIsNeededAtLeast) {
   }
 }
 
+TEST(ChooseTiles, SaysThatTheDeviceBindsTooLittle) {
+  MemoryLimits limits{uint64_t{1} << 40};
+  limits.traits.maxTexelBufferElements = 10'000;
+  try {
+    choiceOf(kAnyGrid, limits);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("binds at most 10000"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace xrds
