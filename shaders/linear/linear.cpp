@@ -9,9 +9,10 @@ namespace xrds {
 namespace {
 
 // Multiply-adds of a lane that the compiled body of the lane kernel may hold: beyond it the code leaves the
-// instruction cache and takes seconds to compile; below it too few outputs share a fetched input.
-constexpr uint32_t kMaxBody = 6144;
-constexpr uint32_t kMaxTile = 64;
+// instruction cache and takes seconds to compile. A body of kGoodBody is large enough if kGoodTile outputs share a
+// fetched input.
+constexpr uint32_t kMaxBody = 6144, kGoodBody = 2048;
+constexpr uint32_t kMaxTile = 64, kGoodTile = 48;
 constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kernel
 
 uint32_t inputChannels(const Linear& op) { return op.input.channels; }
@@ -26,7 +27,8 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
       subgroups / evenShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
-  for (uint32_t tile = std::min(kMaxTile, outputs) / 8 * 8; tile > 0; tile -= 8)
+  const uint32_t limit = std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile);
+  for (uint32_t tile = std::min(limit, outputs) / 8 * 8; tile > 0; tile -= 8)
     if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes)
       return tile;
   return 0;
