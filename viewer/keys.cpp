@@ -10,54 +10,61 @@ namespace {
 
 constexpr int kUsedModifiers = GLFW_MOD_SHIFT | GLFW_MOD_CONTROL | GLFW_MOD_ALT;
 
-constexpr KeyBinding kBindings[] = {
-    {GLFW_KEY_W, 0, "W", "wipe between two views, or one alone", Command::wipe},
-    {GLFW_KEY_COMMA, 0, ", .", "move the divider (or drag it)", Command::wipeLeft},
-    {GLFW_KEY_PERIOD, 0, "", "", Command::wipeRight},
-    {GLFW_KEY_1, 0, "1 ... 0", "right view: xrds, input, bicubic, demodulated, guided,", Command::showRight},
-    {GLFW_KEY_1, GLFW_MOD_SHIFT, "Shift+1 ... 0", "left view:  reference, error, albedo, normal, skip map",
-     Command::showLeft},
-    {GLFW_KEY_EQUAL, 0, "+ -", "zoom (or turn the wheel)", Command::zoomIn},
-    {GLFW_KEY_EQUAL, GLFW_MOD_SHIFT, "", "", Command::zoomIn},
-    {GLFW_KEY_KP_ADD, 0, "", "", Command::zoomIn},
-    {GLFW_KEY_MINUS, 0, "", "", Command::zoomOut},
-    {GLFW_KEY_KP_SUBTRACT, 0, "", "", Command::zoomOut},
-    {GLFW_KEY_LEFT, 0, "arrows", "pan (or drag; a live scene with the right button)", Command::panLeft},
-    {GLFW_KEY_RIGHT, 0, "", "", Command::panRight},
-    {GLFW_KEY_UP, 0, "", "", Command::panUp},
-    {GLFW_KEY_DOWN, 0, "", "", Command::panDown},
-    {GLFW_KEY_F, 0, "F", "fit the picture into the window", Command::fit},
-    {GLFW_KEY_Z, 0, "Z", "one pixel of the display for each of the picture", Command::pixels},
-    {GLFW_KEY_E, 0, "E D", "exposure: half a stop brighter, darker", Command::brighter},
-    {GLFW_KEY_D, 0, "", "", Command::darker},
-    {GLFW_KEY_X, 0, "X", "exposure as rendered", Command::resetExposure},
-    {GLFW_KEY_T, 0, "T", "tone curve: sRGB, filmic", Command::curve},
-    {GLFW_KEY_M, 0, "M, Shift+M", "next, previous model", Command::nextModel},
-    {GLFW_KEY_M, GLFW_MOD_SHIFT, "", "", Command::previousModel},
-    {GLFW_KEY_C, 0, "C", "precision: fp32, fp16", Command::precision},
-    {GLFW_KEY_K, 0, "K", "skip windows: off, safe, up to the bound in the panel", Command::skip},
-    {GLFW_KEY_SPACE, 0, "Space", "play, pause", Command::play},
-    {GLFW_KEY_L, 0, "L", "loop", Command::loop},
-    {GLFW_KEY_PAGE_UP, 0, "PageUp PageDown", "previous, next frame of a sequence", Command::previousFrame},
-    {GLFW_KEY_PAGE_DOWN, 0, "", "", Command::nextFrame},
-    {GLFW_KEY_HOME, 0, "Home End", "first, last frame", Command::firstFrame},
-    {GLFW_KEY_END, 0, "", "", Command::lastFrame},
-    {GLFW_KEY_LEFT, GLFW_MOD_SHIFT, "Shift+arrows", "go round the live scene (or drag)", Command::orbitLeft},
-    {GLFW_KEY_RIGHT, GLFW_MOD_SHIFT, "", "", Command::orbitRight},
-    {GLFW_KEY_UP, GLFW_MOD_SHIFT, "", "", Command::orbitUp},
-    {GLFW_KEY_DOWN, GLFW_MOD_SHIFT, "", "", Command::orbitDown},
-    {GLFW_KEY_I, 0, "I O", "closer to it, farther from it", Command::closer},
-    {GLFW_KEY_O, 0, "", "", Command::farther},
-    {GLFW_KEY_V, 0, "V", "its first view again", Command::startView},
-    {GLFW_KEY_N, 0, "N", "next live scene", Command::nextScene},
-    {GLFW_KEY_R, 0, "R", "read the files again", Command::reload},
-    {GLFW_KEY_S, 0, "S", "screenshot as PNG", Command::screenshot},
-    {GLFW_KEY_S, GLFW_MOD_CONTROL, "Ctrl+S", "save the result as EXR", Command::save},
-    {GLFW_KEY_P, 0, "P", "panel", Command::panel},
-    {GLFW_KEY_H, 0, "H, F1", "this help", Command::help},
-    {GLFW_KEY_F1, 0, "", "", Command::help},
-    {GLFW_KEY_Q, 0, "Q, Esc", "quit", Command::quit},
-    {GLFW_KEY_ESCAPE, 0, "", "", Command::quit},
+const std::vector<KeyBinding> kBindings{
+    {"W", "wipe between two views, or one alone", {{GLFW_KEY_W, 0, Command::wipe}}},
+    {", .",
+     "move the divider (or drag it)",
+     {{GLFW_KEY_COMMA, 0, Command::wipeLeft}, {GLFW_KEY_PERIOD, 0, Command::wipeRight}}},
+    {"1 ... 0",
+     "right view: xrds, input, bicubic, demodulated, guided,\nreference, error, albedo, normal, skip map",
+     {{GLFW_KEY_1, 0, Command::showRight}}},
+    {"Shift+1 ... 0", "left view, in the same order", {{GLFW_KEY_1, GLFW_MOD_SHIFT, Command::showLeft}}},
+    {"+ -",
+     "zoom (or turn the wheel)",
+     {{GLFW_KEY_EQUAL, 0, Command::zoomIn},
+      {GLFW_KEY_EQUAL, GLFW_MOD_SHIFT, Command::zoomIn},
+      {GLFW_KEY_KP_ADD, 0, Command::zoomIn},
+      {GLFW_KEY_MINUS, 0, Command::zoomOut},
+      {GLFW_KEY_KP_SUBTRACT, 0, Command::zoomOut}}},
+    {"arrows",
+     "pan (or drag; a live scene with the right button)",
+     {{GLFW_KEY_LEFT, 0, Command::panLeft},
+      {GLFW_KEY_RIGHT, 0, Command::panRight},
+      {GLFW_KEY_UP, 0, Command::panUp},
+      {GLFW_KEY_DOWN, 0, Command::panDown}}},
+    {"F", "fit the picture into the window", {{GLFW_KEY_F, 0, Command::fit}}},
+    {"Z", "one pixel of the display for each of the picture", {{GLFW_KEY_Z, 0, Command::pixels}}},
+    {"E D",
+     "exposure: half a stop brighter, darker",
+     {{GLFW_KEY_E, 0, Command::brighter}, {GLFW_KEY_D, 0, Command::darker}}},
+    {"X", "exposure as rendered", {{GLFW_KEY_X, 0, Command::resetExposure}}},
+    {"T", "tone curve: sRGB, filmic", {{GLFW_KEY_T, 0, Command::curve}}},
+    {"M, Shift+M",
+     "next, previous model",
+     {{GLFW_KEY_M, 0, Command::nextModel}, {GLFW_KEY_M, GLFW_MOD_SHIFT, Command::previousModel}}},
+    {"C", "precision: fp32, fp16", {{GLFW_KEY_C, 0, Command::precision}}},
+    {"K", "skip windows: off, safe, up to the bound in the panel", {{GLFW_KEY_K, 0, Command::skip}}},
+    {"Space", "play, pause", {{GLFW_KEY_SPACE, 0, Command::play}}},
+    {"L", "loop", {{GLFW_KEY_L, 0, Command::loop}}},
+    {"PageUp PageDown",
+     "previous, next frame of a sequence",
+     {{GLFW_KEY_PAGE_UP, 0, Command::previousFrame}, {GLFW_KEY_PAGE_DOWN, 0, Command::nextFrame}}},
+    {"Home End", "first, last frame", {{GLFW_KEY_HOME, 0, Command::firstFrame}, {GLFW_KEY_END, 0, Command::lastFrame}}},
+    {"Shift+arrows",
+     "go round the live scene (or drag)",
+     {{GLFW_KEY_LEFT, GLFW_MOD_SHIFT, Command::orbitLeft},
+      {GLFW_KEY_RIGHT, GLFW_MOD_SHIFT, Command::orbitRight},
+      {GLFW_KEY_UP, GLFW_MOD_SHIFT, Command::orbitUp},
+      {GLFW_KEY_DOWN, GLFW_MOD_SHIFT, Command::orbitDown}}},
+    {"I O", "closer to it, farther from it", {{GLFW_KEY_I, 0, Command::closer}, {GLFW_KEY_O, 0, Command::farther}}},
+    {"V", "its first view again", {{GLFW_KEY_V, 0, Command::startView}}},
+    {"N", "next live scene", {{GLFW_KEY_N, 0, Command::nextScene}}},
+    {"R", "read the files again", {{GLFW_KEY_R, 0, Command::reload}}},
+    {"S", "screenshot as PNG", {{GLFW_KEY_S, 0, Command::screenshot}}},
+    {"Ctrl+S", "save the result as EXR", {{GLFW_KEY_S, GLFW_MOD_CONTROL, Command::save}}},
+    {"P", "panel", {{GLFW_KEY_P, 0, Command::panel}}},
+    {"H, F1", "this help", {{GLFW_KEY_H, 0, Command::help}, {GLFW_KEY_F1, 0, Command::help}}},
+    {"Q, Esc", "quit", {{GLFW_KEY_Q, 0, Command::quit}, {GLFW_KEY_ESCAPE, 0, Command::quit}}},
 };
 
 const std::map<std::string, int> kNamedKeys = {
@@ -75,15 +82,16 @@ bool takesDigit(Command command) { return command == Command::showRight || comma
 
 }  // namespace
 
-std::span<const KeyBinding> keyBindings() { return kBindings; }
+const std::vector<KeyBinding>& keyBindings() { return kBindings; }
 
 std::optional<Pressed> commandOf(int key, int modifiers) {
-  for (const KeyBinding& binding : kBindings) {
-    if ((modifiers & kUsedModifiers) != binding.modifiers) continue;
-    if (key == binding.key) return Pressed{binding.command};
-    if (takesDigit(binding.command) && key >= GLFW_KEY_0 && key <= GLFW_KEY_9)
-      return Pressed{binding.command, (key - GLFW_KEY_1 + 10) % 10};
-  }
+  const bool isDigit = key >= GLFW_KEY_0 && key <= GLFW_KEY_9;
+  for (const KeyBinding& binding : kBindings)
+    for (const KeyMeaning& meaning : binding.meanings) {
+      if ((modifiers & kUsedModifiers) != meaning.modifiers) continue;
+      if (takesDigit(meaning.command) && isDigit) return Pressed{meaning.command, (key - GLFW_KEY_1 + 10) % 10};
+      if (key == meaning.key) return Pressed{meaning.command};
+    }
   return std::nullopt;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
+#include <vector>
 
 namespace xrds {
 
@@ -51,17 +51,21 @@ enum class Command : uint8_t {
   save,
 };
 
-/// A row of the key table: GLFW's key and modifiers, how they are written, what they do. Of the digits, `key` is that
-/// of 1; rows without text are second keys of the row above.
-struct KeyBinding {
+/// A key, as GLFW numbers it, with modifiers, and what it does. Of the digits it is that of 1, for all.
+struct KeyMeaning {
   int key, modifiers;
-  const char* keys;
-  const char* text;
   Command command;
 };
 
+/// A row of the help: how keys are written, what they do, and which they are.
+struct KeyBinding {
+  const char* keys;
+  const char* text;
+  std::vector<KeyMeaning> meanings;
+};
+
 /// Every key, in the order of the help.
-std::span<const KeyBinding> keyBindings();
+const std::vector<KeyBinding>& keyBindings();
 
 /// What a key that was pressed means; `digit` is 0 to 9 for the views.
 struct Pressed {

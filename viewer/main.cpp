@@ -4,7 +4,7 @@
 #include "app/byte_count.h"
 #include "app/exit_code.h"
 #include "app/skip_bound.h"
-#include "viewer/viewer.h"
+#include "viewer/headless.h"
 
 namespace {
 
@@ -53,6 +53,8 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("--script", options.script, "File of steps to take, one a line; leaves after the last")
       ->type_name("FILE");
   app.add_flag("--statistics", options.statistics, "Print what the session took when leaving");
+  app.add_flag("--headless", options.headless,
+               "Time the live loop without a window, the camera going round: needs --live and --frames");
   app.add_flag("--validation", options.validation, "With Vulkan's validation layers; their first message is a failure");
   app.footer(
       "H shows the keys. Exit codes are those of xrds --help; 5 also if there is no display.\n\nExamples:\n"
@@ -71,7 +73,10 @@ int main(int argc, char** argv) {
   addOptions(app, options);
   try {
     app.parse(argc, argv);
-    xrds::Viewer(options).run();
+    if (options.headless)
+      xrds::runHeadless(options);
+    else
+      xrds::Viewer(options).run();
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help

@@ -264,7 +264,6 @@ void drawHelp(ViewState& view, float scale) {
   ImGui::Begin("keys", &view.help, kFlags);
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const KeyBinding& binding : keyBindings()) {
-      if (*binding.text == 0) continue;
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::TextDisabled("%s", binding.keys);

@@ -9,9 +9,6 @@
 namespace xrds {
 namespace {
 
-// Small enough for a CPU to finish one in about 10 ms: that long does a drawing wait for the network.
-constexpr uint64_t kMultiplyAddsPerSubmission = uint64_t{1} << 26;
-
 Model checked(Model model, const std::string& name, const FrameSize& frame) {
   if (frame.scale != 0 && !model.auxiliaryInputs().empty() && static_cast<int>(model.scale()) != frame.scale)
     throw Error("Model '" + name + "' upscales by " + std::to_string(model.scale()) +
@@ -26,7 +23,7 @@ Upscaler::Options upscalerOptions(const NetworkOptions& options) {
           .profile = true,
           .tiles = {.memoryBytes = options.memoryBytes},
           .skip = options.skip,
-          .multiplyAddsPerSubmission = kMultiplyAddsPerSubmission};
+          .multiplyAddsPerSubmission = options.multiplyAddsAtOnce};
 }
 
 std::vector<float> downloaded(const Buffer& buffer, uint64_t floats) {
@@ -166,6 +163,18 @@ void PreparedNetwork::showSkipMap(Pictures& pictures) const {
     tints.insert(tints.end(), tint.begin(), tint.end());
   }
   pictures.upload(Slot::skipMap, map.columns, map.rows, 4, tints);
+}
+
+uint64_t PreparedNetwork::paceFor(double runMilliseconds) const {
+  constexpr double kSubmissionMilliseconds = 10;
+  double multiplyAdds = 0, microseconds = 0;
+  for (const Upscaler::ProfileRow& row : upscaler_.profile()) {
+    multiplyAdds += static_cast<double>(row.multiplyAdds);
+    microseconds += row.microseconds;
+  }
+  const double milliseconds = microseconds > 0 ? microseconds / 1000 : runMilliseconds;
+  if (multiplyAdds == 0 || milliseconds <= 0) return options_.multiplyAddsAtOnce;
+  return static_cast<uint64_t>(std::clamp(multiplyAdds * kSubmissionMilliseconds / milliseconds, 0x1p20, 0x1p40));
 }
 
 Image PreparedNetwork::download() const {

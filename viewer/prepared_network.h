@@ -21,7 +21,10 @@ struct NetworkOptions {
   bool fp16 = false;
   SkipOptions skip{};
   uint64_t memoryBytes = 0;  // of the device; 0: most of it. What does not fit is computed in tiles.
+  /// Of a submission, which a drawing may have to wait for; at first for a CPU to finish one in about 10 ms.
+  uint64_t multiplyAddsAtOnce = uint64_t{1} << 26;
 };
+/// Whether they give the same picture.
 bool operator==(const NetworkOptions& a, const NetworkOptions& b);
 
 /// A model on a device, ready for frames of one size. The frame stays on the device where it is computed as a whole;
@@ -53,6 +56,8 @@ class PreparedNetwork {
   void showSkipMap(Pictures& pictures) const;
   /// A copy of the output for the host.
   Image download() const;
+  /// How large submissions should be, by the time that the last run took, for each to take about 10 ms.
+  uint64_t paceFor(double runMilliseconds) const;
 
  private:
   void copyOnDevice(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary);

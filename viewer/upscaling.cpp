@@ -250,7 +250,7 @@ std::string Upscaling::wantedModel(const Wanted& wanted) const {
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
 // frames follow each other; in a live view every sample changes every pixel but those that are skipped anyway.
 NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) const {
-  NetworkOptions options{.fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes};
+  NetworkOptions options{.fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes, .multiplyAddsAtOnce = pace_};
   if (wanted.skip.bound() == 0 || !model.whyNeverSkipped().empty()) return options;
   options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.inSequence)};
   return options;
@@ -275,6 +275,16 @@ void Upscaling::giveInputs(PreparedNetwork& network) {
     live_->giveTo(network);
   else
     network.take(*frame_);
+}
+
+// Cuts the work as this device needs it: on a fast one small submissions take longer to make than to run.
+void Upscaling::keepPace() {
+  if (network_->options().multiplyAddsAtOnce == pace_) return;
+  const std::string name = network_->name();
+  NetworkOptions options = network_->options();
+  options.multiplyAddsAtOnce = pace_;
+  network_.reset();
+  network_ = std::make_unique<PreparedNetwork>(device_, name, Model(resolveModel(name)), size_, options);
 }
 
 // Something to look at while a large network computes.
@@ -302,6 +312,7 @@ bool Upscaling::showProgress(double share) {
 }
 
 void Upscaling::upscale() {
+  keepPace();
   const auto start = Clock::now();
   const auto begin = [&](Report& report) {
     report.width = size_.width;
@@ -328,7 +339,10 @@ void Upscaling::upscale() {
   if (!live_) changed_();  // a live view is drawn once for each picture
   showBaseFirst();
   tilesShown_ = 0;
+  const auto running = Clock::now();
   if (!network_->run([this](double share) { return showProgress(share); })) return;
+  const uint64_t pace = network_->paceFor(millisecondsSince(running));
+  if (pace > 3 * pace_ || 3 * pace < pace_) pace_ = pace;
   network_->showOutput(pictures_, Slot::output);
   network_->showSkipMap(pictures_);
   upscaled_ = true;
@@ -362,7 +376,7 @@ void Upscaling::tellPicture(double networkMilliseconds) {
 void Upscaling::makeBase(Slot slot) {
   std::unique_ptr<PreparedNetwork>& base = bases_[slot];
   const auto scale = network_->model().scale();
-  const NetworkOptions options{.memoryBytes = network_->options().memoryBytes};
+  const NetworkOptions options{.memoryBytes = network_->options().memoryBytes, .multiplyAddsAtOnce = pace_};
   if (!base || !base->fits(size_) || base->model().scale() != scale || base->options() != options) {
     Model model = Model::untrained(scale, baseName(slot));
     for (const std::string& input : model.auxiliaryInputs())

@@ -100,6 +100,7 @@ class Upscaling {
   void showChosen(const Wanted& wanted);
   void upscale();
   NetworkOptions optionsFor(const Wanted& wanted, const Model& model) const;
+  void keepPace();
   void showBaseFirst();
   bool showProgress(double share);
   void giveInputs(PreparedNetwork& network);
@@ -139,6 +140,7 @@ class Upscaling {
   bool upscaled_ = false;
   std::chrono::steady_clock::time_point lastShown_{};
   uint32_t tilesShown_ = 0;
+  uint64_t pace_ = NetworkOptions{}.multiplyAddsAtOnce;  // of this device
   std::chrono::steady_clock::time_point lastPicture_{};
   std::vector<StageTime> loadStages_;
   std::future<std::vector<ComparedPicture>> measuring_;

@@ -50,6 +50,20 @@ Placement placementOf(const ViewerOptions& options) {
 
 }  // namespace
 
+Wanted wantedOf(const ViewerOptions& options) {
+  Wanted wanted;
+  wanted.layers = options.layers;
+  wanted.model = options.model;
+  wanted.fp16 = options.precision == "fp16";
+  wanted.skip = skipChoice(options.skip);
+  wanted.memoryBytes = parseBytes(options.memory);
+  const auto [width, height] = sizeOf(options.liveSize, "--live-size");
+  wanted.live.width = static_cast<uint32_t>(width);
+  wanted.live.height = static_cast<uint32_t>(height);
+  wanted.live.mostSamples = options.samples;
+  return wanted;
+}
+
 Device Viewer::openDevice() {
   Device::Options options{.select = options_.device, .validation = options_.validation};
   options.onMessage = [this](std::string_view message) {
@@ -71,18 +85,10 @@ Viewer::Viewer(const ViewerOptions& options)
       panel_(EngineAccess::gpu(device_), display_, swapchain_),
       probeBuffer_(EngineAccess::gpu(device_).handles(), kProbeBytes),
       models_(shippedModels()) {
-  wanted_.layers = options.layers;
-  wanted_.model = options.model;
-  wanted_.fp16 = options.precision == "fp16";
-  wanted_.skip = skipChoice(options.skip);
-  wanted_.memoryBytes = parseBytes(options.memory);
+  wanted_ = wantedOf(options);
   playback_.framesPerSecond = static_cast<float>(options.framesPerSecond);
   if (!options.model.empty() && std::find(models_.begin(), models_.end(), options.model) == models_.end())
     models_.push_back(options.model);
-  const auto [liveWidth, liveHeight] = sizeOf(options.liveSize, "--live-size");
-  wanted_.live.width = static_cast<uint32_t>(liveWidth);
-  wanted_.live.height = static_cast<uint32_t>(liveHeight);
-  wanted_.live.mostSamples = options.samples;
   listen();
   upscaling_ = std::make_unique<Upscaling>(device_, pictures_, [this] {
     changed_ = true;
@@ -103,6 +109,7 @@ Viewer::~Viewer() {
 
 void Viewer::run() {
   const auto start = Clock::now();
+  clocked_ = {start, std::clock()};
   while (!display_.closing() && !quit_) takeTurn();
   measured_.seconds = secondsSince(start);
   if (options_.statistics) printStatistics();

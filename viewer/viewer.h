@@ -28,7 +28,11 @@ struct ViewerOptions {
   int frames = 0;                    // end after so many upscaled pictures are shown
   std::filesystem::path screenshot;  // written then
   bool validation = false, statistics = false;
+  bool headless = false;  // see viewer/headless.h
 };
+
+/// What the options ask the worker for, but the source. Throws Failure.
+Wanted wantedOf(const ViewerOptions& options);
 
 /// The window and everything in it. Used by the main thread.
 class Viewer {

@@ -13,10 +13,12 @@ namespace {
 
 TEST(Keys, HaveOneMeaningEachAndAHelp) {
   std::set<std::pair<int, int>> seen;
-  std::set<Command> explained;
   for (const KeyBinding& binding : keyBindings()) {
-    EXPECT_TRUE(seen.insert({binding.key, binding.modifiers}).second) << binding.keys << " has two meanings";
-    EXPECT_EQ(*binding.keys == 0, *binding.text == 0);
+    EXPECT_FALSE(std::string(binding.keys).empty());
+    EXPECT_FALSE(std::string(binding.text).empty()) << binding.keys;
+    EXPECT_FALSE(binding.meanings.empty()) << binding.keys;
+    for (const KeyMeaning& meaning : binding.meanings)
+      EXPECT_TRUE(seen.insert({meaning.key, meaning.modifiers}).second) << binding.keys << " has two meanings";
   }
 }
 
@@ -28,7 +30,10 @@ TEST(Keys, AreReadAsScriptsWriteThem) {
   EXPECT_EQ(meaning("W")->command, Command::wipe);
   EXPECT_EQ(meaning("Ctrl+S")->command, Command::save);
   EXPECT_EQ(meaning("S")->command, Command::screenshot);
+  EXPECT_EQ(meaning("1")->digit, 0);
   EXPECT_EQ(meaning("9")->digit, 8);
+  EXPECT_EQ(meaning("0")->digit, 9);
+  EXPECT_EQ(meaning("K")->command, Command::skip);
   EXPECT_EQ(meaning("Shift+3")->command, Command::showLeft);
   EXPECT_EQ(meaning("Shift+3")->digit, 2);
   EXPECT_EQ(meaning("PageDown")->command, Command::nextFrame);

@@ -95,5 +95,15 @@ TEST_F(ViewerWindow, AnswersWhileItComputes) {
   EXPECT_LT(valuesOf(ended.output, "longest_turn_ms")[1], 1500);
 }
 
+TEST(Headless, TimesTheLoopWithoutADisplay) {
+  const StartOptions nowhere{.environment = {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}};
+  const Ended ended =
+      runXrds({"view", "--headless", "--live", "spheres", "--live-size", "32x24", "--frames", "2"}, nowhere);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(has(ended.output, "32 x 24 to 128 x 96")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures 2 in ")) << ended.output;
+  EXPECT_EQ(runXrds({"view", "--headless", "--live", "spheres"}, nowhere).exitCode, 2);
+}
+
 }  // namespace
 }  // namespace xrds::test
