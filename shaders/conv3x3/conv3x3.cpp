@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shaders/common/groups.h"
+#include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
 namespace xrds {
@@ -59,6 +60,23 @@ uint32_t subgroupsOf(uint32_t columns) {
   uint32_t subgroups = kMaxSubgroups;
   while ((ceilDivide(columns, subgroups) * subgroups - columns) * 16 > columns) --subgroups;
   return subgroups;
+}
+
+// A workgroup of the tile kernel: columns * rows * strips invocations, each four outputs of a strip of pixels.
+struct TileShape {
+  uint32_t columns = 0, rows = 0, strips = 0;  // 0: the device takes the plain kernel
+};
+
+TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
+  const uint32_t columns = tileColumns(kernelOutputs(op) / 4), strips = columns >= 8 ? 2 : 4;
+  TileShape tile{columns, std::min(kTileInvocations / columns / strips, 32u), strips};
+  const auto sharedBytes = [&] {
+    return 16 * ((shader::kConv3x3TilePixels * strips + 2) * (tile.rows + 2) + 36 * columns);
+  };
+  while (tile.rows > 1 && sharedBytes() > device.maxSharedBytes) tile.rows /= 2;
+  const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes &&
+                    ceilDivide(convolutionShape(op).height, tile.rows) <= kMaxGroupCount;
+  return fits ? tile : TileShape{};
 }
 
 // The weights between kernel channels; zero where either is padding.
@@ -171,6 +189,12 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, subgroups};
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(columns, subgroups), rowCount / tileRows};
+  } else if (const TileShape tile = tileShape(op, device); tile.columns) {
+    launch.program = programName("conv3x3", KernelFamily::tile, op.output.type);
+    launch.specialization = {tile.columns, tile.rows, tile.strips, activation, hasResidual};
+    launch.groupCount = {ceilDivide(kernelOutputs(op), 4 * tile.columns),
+                         ceilDivide(shape.width, shader::kConv3x3TilePixels * tile.strips),
+                         ceilDivide(rowCount, tile.rows)};
   } else {
     launch.program = programName("conv3x3", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};

@@ -12,7 +12,8 @@ struct Conv3x3Params {
   uint unshuffle, shuffle;  // 2, or 1 for none
   uint storeOrigin;         // vec4 index at which the target binding starts
 };
-const uint kConv3x3Pixels = 4;  // pixels of an invocation of the plain kernel, side by side
+const uint kConv3x3Pixels = 4;      // pixels of an invocation of the plain kernel, side by side
+const uint kConv3x3TilePixels = 8;  // and of the tile kernel
 XRDS_SHARED_END
 
 #ifdef __cplusplus

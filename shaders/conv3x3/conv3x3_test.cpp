@@ -99,12 +99,12 @@ TEST_P(Conv3x3Cases, MatchesReference) {
 
 INSTANTIATE_TEST_SUITE_P(All, Conv3x3Cases,
                          testing::Combine(testing::ValuesIn(kCases),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile),
                                           testing::Values(DataType::f32, DataType::f16)));
 
 // As a growing concatenation does: the output is a slice of the tensor that the input is a slice of.
 TEST(Conv3x3, WritesBesideWhatItReads) {
-  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane})
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane, KernelFamily::tile})
     for (const DataType stored : {DataType::f32, DataType::f16}) {
       const auto weight = halves(test::randomNumbers(8 * 16 * 9, 1)), bias = halves(test::randomNumbers(8, 2));
       Conv3x3 op = operatorOf({9, 21, 16, 8, Layout::straight, Activation::relu}, stored, weight, bias);
@@ -115,6 +115,23 @@ TEST(Conv3x3, WritesBesideWhatItReads) {
       traits.family = family;
       test::expectMatchesReference(op, traits, test::toleranceOf(stored));
     }
+}
+
+TEST(Conv3x3, TakesTheTilesThatFitTheDevice) {
+  const auto launchOn = [](DeviceTraits device, const Case& c) {
+    const std::vector<float> weight(size_t{c.outputs} * c.inputs * 9), bias(c.outputs);
+    return dispatch(operatorOf(c, DataType::f32, weight, bias), device);
+  };
+  const DeviceTraits gpu{.family = KernelFamily::tile, .maxGroupInvocations = 256};
+  EXPECT_EQ(launchOn(gpu, {40, 40, 64, 64}).program, "conv3x3_tile_f32");
+  EXPECT_EQ(launchOn(gpu, {40, 40, 64, 64}).groupCount, (std::array<uint32_t, 3>{1, 3, 5}));
+  EXPECT_EQ(launchOn(gpu, {40, 40, 64, 256, Layout::shuffled}).groupCount, (std::array<uint32_t, 3>{4, 3, 5}));
+  EXPECT_EQ(launchOn(gpu, {40, 40, 32, 3}).groupCount, (std::array<uint32_t, 3>{1, 2, 2}));
+  DeviceTraits small = gpu;
+  small.maxSharedBytes = 16384;
+  EXPECT_EQ(launchOn(small, {40, 40, 32, 3}).groupCount, (std::array<uint32_t, 3>{1, 2, 3}));
+  small.maxSharedBytes = 8192;
+  EXPECT_EQ(launchOn(small, {40, 40, 64, 64}).program, "conv3x3_plain_f32");
 }
 
 // A kernel whose only weight is at the tap: the output is the input moved by one pixel, zero moving in.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "shaders/common/groups.h"
+#include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
 namespace xrds {
@@ -15,6 +16,13 @@ constexpr uint32_t kMaxRows = 16;  // subgroups of a workgroup of the lane kerne
 bool laneFits(const LayerNorm& op, const DeviceTraits& device) {
   return device.family == KernelFamily::lane && device.shaderInt64 && op.input.channels <= kMaxLaneChannels &&
          device.subgroupSize * kMaxRows <= device.maxGroupInvocations;
+}
+
+// Invocations that share a token in the tile kernel; 0: the device takes the plain one.
+uint32_t tileShare(const LayerNorm& op, const DeviceTraits& device) {
+  constexpr uint32_t kMaxTexels = 16;  // of an invocation, in registers
+  const uint32_t share = tileColumns(op.input.channels / 4);
+  return takesTiles(device) && op.input.channels / 4 <= kMaxTexels * share ? share : 0;
 }
 
 }  // namespace
@@ -45,6 +53,10 @@ Dispatch dispatch(const LayerNorm& op, const DeviceTraits& device) {
     launch.specialization = {device.subgroupSize, channels, rows};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {subgroups / rows, 1, 1};
+  } else if (const uint32_t share = tileShare(op, device)) {
+    launch.program = programName("layer_norm", KernelFamily::tile, op.output.type);
+    launch.specialization = {share, kTileInvocations / share, channels};
+    launch.groupCount = {ceilDivide(tokens, kTileInvocations / share), 1, 1};
   } else {
     launch.program = programName("layer_norm", KernelFamily::plain, op.output.type);
     launch.specialization = {channels};

@@ -16,7 +16,7 @@ struct Shape {
 };
 
 // Odd ones first: one token, an uneven number of tokens, slices, rows that start inside an aligned block; at last
-// tokens too wide for a lane.
+// tokens too wide for a lane, and for a tile.
 constexpr Shape kShapes[] = {{1, 1, 4},
                              {3, 5, 12},
                              {7, 13, 20, 4, 28, 8, 36},
@@ -25,7 +25,8 @@ constexpr Shape kShapes[] = {{1, 1, 4},
                              {16, 16, 64},
                              {11, 17, 128, 128, 256},
                              {3, 9, 388},
-                             {2, 3, 516}};
+                             {2, 3, 516},
+                             {2, 3, 1028}};
 
 class LayerNormShapes : public testing::TestWithParam<std::tuple<Shape, DataType, DataType, KernelFamily>> {};
 
@@ -46,7 +47,8 @@ TEST_P(LayerNormShapes, MatchesReference) {
 INSTANTIATE_TEST_SUITE_P(All, LayerNormShapes,
                          testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
                                           testing::Values(DataType::f32, DataType::f16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane,
+                                                          KernelFamily::tile)));
 
 TEST(LayerNorm, OfTwoLevelsIsPlusMinusOne) {
   const std::vector<float> weight(4, 1), bias(4, 0);
@@ -59,6 +61,22 @@ TEST(LayerNorm, OfTwoLevelsIsPlusMinusOne) {
   memory.storage(op.input) = {5, 7, 7, 5};
   reference(op, memory);
   EXPECT_EQ(memory.storage(op.output), (std::vector<double>{-1, 1, 1, -1}));
+}
+
+TEST(LayerNorm, TakesTheKernelThatFitsTheWidth) {
+  const auto programOf = [](uint32_t channels) {
+    const std::vector<float> weight(channels), bias(channels);
+    return dispatch(LayerNorm{.input = view(0, DataType::f32, 2, 2, channels),
+                              .output = view(1, DataType::f32, 2, 2, channels),
+                              .weight = weight,
+                              .bias = bias},
+                    {.family = KernelFamily::tile})
+        .program;
+  };
+  EXPECT_EQ(programOf(4), "layer_norm_tile_f32");
+  EXPECT_EQ(programOf(192), "layer_norm_tile_f32");
+  EXPECT_EQ(programOf(1024), "layer_norm_tile_f32");
+  EXPECT_EQ(programOf(1028), "layer_norm_plain_f32");
 }
 
 TEST(LayerNorm, RefusesWeightsOfAnotherWidth) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shaders/common/groups.h"
+#include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
 namespace xrds {
@@ -32,6 +33,25 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
     if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes)
       return tile;
   return 0;
+}
+
+// A workgroup of the tile kernel: columns * rows invocations, each four outputs of `tokens` tokens.
+struct TileShape {
+  uint32_t columns = 0, rows = 0, tokens = 0;  // 0: the device takes the plain kernel
+};
+
+// As many tokens as keep the products of a fetch many, unless that leaves a GPU without enough workgroups.
+TileShape tileShape(const Linear& op, const DeviceTraits& device) {
+  constexpr uint32_t kMostTokens = 256, kEnoughGroups = 256;
+  const uint32_t outputQuads = outputChannels(op) / 4, columns = tileColumns(outputQuads);
+  TileShape tile{columns, kTileInvocations / columns, 8};
+  const auto sharedBytes = [&] { return 4 * shader::kLinearTileInputs * (tile.rows * tile.tokens + 4 * columns); };
+  const auto groupRows = [&] { return ceilDivide(op.output.pixelCount(), uint64_t{tile.rows} * tile.tokens); };
+  while (tile.tokens > 1 && (tile.rows * tile.tokens > kMostTokens || sharedBytes() > device.maxSharedBytes ||
+                             (tile.tokens > 2 && groupRows() * ceilDivide(outputQuads, columns) < kEnoughGroups)))
+    tile.tokens /= 2;
+  const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes && groupRows() <= kMaxGroupCount;
+  return fits ? tile : TileShape{};
 }
 
 }  // namespace
@@ -69,6 +89,11 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
+  } else if (const TileShape tile = tileShape(op, device); tile.columns) {
+    launch.program = programName("linear", KernelFamily::tile, op.output.type);
+    launch.specialization = {tile.columns, tile.rows, tile.tokens, activation, hasResidual};
+    launch.groupCount = {ceilDivide(params.outputChannels, 4 * tile.columns),
+                         ceilDivide(tokens, uint64_t{tile.rows} * tile.tokens), 1};
   } else {
     launch.program = programName("linear", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};

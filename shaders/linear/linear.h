@@ -10,7 +10,8 @@ struct LinearParams {
   uint tokenEnd;
   uint storeOrigin;  // vec4 index at which the target binding starts
 };
-const uint kLinearTokens = 4;  // tokens of an invocation of the plain kernel
+const uint kLinearTokens = 4;       // tokens of an invocation of the plain kernel
+const uint kLinearTileInputs = 16;  // input channels of a step of the tile kernel
 XRDS_SHARED_END
 
 #ifdef __cplusplus
@@ -29,11 +30,12 @@ struct Linear {
 /// [h, w, N], N being the length of the bias. Throws std::logic_error if the weight does not fit.
 TensorShape outputShape(const Linear& op);
 
-/// The kernel launch for the rows. The lane kernel takes any channels whose weights of four outputs fit its tile;
-/// all else goes to the plain one. Throws std::logic_error on misuse. Pure.
+/// The kernel launch for the rows. The lane kernel takes any channels whose weights of four outputs fit its tile, the
+/// tile kernel all that the limits of the device allow; all else goes to the plain one. Throws std::logic_error on
+/// misuse. Pure.
 Dispatch dispatch(const Linear& op, const DeviceTraits& device);
 
-/// What the chosen kernel reads as its weights. Plain: [K][N], then bias[N]. Lane: for each tile of T outputs
+/// What the chosen kernel reads as its weights. Plain, tile: [K][N], then bias[N]. Lane: for each tile of T outputs
 /// [K][T], then bias[T].
 std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device);
 

@@ -18,7 +18,8 @@ struct Case {
 };
 
 // Odd ones first: one token, channels that are no multiple of a tile, slices that start at a 4 or an 8, rows that start
-// inside an aligned block, then the widths of the network, then one that is too wide for the lane kernel.
+// inside an aligned block, then the widths of the network, then one that is too wide for the lane kernel, and enough
+// work for the largest tiles.
 constexpr Case kCases[] = {{1, 1, 4, 4},
                            {3, 5, 12, 20, Activation::relu},
                            {7, 3, 20, 28, Activation::leakyRelu, true},
@@ -28,7 +29,8 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {9, 67, 64, 192},
                            {5, 11, 192, 64, Activation::none, true, true, 64, 256, 128, 192},
                            {4, 9, 384, 40, Activation::gelu},
-                           {2, 3, 1600, 8, Activation::none, true}};
+                           {2, 3, 1600, 8, Activation::none, true},
+                           {33, 63, 20, 1024, Activation::relu}};
 
 std::vector<float> halves(std::vector<float> numbers) {
   for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
@@ -56,12 +58,12 @@ TEST_P(LinearCases, MatchesReference) {
 
 INSTANTIATE_TEST_SUITE_P(All, LinearCases,
                          testing::Combine(testing::ValuesIn(kCases),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile),
                                           testing::Values(DataType::f32, DataType::f16)));
 
 TEST(Linear, ConvertsBetweenStorageTypes) {
   const auto weight = test::randomNumbers(16 * 16, 1), bias = test::randomNumbers(16, 2);
-  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane}) {
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane, KernelFamily::tile}) {
     DeviceTraits traits = test::gpu().traits();
     traits.family = family;
     test::expectMatchesReference(Linear{.input = view(0, DataType::f16, 5, 7, 16),
@@ -71,6 +73,29 @@ TEST(Linear, ConvertsBetweenStorageTypes) {
                                         .bias = bias},
                                  traits, test::toleranceOf(DataType::f32));
   }
+}
+
+TEST(Linear, TakesTheTilesThatFitTheDevice) {
+  const std::vector<float> weight(64 * 64), bias(64);
+  const auto launchOn = [&](DeviceTraits device, uint32_t height) {
+    return dispatch(Linear{.input = view(0, DataType::f32, height, 256, 64),
+                           .output = view(1, DataType::f32, height, 256, 64),
+                           .weight = weight,
+                           .bias = bias},
+                    device);
+  };
+  const DeviceTraits gpu{.family = KernelFamily::tile, .maxSharedBytes = 16384, .maxGroupInvocations = 256};
+  EXPECT_EQ(launchOn(gpu, 256).program, "linear_tile_f32");
+  EXPECT_EQ(launchOn(gpu, 256).groupCount, (std::array<uint32_t, 3>{1, 256 * 256 / 128, 1}));
+  EXPECT_EQ(launchOn(gpu, 16).groupCount, (std::array<uint32_t, 3>{1, 16 * 256 / 32, 1}));  // smaller, but more of them
+  DeviceTraits small = gpu;
+  small.maxSharedBytes = 8192;
+  EXPECT_EQ(launchOn(small, 256).groupCount, (std::array<uint32_t, 3>{1, 256 * 256 / 64, 1}));
+  small.maxSharedBytes = 4096;
+  EXPECT_EQ(launchOn(small, 256).program, "linear_plain_f32");
+  small = gpu;
+  small.maxGroupInvocations = 128;
+  EXPECT_EQ(launchOn(small, 256).program, "linear_plain_f32");
 }
 
 TEST(Linear, OfThePermutationSwapsChannels) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
 namespace xrds {
@@ -34,6 +35,17 @@ LaneShares laneShares(const WindowAttention& op, uint32_t lanes) {
   shares.blocks = ceilDivide(tokens, lanes * shares.queries);
   shares.keySteps = ceilDivide(tokens, shares.keys);
   return shares;
+}
+
+/// Keys that the tile kernel has in shared memory at a time: all of the window, or as many as fit beside the biases;
+/// 0: the device takes the plain kernel.
+uint32_t tileKeys(const WindowAttention& op, const DeviceTraits& device) {
+  constexpr uint32_t kMaxHeadChannels = 64;  // of more, query and result do not stay in registers
+  constexpr uint32_t kStep = shader::kAttentionTileKeys, kMaxSharedBytes = 24576;  // several workgroups side by side
+  const uint32_t tokens = op.window * op.window, relative = 2 * op.window - 1, biasBytes = relative * relative * 4;
+  const uint32_t keyBytes = 2 * op.headChannels * 4 + 4, sharedBytes = std::min(device.maxSharedBytes, kMaxSharedBytes);
+  if (!takesTiles(device) || op.headChannels > kMaxHeadChannels || biasBytes > sharedBytes) return 0;
+  return std::min(ceilDivide(tokens, kStep), (sharedBytes - biasBytes) / keyBytes / kStep) * kStep;
 }
 
 /// Number of rows of windows that meet the rows, which are contiguous and cyclic in the shifted image.
@@ -130,6 +142,10 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
                              shares.keys,         oneTensor, queriesApart,    allRows};
     result.pushConstants = pushBytesWithDigits(params);
     result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
+  } else if (const uint32_t keys = tileKeys(op, device)) {
+    result.program = programName("window_attention", KernelFamily::tile, op.output.type);
+    result.specialization = {op.window * op.window, op.window, op.headChannels, keys};
+    result.groupCount = {windowColumns, windowRows, headCount(op)};
   } else {
     result.program = programName("window_attention", KernelFamily::plain, op.output.type);
     result.specialization = {op.window, op.headChannels};

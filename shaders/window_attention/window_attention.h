@@ -12,6 +12,7 @@ struct WindowAttentionParams {
   uint headCount;
   uint storeOrigin;  // vec4 index at which the target binding starts
 };
+const uint kAttentionTileKeys = 8;  // whose scores the tile kernel takes together
 XRDS_SHARED_END
 
 #ifdef __cplusplus

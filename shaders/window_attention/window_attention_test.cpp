@@ -75,7 +75,7 @@ DeviceTraits traitsOf(KernelFamily family) {
 }
 
 bool canRun(KernelFamily family) {
-  return family == KernelFamily::plain || test::gpu().description().kind == DeviceKind::cpu;
+  return family != KernelFamily::lane || test::gpu().description().kind == DeviceKind::cpu;
 }
 
 class WindowAttentionShapes : public testing::TestWithParam<std::tuple<Shape, DataType, DataType, KernelFamily>> {};
@@ -89,7 +89,7 @@ TEST_P(WindowAttentionShapes, MatchesReference) {
 
 constexpr Shape kHalfShapes[] = {{4, 4, 2, 4, 2, 1, Layout::separate},
                                  {24, 16, 8, 16, 1, 4, Layout::oneTensor, {3, 20}}};
-const auto kFamilies = testing::Values(KernelFamily::plain, KernelFamily::lane);
+const auto kFamilies = testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile);
 const auto kTypes = testing::Values(DataType::f32, DataType::f16);
 
 INSTANTIATE_TEST_SUITE_P(All, WindowAttentionShapes,
@@ -163,6 +163,20 @@ TEST_P(WindowAttentionFamilies, BandsOfRowsUniteToTheWhole) {
     bands.back().rows = rows;
   }
   EXPECT_TRUE(outputOf(bands, traitsOf(GetParam())) == whole);
+}
+
+TEST(WindowAttention, StagesTheKeysThatFitTheDevice) {
+  const auto launchOn = [](uint32_t maxSharedBytes, const Shape& shape) {
+    return dispatch(attentionOf(shape).op, {.family = KernelFamily::tile, .maxSharedBytes = maxSharedBytes});
+  };
+  using Constants = std::vector<uint32_t>;
+  EXPECT_EQ(launchOn(32768, {24, 16, 8, 32, 2, 4}).program, "window_attention_tile_f32");
+  EXPECT_EQ(launchOn(32768, {24, 16, 8, 32, 2, 4}).groupCount, (std::array<uint32_t, 3>{2, 3, 2}));
+  EXPECT_EQ(launchOn(32768, {24, 16, 8, 32, 2, 4}).specialization, (Constants{64, 8, 32, 64}));
+  EXPECT_EQ(launchOn(16384, {24, 16, 8, 32, 2, 4}).specialization, (Constants{64, 8, 32, 56}));
+  EXPECT_EQ(launchOn(32768, {16, 32, 16, 32, 1, 8}).specialization, (Constants{256, 16, 32, 72}));
+  EXPECT_EQ(launchOn(4096, {16, 32, 16, 32, 1, 8}).program, "window_attention_plain_f32");
+  EXPECT_EQ(launchOn(32768, {16, 16, 8, 132, 1}).program, "window_attention_plain_f32");
 }
 
 TEST(WindowAttention, OfEqualScoresIsTheMean) {

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "engine/dispatch.h"
+
+namespace xrds {
+
+inline constexpr uint32_t kTileInvocations = 256;  // of a workgroup of a tile kernel
+
+/// Whether the device takes the tile kernels: its own family, or that of the operators without a matrix kernel.
+inline bool takesTiles(const DeviceTraits& device) {
+  return (device.family == KernelFamily::tile || device.family == KernelFamily::matrix) &&
+         device.maxGroupInvocations >= kTileInvocations;
+}
+
+/// Invocations side by side in a tile, each for four outputs: as many as leave at most a quarter of them idle.
+inline uint32_t tileColumns(uint32_t outputQuads) {
+  uint32_t columns = 16;
+  while (4 * (ceilDivide(outputQuads, columns) * columns - outputQuads) > outputQuads) columns /= 2;
+  return columns;
+}
+
+}  // namespace xrds
