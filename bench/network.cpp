@@ -17,10 +17,9 @@ namespace {
 struct BenchOptions {
   NetworkConfig config;
   uint32_t bandRows = 0;
-  std::string model, writeModel, device, precision = "fp32";
+  std::string model, writeModel, device, family, precision = "fp32";
   uint32_t size = 1024;  // side of the output in pixels
   int runs = 5;
-  bool plain = false;
 };
 
 std::vector<float> randomImage(size_t pixels, std::minstd_rand& random) {
@@ -59,12 +58,7 @@ void run(const BenchOptions& options) {
   const ModelWeights model =
       options.model.empty() ? ModelWeights::random(options.config, 1) : ModelWeights::read(options.model);
   if (!options.writeModel.empty()) writeTensors(options.writeModel, model.file(), DataType::f16);
-  Gpu gpu({.select = options.device, .programs = embeddedProgram});
-  if (options.plain) {
-    DeviceTraits traits = gpu.traits();
-    traits.family = KernelFamily::plain;
-    gpu.setTraits(traits);
-  }
+  Gpu gpu({.select = options.device, .kernelFamily = options.family, .programs = embeddedProgram});
   const uint32_t side = options.size / model.config().scale;
   std::minstd_rand random(1);
   const std::vector<float> colour = randomImage(size_t{side} * side, random);
@@ -117,7 +111,7 @@ int main(int argc, char** argv) {
   app.add_option("--runs", options.runs, "Steady runs")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--device", options.device, "As xrds --device");
   app.add_option("--band-rows", options.bandRows, "Low-resolution rows of a band; 0: chosen by size, 65536: none");
-  app.add_flag("--plain", options.plain, "Plain kernels only");
+  app.add_option("--family", options.family, "Kernels: plain, lane, tile or matrix (default: what suits the device)");
   app.add_option("--write-model", options.writeModel, "Also write the model to this file, for xrds info");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -20,9 +20,8 @@ namespace {
 
 struct OperatorsOptions {
   std::vector<std::string> networks{"paper", "compact", "bicubic"}, precisions{"fp32", "fp16"};
-  std::string device;
+  std::string device, family;
   uint32_t side = 1024;
-  bool plain = false;
 };
 
 /// What all benchmarks share; it outlives them.
@@ -104,16 +103,11 @@ void describe(const Bench& bench, const OperatorsOptions& options) {
 }
 
 int run(const OperatorsOptions& options) {
-  Bench bench{Gpu({.select = options.device, .programs = [](std::string_view name) {
+  Bench bench{Gpu({.select = options.device, .kernelFamily = options.family, .programs = [](std::string_view name) {
                      const auto words = embeddedProgram(name);
                      return words.empty() ? peakProgram(name) : words;
                    }})};
   bench.peaks = measurePeaks(bench.gpu);
-  if (options.plain) {
-    DeviceTraits traits = bench.gpu.traits();
-    traits.family = KernelFamily::plain;
-    bench.gpu.setTraits(traits);
-  }
   describe(bench, options);
   std::vector<ModelWeights> models;
   models.reserve(options.networks.size());
@@ -162,7 +156,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(8, 16384))
       ->capture_default_str();
   app.add_option("--device", options.device, "As xrds --device");
-  app.add_flag("--plain", options.plain, "Plain kernels only");
+  app.add_option("--family", options.family, "Kernels: plain, lane, tile or matrix (default: what suits the device)");
   if (std::none_of(argv + 1, argv + argc, [](const std::string& word) { return word == "--help" || word == "-h"; }))
     benchmark::Initialize(&argc, argv);
   CLI11_PARSE(app, argc, argv);

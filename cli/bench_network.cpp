@@ -14,7 +14,7 @@ namespace xrds {
 namespace {
 
 struct BenchNetworkOptions {
-  std::vector<std::string> devices, models, precisions{"fp32", "fp16"};
+  std::vector<std::string> devices, models, precisions{"fp32", "fp16"}, families;
   std::vector<uint32_t> sides{256, 512, 1024};
   std::string scenes, json;
   int runs = 5, colour = 64, aux = 16;
@@ -69,11 +69,13 @@ std::vector<NetworkCase> casesOf(const BenchNetworkOptions& options, const std::
                                  const std::vector<Device::Description>& devices) {
   std::vector<uint32_t> sides = options.sides;
   std::sort(sides.begin(), sides.end());  // memory that the allocator keeps must not come from a larger frame
+  const auto families = options.families.empty() ? std::vector<std::string>{""} : options.families;
   std::vector<NetworkCase> cases;
   for (const auto& device : devices)
     for (const uint32_t side : sides)
       for (const NamedModel& model : models)
-        for (const std::string& precision : options.precisions) cases.push_back({device.uuid, precision, &model, side});
+        for (const std::string& precision : options.precisions)
+          for (const std::string& family : families) cases.push_back({device.uuid, precision, family, &model, side});
   return cases;
 }
 
@@ -102,7 +104,9 @@ NetworkReport measureAll(const BenchNetworkOptions& options, const std::vector<N
   }
   if (options.noCheck && options.scenes.empty()) return report;
   for (const NetworkCase& networkCase : cases) {
-    if (!known.insert(networkCase.device + networkCase.precision + networkCase.model->name).second) continue;
+    if (!known.insert(networkCase.device + networkCase.precision + networkCase.family + " " + networkCase.model->name)
+             .second)
+      continue;
     stopIfInterrupted();
     report.accuracies.push_back(accuracyOf(options, networkCase));
   }
@@ -144,6 +148,10 @@ void addCases(CLI::App& verb, BenchNetworkOptions& options) {
       ->delimiter(',')
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->capture_default_str();
+  verb.add_option("--family", options.families,
+                  "Kernels to compare, with commas: plain, lane, tile, matrix (default: those that suit the device)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"plain", "lane", "tile", "matrix"}));
   verb.add_option("--runs", options.runs, "Frames that count, after the first one")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -173,6 +181,7 @@ void addBenchNetwork(CLI::App& group) {
       "anew. A frame that a device refuses is reported with its reason. bench/report.py makes a page of the JSON.\n\n"
       "Examples:\n"
       "  xrds bench network\n"
+      "  xrds bench network --family plain,tile,matrix\n"
       "  xrds bench network --device all --model all --size 256,512,1024,2048,4096 --json network.json\n"
       "  xrds bench network --model run/best.safetensors --precision fp16 --scenes val");
   verb->callback([options] { run(*options); });

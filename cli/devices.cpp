@@ -17,9 +17,10 @@ void addDevices(CLI::App& app) {
       throw Failure{ExitCode::device, "There is no Vulkan 1.2 device: install a driver (Debian: mesa-vulkan-drivers)."};
     for (size_t i = 0; i < devices.size(); ++i) {
       const Device::Description& device = devices[i];
-      std::printf("%zu  %s  (%s, Vulkan %s, %.1f GiB)\n   driver %s\n   UUID %s\n", i, device.name.c_str(),
-                  device.kind.c_str(), device.apiVersion.c_str(), static_cast<double>(device.memoryBytes) / (1 << 30),
-                  device.driver.c_str(), device.uuid.c_str());
+      std::printf("%zu  %s  (%s, Vulkan %s, %.1f GiB)\n   driver %s\n   UUID %s\n   kernels %s\n", i,
+                  device.name.c_str(), device.kind.c_str(), device.apiVersion.c_str(),
+                  static_cast<double>(device.memoryBytes) / (1 << 30), device.driver.c_str(), device.uuid.c_str(),
+                  device.kernelFamily.c_str());
     }
   });
 }

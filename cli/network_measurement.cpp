@@ -25,6 +25,10 @@ double seconds(const std::function<void()>& action) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+Device::Options optionsOf(const NetworkCase& networkCase) {
+  return {.select = networkCase.device, .kernelFamily = networkCase.family};
+}
+
 Spread spreadOf(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   const size_t count = samples.size();
@@ -118,8 +122,9 @@ NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs) {
   NetworkMeasurement result{.cost = model.cost(networkCase.side, networkCase.side, networkCase.fp16())};
   const bool ownPeak = resetPeakMemory();
   std::optional<Device> device;
-  result.open = seconds([&] { device.emplace(Device::Options{.select = networkCase.device}); });
   try {
+    result.open = seconds([&] { device.emplace(optionsOf(networkCase)); });
+    result.kernelFamily = device->description().kernelFamily;
     std::optional<Upscaler> upscaler;
     result.preparation = seconds([&] {
       const TileOptions inOnePiece{.columns = 1, .rows = 1};
@@ -139,11 +144,11 @@ NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs) {
 
 EngineError engineError(const NetworkCase& networkCase) {
   const Model& model = networkCase.model->model;
-  Device device({.select = networkCase.device});
+  Device device(optionsOf(networkCase));
   const RandomFrame frame(model, kErrorSide);
   const auto rows =
       Upscaler::check(device, model, viewOf(frame.colour), viewsOf(frame.auxiliary), {.fp16 = networkCase.fp16()});
-  EngineError error{.relativeRms = rows.back().relativeRms};
+  EngineError error{.relativeRms = rows.back().relativeRms, .kernelFamily = device.description().kernelFamily};
   for (const auto& row : rows) {
     error.finite = error.finite && row.finite;
     error.withinBound = error.withinBound && row.withinBound;
@@ -159,7 +164,7 @@ ImageError imageError(const NetworkCase& networkCase, const std::string& folder,
   ImageError error;
   try {
     const SceneList list = findScenes(folder, setting, {});
-    Device device({.select = networkCase.device});
+    Device device(optionsOf(networkCase));
     EngineMethod method = trainedMethod(networkCase.model->asked, setting.scale);
     MethodQuality quality{method.name()};
     for (const SceneFiles& files : list.scenes) {

@@ -31,7 +31,7 @@ struct KernelSum {
 
 /// Which network is measured where: `side` x `side` pixels of output on the device that --device calls so.
 struct NetworkCase {
-  std::string device, precision;
+  std::string device, precision, family;  // no family: the one that suits the device
   const NamedModel* model = nullptr;
   uint32_t side = 0;
   bool fp16() const { return precision == "fp16"; }
@@ -41,6 +41,7 @@ struct NetworkCase {
 struct NetworkMeasurement {
   Model::Cost cost;
   std::string refusal;                          // what the device said; all below is then missing
+  std::string kernelFamily;                     // that ran
   double open = 0, preparation = 0, first = 0;  // seconds of the Device, of the Upscaler, and of the first frame
   Spread wall;                                  // seconds of the later frames
   std::optional<Spread> device;                 // seconds of their dispatches; nothing without timestamps
@@ -51,13 +52,14 @@ struct NetworkMeasurement {
 
 /// Opens the device, upscales one frame of random pixels `runs` + 1 times, and closes the device: what one case leaves
 /// behind must not help the next. Throws Failure when interrupted, Error if the device cannot be opened.
+/// A device without the kernel family refuses.
 NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs);
 
 /// How far a model's result on a device is from its reference in double precision, on random pixels: 16 x 16 of colour.
 struct EngineError {
   double relativeRms = 0;       // of the output: RMS of the difference over RMS of the reference
   double worstRelativeRms = 0;  // of all operators
-  std::string worstOperator;
+  std::string worstOperator, kernelFamily;
   bool finite = true, withinBound = true;
   /// fp16 storage against fp32 on the same device and frame: RMS and largest difference, over the RMS of fp32.
   std::optional<double> relativeRmsToFp32{}, relativeMaxToFp32{};

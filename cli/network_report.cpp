@@ -11,6 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::pair<const char*, const char*> kDefinitions[] = {
+    {"family", "the kernels that were asked for; empty: those that suit the device, which kernelFamily names"},
     {"openSeconds", "opening the device"},
     {"preparationSeconds",
      "planning, packing and uploading the weights, recording, compiling where the driver does it"},
@@ -37,9 +38,16 @@ constexpr std::pair<const char*, const char*> kDefinitions[] = {
 std::string milliseconds(double seconds) { return text("%.2f", 1e3 * seconds); }
 std::string megabytes(uint64_t bytes) { return text("%.1f", 1e-6 * static_cast<double>(bytes)); }
 
+// The kernel family that ran, or that was to run.
+std::string familyOf(const std::string& ran, const NetworkCase& networkCase) {
+  if (!ran.empty()) return ran;
+  return networkCase.family.empty() ? "-" : networkCase.family;
+}
+
 Row timeRow(const NetworkRow& row) {
   const NetworkMeasurement& measured = row.measurement;
-  Row cells{row.networkCase.model->name, row.networkCase.precision, std::to_string(row.networkCase.side)};
+  Row cells{row.networkCase.model->name, row.networkCase.precision, familyOf(measured.kernelFamily, row.networkCase),
+            std::to_string(row.networkCase.side)};
   const Row memory{megabytes(measured.cost.plannedBytes), megabytes(measured.cost.lowerBoundBytes)};
   const Row times =
       measured.refusal.empty()
@@ -54,8 +62,9 @@ Row timeRow(const NetworkRow& row) {
 }
 
 Row accuracyRow(const AccuracyRow& row) {
-  Row cells{row.networkCase.model->name, row.networkCase.precision};
   const auto& engine = row.engine;
+  Row cells{row.networkCase.model->name, row.networkCase.precision,
+            familyOf(engine ? engine->kernelFamily : "", row.networkCase)};
   cells.push_back(engine ? text("%.2e", engine->relativeRms) + (engine->withinBound ? "" : " DIVERGES") : "-");
   cells.push_back(engine ? text("%.2e", engine->worstRelativeRms) + " " + engine->worstOperator : "-");
   cells.push_back(engine && engine->relativeMaxToFp32 ? text("%.2e", *engine->relativeMaxToFp32) : "-");
@@ -69,7 +78,8 @@ Json caseJson(const NetworkCase& networkCase) {
   return {{"device", networkCase.device},
           {"model", networkCase.model->name},
           {"scale", networkCase.model->model.scale()},
-          {"precision", networkCase.precision}};
+          {"precision", networkCase.precision},
+          {"family", networkCase.family}};
 }
 
 Json jsonOf(const Spread& spread) {
@@ -93,6 +103,7 @@ Json jsonOf(const NetworkRow& row) {
     json["refused"] = measured.refusal;
     return json;
   }
+  json["kernelFamily"] = measured.kernelFamily;
   memory["deviceBytes"] = measured.deviceBytes;
   json["openSeconds"] = measured.open;
   json["preparationSeconds"] = measured.preparation;
@@ -112,6 +123,7 @@ Json jsonOf(const EngineError& error) {
   Json json{{"relativeRms", error.relativeRms},
             {"worstRelativeRms", error.worstRelativeRms},
             {"worstOperator", error.worstOperator},
+            {"kernelFamily", error.kernelFamily},
             {"finite", error.finite},
             {"withinBound", error.withinBound}};
   if (error.relativeRmsToFp32) json["relativeRmsToFp32"] = *error.relativeRmsToFp32;
@@ -144,17 +156,18 @@ Json jsonOf(const Device::Description& device) {
 std::string plainText(const NetworkReport& report) {
   std::string lines;
   for (const Device::Description& device : report.devices) {
-    std::vector<Row> times{{"model", "precision", "side", "prepare s", "first s", "median ms", "least", "most",
-                            "device ms", "arena MB", "bound MB", "process MB"}};
+    std::vector<Row> times{{"model", "precision", "kernels", "side", "prepare s", "first s", "median ms", "least",
+                            "most", "device ms", "arena MB", "bound MB", "process MB"}};
     std::vector<Row> errors{
-        {"model", "precision", "engine error", "of operators, worst", "max to fp32", "PSNR dB", "RelMSE"}};
+        {"model", "precision", "kernels", "engine error", "of operators, worst", "max to fp32", "PSNR dB", "RelMSE"}};
     std::string notes;
     for (const NetworkRow& row : report.networks) {
       if (row.networkCase.device != device.uuid) continue;
       times.push_back(timeRow(row));
       if (!row.measurement.refusal.empty())
         notes += "refused: " + row.networkCase.model->name + ", " + row.networkCase.precision + ", " +
-                 std::to_string(row.networkCase.side) + ": " + row.measurement.refusal + "\n";
+                 familyOf("", row.networkCase) + ", " + std::to_string(row.networkCase.side) + ": " +
+                 row.measurement.refusal + "\n";
     }
     for (const AccuracyRow& row : report.accuracies) {
       if (row.networkCase.device != device.uuid) continue;

@@ -54,7 +54,7 @@ std::vector<std::string> degradedFeatures(const Findings& findings) {
         "Its shaders have no 64-bit integers: the heavy operators run their plain kernels instead of the faster lane "
         "kernels.");
   if (can.kernelFamily == "plain" && !software)
-    degraded.emplace_back("All operators run their plain kernels: there are none yet that are tuned for GPUs.");
+    degraded.emplace_back("All operators run their plain kernels, which are slow on a GPU.");
   if (!can.timestamps)
     degraded.emplace_back("It has no timestamps: --profile has nothing to show, and the times here are the host's.");
   addMemory(findings, degraded);

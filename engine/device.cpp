@@ -6,15 +6,13 @@
 #include "engine/cache_file.h"
 #include "engine/environment.h"
 #include "engine/handles.h"
+#include "engine/kernel_family.h"
 #include "engine/selection.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
-
-// The one place that decides which written version of the kernels a device runs.
-KernelFamily familyFor(DeviceKind kind) { return kind == DeviceKind::cpu ? KernelFamily::lane : KernelFamily::plain; }
 
 bool hasDeviceExtension(VkPhysicalDevice device, const char* name) {
   uint32_t count = 0;
@@ -62,7 +60,8 @@ void probe(Gpu::Handles& gpu) {
   vkGetPhysicalDeviceMemoryProperties(gpu.physicalDevice, &gpu.memory);
   gpu.limits = properties.properties.limits;
   gpu.maxAllocationBytes = version11.maxMemoryAllocationSize;
-  gpu.traits = {.family = familyFor(gpu.description.kind),
+  gpu.traits = {.family = chosenFamily(gpu.description, gpu.options.kernelFamily),
+                .matrixUnits = gpu.description.matrixUnits,
                 .subgroupSize = version11.subgroupSize,
                 .maxStorageBufferRange = gpu.limits.maxStorageBufferRange,
                 .maxTexelBufferElements = gpu.limits.maxTexelBufferElements,

@@ -23,6 +23,8 @@ struct DeviceDescription {
   std::string driver;        // driver name and its version text
   std::string apiVersion;    // "1.3.230"
   uint64_t memoryBytes = 0;  // of the largest device-local heap
+  MatrixUnits matrixUnits = MatrixUnits::none;
+  KernelFamily kernelFamily = KernelFamily::plain;  // that suits the device
 };
 
 /// Finds the SPIR-V words of a program by its name; empty if there is none.
@@ -38,6 +40,8 @@ struct DeviceOptions {
   std::filesystem::path cacheFolder;
   /// Vulkan extensions to enable beside the engine's own, for programs that share its device to draw with it.
   std::vector<std::string> instanceExtensions{}, deviceExtensions{};
+  /// The written version of the kernels; empty: what $XRDS_KERNEL_FAMILY names, else what suits the device.
+  std::string kernelFamily{};
   /// Copies through a staging buffer even where the host sees the device's memory, for tests.
   bool forceStaging = false;
   ProgramSource programs;
@@ -49,7 +53,8 @@ std::vector<DeviceDescription> listDevices();
 /// An open Vulkan device: instance, queue, compiled programs. One thread at a time.
 class Gpu {
  public:
-  /// Throws Error if no device fits the selection (it names those there are) or Vulkan fails.
+  /// Throws Error if no device fits the selection (it names those there are), it cannot run the kernel family, or
+  /// Vulkan fails.
   explicit Gpu(DeviceOptions options);
   ~Gpu();
   Gpu(Gpu&&) noexcept;

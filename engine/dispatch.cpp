@@ -1,10 +1,31 @@
 #include "engine/dispatch.h"
 
+#include <algorithm>
+
+#include "xrds/error.h"
+
 namespace xrds {
+namespace {
+constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix"};
+}  // namespace
+
+const char* nameOf(KernelFamily family) { return kFamilies[static_cast<size_t>(family)]; }
+
+KernelFamily kernelFamilyOf(std::string_view name) {
+  const auto found = std::find(std::begin(kFamilies), std::end(kFamilies), name);
+  if (found == std::end(kFamilies))
+    throw Error("there is no kernel family '" + std::string(name) + "'; choose plain, lane, tile or matrix");
+  return static_cast<KernelFamily>(found - std::begin(kFamilies));
+}
 
 std::string programName(const char* op, KernelFamily family, DataType stored) {
-  static constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix"};
-  return std::string(op) + "_" + kFamilies[static_cast<int>(family)] + (stored == DataType::f32 ? "_f32" : "_f16");
+  return std::string(op) + "_" + nameOf(family) + (stored == DataType::f32 ? "_f32" : "_f16");
+}
+
+std::string matrixProgramName(const char* op, MatrixUnits units, DataType stored) {
+  static constexpr const char* kUnits[] = {"none", "software", "nv", "khr"};
+  return std::string(op) + "_matrix_" + kUnits[static_cast<size_t>(units)] +
+         (stored == DataType::f32 ? "_f32" : "_f16");
 }
 
 Dispatch copyRows(std::string program, const TensorView& from, const TensorView& to, RowRange rows) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "engine/tensor.h"
@@ -14,9 +15,20 @@ namespace xrds {
 /// CPU devices, `tile` shares memory for GPUs, `matrix` uses matrix units. A missing one falls back to `plain`.
 enum class KernelFamily : uint8_t { plain, lane, tile, matrix };
 
+/// "plain", "lane", "tile" or "matrix".
+const char* nameOf(KernelFamily family);
+
+/// The family of that name. Throws Error that lists the names if there is none.
+KernelFamily kernelFamilyOf(std::string_view name);
+
+/// How kernels reach a device's matrix units: through one of two extensions, or, for tests, by plain arithmetic on the
+/// same fragments. All multiply 16 x 16 matrices of 16-bit floats and add up in 32 bits.
+enum class MatrixUnits : uint8_t { none, software, nv, khr };
+
 /// The properties of a device that decide how work is dispatched: plain numbers, testable without a device.
 struct DeviceTraits {
   KernelFamily family = KernelFamily::plain;
+  MatrixUnits matrixUnits = MatrixUnits::none;  // of the family `matrix`
   uint32_t subgroupSize = 8;
   uint64_t maxStorageBufferRange = uint64_t{128} << 20;
   uint64_t maxTexelBufferElements = uint64_t{1} << 27;
@@ -95,5 +107,8 @@ Dispatch copyRows(std::string program, const TensorView& from, const TensorView&
 
 /// "layer_norm" + "plain" + "f16" -> the name under which CMake embeds that variant.
 std::string programName(const char* op, KernelFamily family, DataType stored);
+
+/// The same for the matrix family: "linear_matrix_nv_f16".
+std::string matrixProgramName(const char* op, MatrixUnits units, DataType stored);
 
 }  // namespace xrds

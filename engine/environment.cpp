@@ -1,7 +1,6 @@
 #include "engine/environment.h"
 
 #include <cstdlib>
-#include <string>
 
 namespace xrds {
 namespace {
@@ -44,6 +43,8 @@ std::filesystem::path defaultCacheFolder() {
   if (const auto home = variable("HOME"); !home.empty()) return std::filesystem::path(home) / ".cache" / "xrds";
   return std::filesystem::temp_directory_path() / "xrds-cache";
 }
+
+std::string wantedKernelFamily() { return variable("XRDS_KERNEL_FAMILY"); }
 
 void widenCpuVectors() {
   if (!variable(kWidth).empty() || !cpuHasAvx512()) return;

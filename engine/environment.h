@@ -1,12 +1,16 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace xrds {
 
 /// The folder in which caches are kept unless the caller names one: $XDG_CACHE_HOME/xrds, ~/.cache/xrds,
 /// %LOCALAPPDATA%/xrds, or a temporary folder.
 std::filesystem::path defaultCacheFolder();
+
+/// What the user set XRDS_KERNEL_FAMILY to; empty if nothing.
+std::string wantedKernelFamily();
 
 /// Lets lavapipe use the CPU's whole vector width unless the user chose one. Changes the environment, so call it
 /// before an instance is created and while no other thread reads the environment.

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <sstream>
 
+#include "engine/kernel_family.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
@@ -99,6 +100,7 @@ DeviceDescription describe(VkPhysicalDevice device) {
     description.uuid += "0123456789abcdef"[byte & 15];
   }
   description.driver = std::string(version12.driverName).append(" ").append(version12.driverInfo);
+  description.kernelFamily = suitableFamily(description);
   description.apiVersion = versionText(properties.properties.apiVersion);
   for (uint32_t i = 0; i < memory.memoryHeapCount; ++i)
     if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)

@@ -18,7 +18,6 @@ namespace {
 // Of the low-resolution frame from which kernels are taken: with padding, and with several windows.
 constexpr FrameShape kFrame{13, 15};
 constexpr double kFrameBounds[] = {1e-4, 5e-3};  // fp32, fp16
-constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix"};
 
 class Stopwatch {
  public:
@@ -114,7 +113,7 @@ FrameExamination examineKnownFrame(Gpu& gpu, Precision precision, uint32_t runs)
 DeviceCapabilities Examination::capabilities(Device& device) {
   Gpu& gpu = device.state_->gpu;
   const DeviceTraits& traits = gpu.traits();
-  return {.kernelFamily = kFamilies[static_cast<size_t>(traits.family)],
+  return {.kernelFamily = nameOf(traits.family),
           .subgroupSize = traits.subgroupSize,
           .int64 = traits.shaderInt64,
           .timestamps = gpu.hasTimestamps(),

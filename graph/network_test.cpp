@@ -106,7 +106,7 @@ TEST(Network, BandsFitTheBindingsOfTheDevice) {
   const ModelWeights model = ModelWeights::random(config, 1);
   const Graph graph = buildGraph(config, {512, 480}, model.lookup(), {});
   DeviceTraits traits;
-  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane}) {
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane, KernelFamily::tile}) {
     traits.family = family;
     for (const LoweredDispatch& lowered : lower(graph, traits))
       for (const Binding& binding : lowered.dispatch.bindings) {

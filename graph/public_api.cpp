@@ -20,8 +20,13 @@ namespace {
 
 Device::Description describeDevice(const DeviceDescription& device) {
   static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
-  return {device.name,       kKinds[static_cast<size_t>(device.kind)], device.uuid, device.driver, device.apiVersion,
-          device.memoryBytes};
+  return {device.name,
+          kKinds[static_cast<size_t>(device.kind)],
+          device.uuid,
+          device.driver,
+          device.apiVersion,
+          device.memoryBytes,
+          nameOf(device.kernelFamily)};
 }
 
 // Three tightly packed floats a pixel.
@@ -243,11 +248,16 @@ Device::Device(const Options& options)
                             .cacheFolder = options.cacheFolder,
                             .instanceExtensions = options.instanceExtensions,
                             .deviceExtensions = options.deviceExtensions,
+                            .kernelFamily = options.kernelFamily,
                             .programs = embeddedProgram})}) {}
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;
-Device::Description Device::description() const { return describeDevice(state_->gpu.description()); }
+Device::Description Device::description() const {
+  Description description = describeDevice(state_->gpu.description());
+  description.kernelFamily = nameOf(state_->gpu.traits().family);
+  return description;
+}
 
 Model::Model(const std::filesystem::path& file) : state_(new State{ModelWeights::read(file)}) {}
 Model::Model(std::unique_ptr<State> state) : state_(std::move(state)) {}

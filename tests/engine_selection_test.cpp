@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "engine/kernel_family.h"
 #include "engine/selection.h"
 #include "tests/harness.h"
 #include "xrds/error.h"
@@ -84,11 +85,42 @@ TEST(Device, TraitsAreWhatVulkanGuarantees) {
   EXPECT_GE(traits.maxSharedBytes, 16384u);
   EXPECT_GE(traits.maxGroupInvocations, 128u);
   const bool isCpu = test::gpu().description().kind == DeviceKind::cpu;
-  EXPECT_EQ(traits.family == KernelFamily::lane, isCpu);
   // One 32-bit lane each of the vector width that was asked for.
   if (const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); width && isCpu) {
     EXPECT_EQ(traits.subgroupSize, std::stoul(width) / 32);
   }
+}
+
+TEST(KernelFamily, IsTheOneThatSuitsTheDevice) {
+  const auto suitable = [](DeviceKind kind, MatrixUnits units) {
+    return suitableFamily({.kind = kind, .matrixUnits = units});
+  };
+  for (const DeviceKind kind : {DeviceKind::discrete, DeviceKind::integrated, DeviceKind::virtualGpu}) {
+    EXPECT_EQ(suitable(kind, MatrixUnits::none), KernelFamily::tile);
+    EXPECT_EQ(suitable(kind, MatrixUnits::nv), KernelFamily::matrix);
+  }
+  EXPECT_EQ(suitable(DeviceKind::cpu, MatrixUnits::none), KernelFamily::lane);
+}
+
+TEST(KernelFamily, MayBeAskedForWhereItRuns) {
+  const DeviceDescription cpu{.name = "a processor", .kind = DeviceKind::cpu}, gpu{.kind = DeviceKind::discrete};
+  EXPECT_EQ(chosenFamily(cpu, "plain"), KernelFamily::plain);
+  EXPECT_EQ(chosenFamily(cpu, "lane"), KernelFamily::lane);
+  EXPECT_EQ(chosenFamily(cpu, "tile"), KernelFamily::tile);
+  EXPECT_THROW(chosenFamily(gpu, "lane"), Error);
+  EXPECT_THROW(chosenFamily(gpu, "matrix"), Error);
+  EXPECT_EQ(chosenFamily({.matrixUnits = MatrixUnits::khr}, "matrix"), KernelFamily::matrix);
+  try {
+    chosenFamily(cpu, "tiles");
+    FAIL() << "a name of no family";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "there is no kernel family 'tiles'; choose plain, lane, tile or matrix");
+  }
+}
+
+TEST(KernelFamily, OfAnOpenDeviceIsTheOneAskedFor) {
+  EXPECT_EQ(Gpu({.kernelFamily = "tile"}).traits().family, KernelFamily::tile);
+  EXPECT_THROW(Gpu({.kernelFamily = "matrices"}), Error);
 }
 
 TEST(Device, RefusesAnUnknownName) { EXPECT_THROW(Gpu({.select = "a device nobody has"}), Error); }

@@ -95,11 +95,22 @@ class GoldenNetwork : public testing::TestWithParam<std::string> {
   }
 };
 
+class GoldenOtherFamilies : public GoldenNetwork {};
+
 TEST_P(GoldenNetwork, Fp32OfTheDevicesFamily) { expectMatch(test::gpu().traits().family, Precision::fp32, 1e-4); }
 TEST_P(GoldenNetwork, Fp32Plain) { expectMatch(KernelFamily::plain, Precision::fp32, 1e-4); }
 TEST_P(GoldenNetwork, Fp16OfTheDevicesFamily) { expectMatch(test::gpu().traits().family, Precision::fp16, 5e-3); }
 
 INSTANTIATE_TEST_SUITE_P(All, GoldenNetwork, testing::ValuesIn(goldenNames()),
+                         [](const auto& info) { return info.param; });
+
+// In the families that the test's device would not choose: few, as GPU kernels are slow on a CPU.
+TEST_P(GoldenOtherFamilies, Fp32Tile) { expectMatch(KernelFamily::tile, Precision::fp32, 1e-4); }
+TEST_P(GoldenOtherFamilies, Fp16Tile) { expectMatch(KernelFamily::tile, Precision::fp16, 5e-3); }
+
+INSTANTIATE_TEST_SUITE_P(Some, GoldenOtherFamilies,
+                         testing::Values("s2_guided", "s2_window8", "s2_rdb_concat_aux_kernels", "s4_compact_width",
+                                         "s1_kernels_aux_skip"),
                          [](const auto& info) { return info.param; });
 
 class GoldenReference : public testing::TestWithParam<std::string> {};

@@ -17,10 +17,6 @@ constexpr float kExposures[] = {1e-30f, 1e-6f, 1, 1e6f, 1e30f};
 constexpr size_t kFewReferences = 2;
 
 const char* nameOf(Precision precision) { return precision == Precision::fp32 ? "fp32" : "fp16"; }
-const char* nameOf(KernelFamily family) {
-  static constexpr const char* kNames[] = {"plain", "lane", "tile", "matrix"};
-  return kNames[static_cast<size_t>(family)];
-}
 
 /// A frame as Upscaler::run hands it to a session.
 struct StressFrame {

@@ -21,12 +21,16 @@ class Device {
     std::string uuid;  // 32 hexadecimal digits
     std::string driver, apiVersion;
     uint64_t memoryBytes = 0;
+    std::string kernelFamily;  // see Options; of an open device, what it runs
   };
   struct Options {
     /// Empty: the best device. Else its index in list(), a part of its name, or its UUID.
     std::string select{};
     /// Where compiled pipelines are kept; empty: the user's cache folder.
     std::filesystem::path cacheFolder{};
+    /// The version of the kernels, to compare them: "plain", "lane" (CPU devices), "tile" or "matrix". Empty: what the
+    /// environment variable XRDS_KERNEL_FAMILY names, else what suits the device.
+    std::string kernelFamily{};
     /// Vulkan validation layers; their messages go to onMessage.
     bool validation = false;
     std::function<void(std::string_view)> onMessage{};

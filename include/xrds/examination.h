@@ -6,7 +6,8 @@ namespace xrds {
 
 /// What a device offers beyond Vulkan 1.2, as far as it decides how kernels run.
 struct DeviceCapabilities {
-  std::string kernelFamily;  // of the operators that are written for it: "plain", "lane"; the others run "plain"
+  std::string
+      kernelFamily;  // of the operators that are written for it: "plain", "lane", "tile"; the others run "plain"
   uint32_t subgroupSize = 0;
   bool int64 = false;            // 64-bit integers in shaders, also in subgroup operations
   bool timestamps = false;       // the device times its own work
