@@ -1,5 +1,9 @@
 #include "tests/engine_programs.h"
 
+#include "conv3x3_matrix_software_f16.h"
+#include "conv3x3_matrix_software_f32.h"
+#include "linear_matrix_software_f16.h"
+#include "linear_matrix_software_f32.h"
 #include "to_half.h"
 #include "twice_plus.h"
 
@@ -8,6 +12,10 @@ namespace xrds::test {
 std::span<const uint32_t> engineProgram(std::string_view name) {
   if (name == "twice_plus") return twice_plus;
   if (name == "to_half") return to_half;
+  if (name == "linear_matrix_software_f32") return linear_matrix_software_f32;
+  if (name == "linear_matrix_software_f16") return linear_matrix_software_f16;
+  if (name == "conv3x3_matrix_software_f32") return conv3x3_matrix_software_f32;
+  if (name == "conv3x3_matrix_software_f16") return conv3x3_matrix_software_f16;
   return {};
 }
 

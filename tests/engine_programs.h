@@ -9,7 +9,7 @@
 
 namespace xrds::test {
 
-/// The SPIR-V of tests/programs/NAME.comp; empty if there is none.
+/// The SPIR-V of tests/programs/NAME.comp, or of a kernel for matrix units in software; empty if there is none.
 std::span<const uint32_t> engineProgram(std::string_view name);
 
 /// target = 2 source + add over `quads` vec4 of f32.

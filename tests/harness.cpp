@@ -207,6 +207,14 @@ Gpu& gpu() {
   return *openGpu;
 }
 
+DeviceTraits traitsOf(KernelFamily family) {
+  DeviceTraits traits = gpu().traits();
+  traits.family = family;
+  if (family == KernelFamily::matrix && traits.matrixUnits == MatrixUnits::none)
+    traits.matrixUnits = MatrixUnits::software;
+  return traits;
+}
+
 std::vector<std::string> takeMessages() {
   const std::lock_guard lock(messagesMutex);
   return std::exchange(messages, {});
@@ -216,6 +224,13 @@ std::vector<float> randomNumbers(size_t count, uint32_t seed) {
   std::mt19937 bits(seed);
   std::vector<float> numbers(count);
   for (float& number : numbers) number = static_cast<float>(bits() >> 8) * 0x1p-23f - 1;
+  return numbers;
+}
+
+std::vector<float> smallIntegers(size_t count, uint32_t seed) {
+  std::mt19937 bits(seed);
+  std::vector<float> numbers(count);
+  for (float& number : numbers) number = static_cast<float>(bits() % 9) - 4;
   return numbers;
 }
 

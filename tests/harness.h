@@ -17,6 +17,9 @@ Gpu& gpu();
 /// The options with which gpu() is opened, for tests that open a device of their own.
 DeviceOptions gpuOptions();
 
+/// Its traits with that kernel family; `matrix` in software where the device has no matrix units.
+DeviceTraits traitsOf(KernelFamily family);
+
 /// Messages collected since the last call; a test that provokes some takes them, so that they do not fail it.
 std::vector<std::string> takeMessages();
 
@@ -28,6 +31,9 @@ using Contents = std::map<ValueId, std::vector<float>>;
 
 /// `count` numbers from a uniform distribution in [-1, 1), the same on every machine.
 std::vector<float> randomNumbers(size_t count, uint32_t seed);
+
+/// `count` integers from -4 to 4, the same on every machine.
+std::vector<float> smallIntegers(size_t count, uint32_t seed);
 
 /// A dispatch and what it shall compute, without the operator's type.
 struct KernelCase {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/dispatch.h"
+#include "shaders/common/groups.h"
 
 namespace xrds {
 
@@ -17,6 +17,12 @@ inline uint32_t tileColumns(uint32_t outputQuads) {
   uint32_t columns = 16;
   while (4 * (ceilDivide(outputQuads, columns) * columns - outputQuads) > outputQuads) columns /= 2;
   return columns;
+}
+
+/// Workgroups of kernels that take output tiles along x and token tiles along y, folded into z.
+inline std::array<uint32_t, 3> tileGroups(uint32_t outputTiles, uint64_t tokenTiles) {
+  const std::array<uint32_t, 3> folded = foldedGroups(tokenTiles);
+  return {outputTiles, folded[0], folded[1]};
 }
 
 }  // namespace xrds

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shaders/common/groups.h"
+#include "shaders/common/matrix.h"
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
@@ -77,6 +78,10 @@ TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
   const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes &&
                     ceilDivide(convolutionShape(op).height, tile.rows) <= kMaxGroupCount;
   return fits ? tile : TileShape{};
+}
+
+MatrixShape matrixShapeOf(const Conv3x3& op, const DeviceTraits& device) {
+  return matrixShape(device, op.input.type, op.weightType, kernelInputs(op), kernelOutputs(op));
 }
 
 // The weights between kernel channels; zero where either is padding.
@@ -189,6 +194,11 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, subgroups};
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(columns, subgroups), rowCount / tileRows};
+  } else if (const MatrixShape tile = matrixShapeOf(op, device); tile.subgroups) {
+    launch.program = matrixProgramName("conv3x3", device.matrixUnits, op.output.type);
+    launch.specialization = {tile.subgroups, tile.outputs, tile.rows, tile.columns, activation, hasResidual};
+    launch.groupCount = {ceilDivide(kernelOutputs(op), 16 * tile.outputs), ceilDivide(shape.width, 16),
+                         ceilDivide(rowCount, shader::kMatrixRows)};
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {
     launch.program = programName("conv3x3", KernelFamily::tile, op.output.type);
     launch.specialization = {tile.columns, tile.rows, tile.strips, activation, hasResidual};

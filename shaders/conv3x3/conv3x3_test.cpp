@@ -83,8 +83,7 @@ TEST_P(Conv3x3Cases, MatchesReference) {
   const auto bias = halves(test::randomNumbers(c.outputs, 2));
   Conv3x3 op = operatorOf(c, stored, weight, bias);
   op.weightType = stored;
-  DeviceTraits traits = test::gpu().traits();
-  traits.family = family;
+  const DeviceTraits traits = test::traitsOf(family);
   if (c.layout == Layout::shuffled) {  // the harness takes rows of the output
     test::KernelCase kernel{.dispatch = dispatch(op, traits),
                             .weights = packedWeights(op, traits),
@@ -101,6 +100,26 @@ INSTANTIATE_TEST_SUITE_P(All, Conv3x3Cases,
                          testing::Combine(testing::ValuesIn(kCases),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile),
                                           testing::Values(DataType::f32, DataType::f16)));
+INSTANTIATE_TEST_SUITE_P(Matrix, Conv3x3Cases,
+                         testing::Combine(testing::ValuesIn(kCases), testing::Values(KernelFamily::matrix),
+                                          testing::Values(DataType::f16)));
+
+// Small integers, of which every order of the sums gives the same float.
+TEST(Conv3x3, IsExactOnMatrixUnits) {
+  for (const Case& c : {Case{9, 17, 16, 16},
+                        {3, 33, 36, 40},
+                        {5, 18, 64, 64, Layout::unshuffled},
+                        {10, 7, 20, 144, Layout::shuffled}}) {
+    const auto weight = test::smallIntegers(size_t{c.outputs} * c.inputs * 9, 1);
+    const auto bias = test::smallIntegers(c.outputs, 2);
+    Conv3x3 op = operatorOf(c, DataType::f16, weight, bias);
+    op.output.type = DataType::f32;
+    op.weightType = DataType::f16;
+    const DeviceTraits traits = test::traitsOf(KernelFamily::matrix);
+    EXPECT_NE(dispatch(op, traits).program.find("_matrix_"), std::string::npos);
+    test::expectMatchesReference(op, traits, {}, {{0, test::smallIntegers(op.input.storedElementCount(), 3)}});
+  }
+}
 
 // As a growing concatenation does: the output is a slice of the tensor that the input is a slice of.
 TEST(Conv3x3, WritesBesideWhatItReads) {
@@ -111,8 +130,7 @@ TEST(Conv3x3, WritesBesideWhatItReads) {
       op.input = view(0, stored, 9, 21, 16, 0, 32);
       op.output = view(0, stored, 9, 21, 8, 16, 32);
       op.weightType = stored;
-      DeviceTraits traits = test::gpu().traits();
-      traits.family = family;
+      const DeviceTraits traits = test::traitsOf(family);
       test::expectMatchesReference(op, traits, test::toleranceOf(stored));
     }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shaders/common/groups.h"
+#include "shaders/common/matrix.h"
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
@@ -50,8 +51,12 @@ TileShape tileShape(const Linear& op, const DeviceTraits& device) {
   while (tile.tokens > 1 && (tile.rows * tile.tokens > kMostTokens || sharedBytes() > device.maxSharedBytes ||
                              (tile.tokens > 2 && groupRows() * ceilDivide(outputQuads, columns) < kEnoughGroups)))
     tile.tokens /= 2;
-  const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes && groupRows() <= kMaxGroupCount;
+  const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes;
   return fits ? tile : TileShape{};
+}
+
+MatrixShape matrixShapeOf(const Linear& op, const DeviceTraits& device) {
+  return matrixShape(device, op.input.type, op.weightType, inputChannels(op), outputChannels(op));
 }
 
 }  // namespace
@@ -89,11 +94,16 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
+  } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
+    launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
+    launch.specialization = {shape.subgroups, shape.outputs, shape.rows, shape.columns, activation, hasResidual};
+    launch.groupCount =
+        tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {
     launch.program = programName("linear", KernelFamily::tile, op.output.type);
     launch.specialization = {tile.columns, tile.rows, tile.tokens, activation, hasResidual};
-    launch.groupCount = {ceilDivide(params.outputChannels, 4 * tile.columns),
-                         ceilDivide(tokens, uint64_t{tile.rows} * tile.tokens), 1};
+    launch.groupCount = tileGroups(ceilDivide(params.outputChannels, 4 * tile.columns),
+                                   ceilDivide(tokens, uint64_t{tile.rows} * tile.tokens));
   } else {
     launch.program = programName("linear", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shaders/common/matrix.h"
 #include "tests/harness.h"
 
 namespace xrds {
@@ -51,21 +52,73 @@ TEST_P(LinearCases, MatchesReference) {
             .weightType = stored,
             .rows = c.rows};
   if (c.residual) op.residual = c.inPlace ? op.output : view(2, stored, c.height, c.width, c.outputs);
-  DeviceTraits traits = test::gpu().traits();
-  traits.family = family;
-  test::expectMatchesReference(op, traits, test::toleranceOf(stored));
+  test::expectMatchesReference(op, test::traitsOf(family), test::toleranceOf(stored));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LinearCases,
                          testing::Combine(testing::ValuesIn(kCases),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile),
                                           testing::Values(DataType::f32, DataType::f16)));
+INSTANTIATE_TEST_SUITE_P(Matrix, LinearCases,
+                         testing::Combine(testing::ValuesIn(kCases), testing::Values(KernelFamily::matrix),
+                                          testing::Values(DataType::f16)));
+
+// Small integers, of which every order of the sums gives the same float.
+TEST(Linear, IsExactOnMatrixUnits) {
+  for (const Case& c : {Case{7, 19, 16, 16}, {5, 31, 40, 36}, {3, 47, 100, 132}, {2, 65, 64, 64}}) {
+    const auto weight = test::smallIntegers(size_t{c.outputs} * c.inputs, 1), bias = test::smallIntegers(c.outputs, 2);
+    const Linear op{.input = view(0, DataType::f16, c.height, c.width, c.inputs, 4, c.inputs + 4),
+                    .output = view(1, DataType::f32, c.height, c.width, c.outputs),
+                    .weight = weight,
+                    .bias = bias,
+                    .weightType = DataType::f16};
+    const DeviceTraits traits = test::traitsOf(KernelFamily::matrix);
+    EXPECT_NE(dispatch(op, traits).program.find("_matrix_"), std::string::npos);
+    test::expectMatchesReference(op, traits, {}, {{0, test::smallIntegers(op.input.storedElementCount(), 3)}});
+  }
+}
+
+TEST(Linear, TakesMatrixUnitsForHalvesAlone) {
+  const std::vector<float> weight(64 * 64), bias(64);
+  const auto programOf = [&](DataType input, DataType weights, uint32_t outputs) {
+    return dispatch(Linear{.input = view(0, input, 4, 4, 64),
+                           .output = view(1, DataType::f16, 4, 4, outputs),
+                           .weight = std::span(weight).first(size_t{64} * outputs),
+                           .bias = std::span(bias).first(outputs),
+                           .weightType = weights},
+                    {.family = KernelFamily::matrix, .matrixUnits = MatrixUnits::nv, .subgroupSize = 32})
+        .program;
+  };
+  EXPECT_EQ(programOf(DataType::f16, DataType::f16, 64), "linear_matrix_nv_f16");
+  EXPECT_EQ(programOf(DataType::f32, DataType::f16, 64), "linear_tile_f16");
+  EXPECT_EQ(programOf(DataType::f16, DataType::f32, 64), "linear_tile_f16");
+  EXPECT_EQ(programOf(DataType::f16, DataType::f16, 12), "linear_tile_f16");
+}
+
+TEST(MatrixShape, SharesTheFragmentsAmongTheSubgroups) {
+  const auto expectShape = [](uint32_t subgroupSize, uint32_t outputs, const MatrixShape& expected) {
+    const MatrixShape found =
+        matrixShape({.family = KernelFamily::matrix, .matrixUnits = MatrixUnits::nv, .subgroupSize = subgroupSize},
+                    DataType::f16, DataType::f16, 64, outputs);
+    EXPECT_EQ(found.subgroups, expected.subgroups);
+    EXPECT_EQ(found.outputs, expected.outputs);
+    EXPECT_EQ(found.rows, expected.rows);
+    EXPECT_EQ(found.columns, expected.columns);
+    EXPECT_EQ(found.subgroups * found.rows * found.columns, shader::kMatrixRows * found.outputs);
+  };
+  expectShape(32, 192, {8, 4, 2, 2});
+  expectShape(32, 32, {8, 2, 2, 1});
+  expectShape(32, 16, {8, 1, 1, 1});
+  expectShape(64, 64, {4, 4, 2, 4});
+  expectShape(16, 64, {16, 4, 2, 1});
+  expectShape(16, 16, {});
+  expectShape(8, 64, {32, 4, 1, 1});
+}
 
 TEST(Linear, ConvertsBetweenStorageTypes) {
   const auto weight = test::randomNumbers(16 * 16, 1), bias = test::randomNumbers(16, 2);
   for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane, KernelFamily::tile}) {
-    DeviceTraits traits = test::gpu().traits();
-    traits.family = family;
+    const DeviceTraits traits = test::traitsOf(family);
     test::expectMatchesReference(Linear{.input = view(0, DataType::f16, 5, 7, 16),
                                         .output = view(1, DataType::f32, 5, 7, 16),
                                         .residual = view(2, DataType::f16, 5, 7, 16),

@@ -28,10 +28,13 @@ const uint kWeightFetches = (kWeightTexels + kInvocations - 1) / kInvocations;
 shared vec4 x[kSourceTexels];  // [token][quad]
 shared vec4 w[kWeightTexels];  // [input][output quad]
 
+// Tiles of tokens are folded as in tileGroups().
+uint tokenTile() { return gl_WorkGroupID.z * gl_NumWorkGroups.y + gl_WorkGroupID.y; }
+
 void main() {
   const uint outputQuads = p.outputChannels / 4, inputQuads = p.inputChannels / 4;
   const uint column = gl_LocalInvocationID.x, row = gl_LocalInvocationID.y;
-  const uint firstQuad = gl_WorkGroupID.x * kColumns, firstToken = p.tokenBegin + gl_WorkGroupID.y * kTokens;
+  const uint firstQuad = gl_WorkGroupID.x * kColumns, firstToken = p.tokenBegin + tokenTile() * kTokens;
   const uint quad = firstQuad + column, lastQuad = outputQuads - 1;
 
   vec4 nextX[kSourceFetches], nextW[kWeightFetches], sum[kThreadTokens];
