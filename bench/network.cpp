@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "graph/matrix_proof.h"
 #include "graph/session.h"
 #include "shaders/programs.h"
 #include "xrds/error.h"
@@ -59,6 +60,7 @@ void run(const BenchOptions& options) {
       options.model.empty() ? ModelWeights::random(options.config, 1) : ModelWeights::read(options.model);
   if (!options.writeModel.empty()) writeTensors(options.writeModel, model.file(), DataType::f16);
   Gpu gpu({.select = options.device, .kernelFamily = options.family, .programs = embeddedProgram});
+  if (!proveMatrixKernels(gpu)) std::printf("the matrix kernels are wrong here: tile kernels run instead\n");
   const uint32_t side = options.size / model.config().scale;
   std::minstd_rand random(1);
   const std::vector<float> colour = randomImage(size_t{side} * side, random);

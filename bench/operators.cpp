@@ -12,6 +12,7 @@
 #include "bench/operator_case.h"
 #include "bench/peaks.h"
 #include "bench/timing.h"
+#include "graph/matrix_proof.h"
 #include "shaders/programs.h"
 #include "xrds/error.h"
 
@@ -107,6 +108,7 @@ int run(const OperatorsOptions& options) {
                      const auto words = embeddedProgram(name);
                      return words.empty() ? peakProgram(name) : words;
                    }})};
+  if (!proveMatrixKernels(bench.gpu)) std::fprintf(stderr, "The matrix kernels are wrong here: tile kernels run.\n");
   bench.peaks = measurePeaks(bench.gpu);
   describe(bench, options);
   std::vector<ModelWeights> models;

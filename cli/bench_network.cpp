@@ -103,10 +103,11 @@ NetworkReport measureAll(const BenchNetworkOptions& options, const std::vector<N
     bar.update(static_cast<double>(report.networks.size()) / static_cast<double>(cases.size()));
   }
   if (options.noCheck && options.scenes.empty()) return report;
-  for (const NetworkCase& networkCase : cases) {
-    if (!known.insert(networkCase.device + networkCase.precision + networkCase.family + " " + networkCase.model->name)
-             .second)
-      continue;
+  for (const NetworkRow& row : report.networks) {
+    const NetworkCase& networkCase = row.networkCase;
+    if (row.measurement.kernelFamily.empty()) continue;  // the device did not open
+    const std::string which = networkCase.device + networkCase.precision + networkCase.family;
+    if (!known.insert(which + " " + networkCase.model->name).second) continue;
     stopIfInterrupted();
     report.accuracies.push_back(accuracyOf(options, networkCase));
   }

@@ -20,7 +20,7 @@ void addDevices(CLI::App& app) {
       std::printf("%zu  %s  (%s, Vulkan %s, %.1f GiB)\n   driver %s\n   UUID %s\n   kernels %s\n", i,
                   device.name.c_str(), device.kind.c_str(), device.apiVersion.c_str(),
                   static_cast<double>(device.memoryBytes) / (1 << 30), device.driver.c_str(), device.uuid.c_str(),
-                  device.kernelFamily.c_str());
+                  device.kernelFamily == "matrix" ? "matrix in fp16, tile in fp32" : device.kernelFamily.c_str());
     }
   });
 }

@@ -88,13 +88,12 @@ Json jsonOf(const FrameExamination& frame, bool fp16) {
 std::string doctorText(const Findings& findings, const Verdict& verdict) {
   const Device::Description& device = findings.device;
   const DeviceCapabilities& can = findings.capabilities;
-  std::string lines = device.name + " (" + device.kind + ", Vulkan " + device.apiVersion + ", " +
-                      text("%.1f GiB", static_cast<double>(device.memoryBytes) / (1 << 30)) + ")\n  driver " +
-                      device.driver + "\n  kernels of the " + can.kernelFamily + " family, subgroups of " +
-                      std::to_string(can.subgroupSize) + ", bindings of at most " +
-                      std::to_string(can.maxBindingBytes >> 20) +
-                      " MiB, 64-bit integers: " + (can.int64 ? "yes" : "no") +
-                      ", timestamps: " + (can.timestamps ? "yes" : "no") + "\n\n";
+  std::string lines =
+      device.name + " (" + device.kind + ", Vulkan " + device.apiVersion + ", " +
+      text("%.1f GiB", static_cast<double>(device.memoryBytes) / (1 << 30)) + ")\n  driver " + device.driver +
+      "\n  kernels of the " + can.kernelFamily + " family, subgroups of " + std::to_string(can.subgroupSize) +
+      ", bindings of at most " + std::to_string(can.maxBindingBytes >> 20) + " MiB, matrix units: " + can.matrixUnits +
+      ", 64-bit integers: " + (can.int64 ? "yes" : "no") + ", timestamps: " + (can.timestamps ? "yes" : "no") + "\n\n";
   lines += kernelTable(findings);
   lines += "\nEach ran " + std::to_string(findings.runs) +
            " times; errors are against double precision, times those of the fastest runs.\n";
@@ -113,6 +112,8 @@ std::string doctorJson(const Findings& findings, const Verdict& verdict) {
                     {"apiVersion", device.apiVersion},
                     {"memoryBytes", device.memoryBytes}};
   json["capabilities"] = {{"kernelFamily", can.kernelFamily},
+                          {"matrixUnits", can.matrixUnits},
+                          {"matrixTrusted", can.matrixTrusted},
                           {"subgroupSize", can.subgroupSize},
                           {"int64", can.int64},
                           {"timestamps", can.timestamps},

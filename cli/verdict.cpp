@@ -55,6 +55,9 @@ std::vector<std::string> degradedFeatures(const Findings& findings) {
         "kernels.");
   if (can.kernelFamily == "plain" && !software)
     degraded.emplace_back("All operators run their plain kernels, which are slow on a GPU.");
+  if (can.matrixUnits != "none" && !can.matrixTrusted)
+    degraded.emplace_back(
+        "Its matrix units gave wrong products: fp16 runs the tile kernels instead of the matrix kernels.");
   if (!can.timestamps)
     degraded.emplace_back("It has no timestamps: --profile has nothing to show, and the times here are the host's.");
   addMemory(findings, degraded);

@@ -7,6 +7,7 @@
 #include "engine/environment.h"
 #include "engine/handles.h"
 #include "engine/kernel_family.h"
+#include "engine/matrix_units.h"
 #include "engine/selection.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
@@ -83,7 +84,10 @@ void openDevice(Gpu::Handles& gpu) {
   VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
+  MatrixFeatures matrixFeatures;
+  matrixFeatures.enable(gpu.traits.matrixUnits, features12);
   std::vector<const char*> extensions;
+  if (const char* name = extensionOf(gpu.traits.matrixUnits)) extensions.push_back(name);
   for (const std::string& name : gpu.options.deviceExtensions) extensions.push_back(name.c_str());
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
   const char* portability = "VK_KHR_portability_subset";

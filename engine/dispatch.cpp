@@ -11,6 +11,11 @@ constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix"};
 
 const char* nameOf(KernelFamily family) { return kFamilies[static_cast<size_t>(family)]; }
 
+const char* nameOf(MatrixUnits units) {
+  static constexpr const char* kNames[] = {"none", "software", "nv", "khr"};
+  return kNames[static_cast<size_t>(units)];
+}
+
 KernelFamily kernelFamilyOf(std::string_view name) {
   const auto found = std::find(std::begin(kFamilies), std::end(kFamilies), name);
   if (found == std::end(kFamilies))
@@ -23,9 +28,7 @@ std::string programName(const char* op, KernelFamily family, DataType stored) {
 }
 
 std::string matrixProgramName(const char* op, MatrixUnits units, DataType stored) {
-  static constexpr const char* kUnits[] = {"none", "software", "nv", "khr"};
-  return std::string(op) + "_matrix_" + kUnits[static_cast<size_t>(units)] +
-         (stored == DataType::f32 ? "_f32" : "_f16");
+  return std::string(op) + "_matrix_" + nameOf(units) + (stored == DataType::f32 ? "_f32" : "_f16");
 }
 
 Dispatch copyRows(std::string program, const TensorView& from, const TensorView& to, RowRange rows) {

@@ -25,6 +25,9 @@ KernelFamily kernelFamilyOf(std::string_view name);
 /// same fragments. All multiply 16 x 16 matrices of 16-bit floats and add up in 32 bits.
 enum class MatrixUnits : uint8_t { none, software, nv, khr };
 
+/// "none", "software", "nv" or "khr".
+const char* nameOf(MatrixUnits units);
+
 /// The properties of a device that decide how work is dispatched: plain numbers, testable without a device.
 struct DeviceTraits {
   KernelFamily family = KernelFamily::plain;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "engine/kernel_family.h"
+#include "engine/matrix_units.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
@@ -84,7 +85,7 @@ std::string versionText(uint32_t version) {
   return text.str();
 }
 
-DeviceDescription describe(VkPhysicalDevice device) {
+DeviceDescription describe(const Instance& instance, VkPhysicalDevice device) {
   VkPhysicalDeviceVulkan12Properties version12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
   VkPhysicalDeviceVulkan11Properties version11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES, &version12};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &version11};
@@ -100,6 +101,7 @@ DeviceDescription describe(VkPhysicalDevice device) {
     description.uuid += "0123456789abcdef"[byte & 15];
   }
   description.driver = std::string(version12.driverName).append(" ").append(version12.driverInfo);
+  description.matrixUnits = findMatrixUnits(instance, device);
   description.kernelFamily = suitableFamily(description);
   description.apiVersion = versionText(properties.properties.apiVersion);
   for (uint32_t i = 0; i < memory.memoryHeapCount; ++i)
@@ -184,7 +186,7 @@ std::vector<FoundDevice> findDevices(const Instance& instance) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(handle, &properties);
     if (properties.apiVersion < VK_API_VERSION_1_2 || !hasComputeQueue(handle)) continue;
-    found.push_back({handle, describe(handle)});
+    found.push_back({handle, describe(instance, handle)});
     found.back().description.index = static_cast<uint32_t>(found.size() - 1);
   }
   return found;

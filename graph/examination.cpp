@@ -114,6 +114,8 @@ DeviceCapabilities Examination::capabilities(Device& device) {
   Gpu& gpu = device.state_->gpu;
   const DeviceTraits& traits = gpu.traits();
   return {.kernelFamily = nameOf(traits.family),
+          .matrixUnits = nameOf(gpu.description().matrixUnits),
+          .matrixTrusted = traits.matrixUnits != MatrixUnits::none,
           .subgroupSize = traits.subgroupSize,
           .int64 = traits.shaderInt64,
           .timestamps = gpu.hasTimestamps(),

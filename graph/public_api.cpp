@@ -5,6 +5,7 @@
 
 #include "graph/device_state.h"
 #include "graph/halo.h"
+#include "graph/matrix_proof.h"
 #include "graph/quiet_windows.h"
 #include "graph/reference.h"
 #include "graph/sparse_runner.h"
@@ -249,7 +250,10 @@ Device::Device(const Options& options)
                             .instanceExtensions = options.instanceExtensions,
                             .deviceExtensions = options.deviceExtensions,
                             .kernelFamily = options.kernelFamily,
-                            .programs = embeddedProgram})}) {}
+                            .programs = embeddedProgram})}) {
+  if (!proveMatrixKernels(state_->gpu) && options.kernelFamily == "matrix")
+    throw Error("the matrix kernels give wrong results on " + description().name + "; choose plain or tile");
+}
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;

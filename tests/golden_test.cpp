@@ -75,9 +75,7 @@ class GoldenNetwork : public testing::TestWithParam<std::string> {
     const Golden golden(GetParam());
     Gpu& gpu = test::gpu();
     const DeviceTraits traits = gpu.traits();
-    DeviceTraits wanted = traits;
-    wanted.family = family;
-    gpu.setTraits(wanted);
+    gpu.setTraits(test::traitsOf(family));
     Session session(gpu, golden.model, golden.frame, {.precision = precision});
     gpu.setTraits(traits);
     session.fillArena(0x7fc00000);  // NaN
@@ -107,6 +105,7 @@ INSTANTIATE_TEST_SUITE_P(All, GoldenNetwork, testing::ValuesIn(goldenNames()),
 // In the families that the test's device would not choose: few, as GPU kernels are slow on a CPU.
 TEST_P(GoldenOtherFamilies, Fp32Tile) { expectMatch(KernelFamily::tile, Precision::fp32, 1e-4); }
 TEST_P(GoldenOtherFamilies, Fp16Tile) { expectMatch(KernelFamily::tile, Precision::fp16, 5e-3); }
+TEST_P(GoldenOtherFamilies, Fp16Matrix) { expectMatch(KernelFamily::matrix, Precision::fp16, 5e-3); }
 
 INSTANTIATE_TEST_SUITE_P(Some, GoldenOtherFamilies,
                          testing::Values("s2_guided", "s2_window8", "s2_rdb_concat_aux_kernels", "s4_compact_width",

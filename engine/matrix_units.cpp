@@ -1,0 +1,135 @@
+#include "engine/matrix_units.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/vulkan_result.h"
+
+// Only where the compiler of the kernels knows the extension, too.
+#if defined(XRDS_MATRIX_KHR) && defined(VK_KHR_cooperative_matrix)
+#define XRDS_USES_KHR
+#endif
+
+namespace xrds {
+namespace {
+
+std::vector<VkExtensionProperties> extensionsOf(VkPhysicalDevice device) {
+  uint32_t count = 0;
+  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr),
+              "vkEnumerateDeviceExtensionProperties");
+  std::vector<VkExtensionProperties> extensions(count);
+  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()),
+              "vkEnumerateDeviceExtensionProperties");
+  return extensions;
+}
+
+bool has(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return !std::strcmp(e.extensionName, name); });
+}
+
+// Kernels share their work among subgroups whose number they know.
+bool hasFixedSubgroups(VkPhysicalDevice device, const std::vector<VkExtensionProperties>& extensions) {
+  VkPhysicalDeviceSubgroupSizeControlProperties sizes{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  if (properties.properties.apiVersion < VK_API_VERSION_1_3 &&
+      !has(extensions, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME))
+    return true;
+  properties.pNext = &sizes;
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  return sizes.minSubgroupSize == sizes.maxSubgroupSize;
+}
+
+// Whether the device has the feature of the extension, and what it needs beside it.
+template <class Features>
+bool hasFeatures(VkPhysicalDevice device, Features wanted) {
+  VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &wanted};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  return wanted.cooperativeMatrix && features12.shaderFloat16 && features12.vulkanMemoryModel;
+}
+
+// The sizes and types that the extension's query gives.
+template <class Properties>
+std::vector<Properties> propertiesOf(const Instance& instance, VkPhysicalDevice device, const char* query,
+                                     VkStructureType type) {
+  using Query = VkResult(VKAPI_PTR*)(VkPhysicalDevice, uint32_t*, Properties*);
+  const auto ask = reinterpret_cast<Query>(vkGetInstanceProcAddr(instance.instance, query));
+  uint32_t count = 0;
+  if (!ask) return {};
+  checkResult(ask(device, &count, nullptr), query);
+  Properties empty{};
+  empty.sType = type;
+  std::vector<Properties> properties(count, empty);
+  checkResult(ask(device, &count, properties.data()), query);
+  return properties;
+}
+
+template <class Properties>
+bool isSixteenCubed(const Properties& p) {
+  return p.MSize == 16 && p.NSize == 16 && p.KSize == 16;
+}
+
+bool offersNv(const Instance& instance, VkPhysicalDevice device) {
+  const auto all = propertiesOf<VkCooperativeMatrixPropertiesNV>(instance, device,
+                                                                 "vkGetPhysicalDeviceCooperativeMatrixPropertiesNV",
+                                                                 VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_NV);
+  return std::any_of(all.begin(), all.end(), [](const VkCooperativeMatrixPropertiesNV& p) {
+    return isSixteenCubed(p) && p.AType == VK_COMPONENT_TYPE_FLOAT16_NV && p.BType == VK_COMPONENT_TYPE_FLOAT16_NV &&
+           p.CType == VK_COMPONENT_TYPE_FLOAT32_NV && p.DType == VK_COMPONENT_TYPE_FLOAT32_NV &&
+           p.scope == VK_SCOPE_SUBGROUP_NV;
+  });
+}
+
+#ifdef XRDS_USES_KHR
+bool offersKhr(const Instance& instance, VkPhysicalDevice device) {
+  const auto all = propertiesOf<VkCooperativeMatrixPropertiesKHR>(instance, device,
+                                                                  "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR",
+                                                                  VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_KHR);
+  return std::any_of(all.begin(), all.end(), [](const VkCooperativeMatrixPropertiesKHR& p) {
+    return isSixteenCubed(p) && p.AType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.BType == VK_COMPONENT_TYPE_FLOAT16_KHR &&
+           p.CType == VK_COMPONENT_TYPE_FLOAT32_KHR && p.ResultType == VK_COMPONENT_TYPE_FLOAT32_KHR &&
+           p.scope == VK_SCOPE_SUBGROUP_KHR;
+  });
+}
+#endif
+
+}  // namespace
+
+MatrixUnits findMatrixUnits(const Instance& instance, VkPhysicalDevice device) {
+  const auto extensions = extensionsOf(device);
+  if (!hasFixedSubgroups(device, extensions)) return MatrixUnits::none;
+  const MatrixFeatures features;
+  if (has(extensions, VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.nv) &&
+      offersNv(instance, device))
+    return MatrixUnits::nv;
+#ifdef XRDS_USES_KHR
+  if (has(extensions, VK_KHR_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.khr) &&
+      offersKhr(instance, device))
+    return MatrixUnits::khr;
+#endif
+  return MatrixUnits::none;
+}
+
+const char* extensionOf(MatrixUnits units) {
+  if (units == MatrixUnits::nv) return VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME;
+  return units == MatrixUnits::khr ? "VK_KHR_cooperative_matrix" : nullptr;
+}
+
+void MatrixFeatures::enable(MatrixUnits units, VkPhysicalDeviceVulkan12Features& features) {
+  if (!extensionOf(units)) return;
+  features.shaderFloat16 = features.vulkanMemoryModel = VK_TRUE;
+  const auto chain = [&features](auto& wanted) {
+    wanted.cooperativeMatrix = VK_TRUE;
+    wanted.pNext = features.pNext;
+    features.pNext = &wanted;
+  };
+  if (units == MatrixUnits::nv) chain(nv);
+#ifdef VK_KHR_cooperative_matrix
+  if (units == MatrixUnits::khr) chain(khr);
+#endif
+}
+
+}  // namespace xrds

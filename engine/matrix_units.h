@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/device.h"
+#include "engine/instance.h"
+
+namespace xrds {
+
+/// The way to the matrix units of a device: the first extension with which a subgroup, of a fixed size, multiplies
+/// 16 x 16 matrices of 16-bit floats and adds up in 32 bits.
+MatrixUnits findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
+
+/// "VK_NV_cooperative_matrix", say; null without an extension.
+const char* extensionOf(MatrixUnits units);
+
+/// Adds what the units need to the features with which a device is opened; `storage` outlives that.
+struct MatrixFeatures {
+  VkPhysicalDeviceCooperativeMatrixFeaturesNV nv{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_COOPERATIVE_MATRIX_FEATURES_NV};
+#ifdef VK_KHR_cooperative_matrix
+  VkPhysicalDeviceCooperativeMatrixFeaturesKHR khr{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_COOPERATIVE_MATRIX_FEATURES_KHR};
+#endif
+  void enable(MatrixUnits units, VkPhysicalDeviceVulkan12Features& features);
+};
+
+}  // namespace xrds
