@@ -3,19 +3,21 @@
 #
 #     bench/gpu.sh OUT_FOLDER [SCENES]
 #
-# Writes operators.json and network.json with their texts, peers.txt, machine.txt and report.html. SCENES is a folder of
-# validation renders for the image error. BUILD is the build's folder (default build/release), DEVICE the engine's device
-# as xrds --device takes it (default: the best one), PYTHON a Python with training/requirements.txt and PyTorch
-# (default python3), PEERS what bench/peers.py shall run (default: those on the GPU), SIZES the sides of the outputs
-# (default 256,512,1024,2048,4096), SIDE that of operators and peers (default 1024), CONFIGS the peers' networks (default
+# Writes operators.json and network.json with their texts, families.json and operators_FAMILY.json (kernel families
+# beside each other), peers_fp32.txt and peers_fp16.txt, machine.txt and report.html. SCENES is a folder of validation
+# renders for the image error. BUILD is the build's folder (default build/release), DEVICE the engine's device as
+# xrds --device takes it (default: the best one), FAMILIES the kernel families to compare (default plain,tile,matrix; what a
+# device does not run is reported as refused), PYTHON a Python with training/requirements.txt and PyTorch (default
+# python3), PEERS what bench/peers.py shall run (default: those on the GPU), SIZES the sides of the outputs (default
+# 256,512,1024,2048,4096), SIDE that of operators, families and peers (default 1024), CONFIGS the peers' networks (default
 # paper,compact,nano), RUNS the frames or rounds that count (default 5). A part that fails is named; the others still run.
 set -euo pipefail
-[ $# -eq 1 ] || [ $# -eq 2 ] || { sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -eq 1 ] || [ $# -eq 2 ] || { sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 out=$1 scenes=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
 build=${BUILD:-$here/../build/release}
 python=${PYTHON:-python3}
-side=${SIDE:-1024} runs=${RUNS:-5}
+side=${SIDE:-1024} runs=${RUNS:-5} families=${FAMILIES:-plain,tile,matrix}
 mkdir -p "$out"
 device=()
 [ -z "${DEVICE:-}" ] || device=(--device "$DEVICE")
@@ -48,6 +50,18 @@ network() {
     --size "${SIZES:-256,512,1024,2048,4096}" --runs "$runs" --json "$out/network.json" "${options[@]}"
 }
 
+families() {
+  "$build/cli/xrds" bench network "${device[@]}" --model xrds-x4-compact --model "$out/paper-size.safetensors" \
+    --size "$side" --runs "$runs" --family "$families" --json "$out/families.json"
+}
+
+# operators_of FAMILY
+operators_of() {
+  "$build/bench/xrds_bench_operators" "${device[@]}" --family "$1" --network paper,compact --size "$side" \
+    --benchmark_out="$out/operators_$1.json" --benchmark_out_format=json ||
+    grep 'needs matrix units' "$out/operators_$1.log"  # it cannot be compared here, which is no failure
+}
+
 # peers PRECISION DEFAULT_PEERS
 peers() {
   "$python" "$here/peers.py" "$build/bench/xrds_bench_network" "${device[@]}" --configs "${CONFIGS:-paper,compact,nano}" \
@@ -63,6 +77,10 @@ report() {
 part machine describe
 part operators operators
 part network network
+part families families
+for family in ${families//,/ }; do
+  part "operators_$family" operators_of "$family"
+done
 part peers_fp32 peers fp32 pytorch-cuda,pytorch-cuda-compile
 part peers_fp16 peers fp16 pytorch-cuda-fp16,pytorch-cuda-fp16-compile
 part report report

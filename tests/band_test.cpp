@@ -145,7 +145,8 @@ TEST_P(Band, ImagePipeline) {
 
 INSTANTIATE_TEST_SUITE_P(All, Band,
                          testing::Combine(testing::Values(DataType::f32, DataType::f16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane,
+                                                          KernelFamily::tile)));
 
 TEST(Tensor, RowsAreWhereTheyAreStored) {
   const TensorView whole{.value = 0, .height = 10, .width = 3, .channels = 4, .channelStride = 8};

@@ -89,7 +89,8 @@ TEST_P(Aliasing, NeverChangesABit) {
 INSTANTIATE_TEST_SUITE_P(Session, Aliasing,
                          testing::Combine(testing::Values(BlockKind::rdst, BlockKind::rdb, BlockKind::rstb),
                                           testing::Values(Precision::fp32, Precision::fp16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane,
+                                                          KernelFamily::tile)));
 
 // Every scale, kind of block, way to join and full-resolution stage occurs.
 const NetworkConfig kBanded[] = {
@@ -166,10 +167,10 @@ TEST_P(Banding, NeverChangesABit) {
   gpu.setTraits(traits);
 }
 
-INSTANTIATE_TEST_SUITE_P(Session, Banding,
-                         testing::Combine(testing::Values(0, 1, 2, 3),
-                                          testing::Values(Precision::fp32, Precision::fp16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+INSTANTIATE_TEST_SUITE_P(
+    Session, Banding,
+    testing::Combine(testing::Values(0, 1, 2, 3), testing::Values(Precision::fp32, Precision::fp16),
+                     testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile)));
 
 TEST(Session, BandsReadOnlyWhatTheyHold) {
   for (const NetworkConfig& config : kBanded) {

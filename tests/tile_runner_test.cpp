@@ -142,7 +142,8 @@ TEST_P(ExactTiles, EqualTheWholeFrameBitForBit) {
 
 INSTANTIATE_TEST_SUITE_P(All, ExactTiles,
                          testing::Combine(testing::Values(Precision::fp32, Precision::fp16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane,
+                                                          KernelFamily::tile)));
 
 // A window less shows, so the halo is as small as can be.
 TEST(TileRunner, ASmallerHaloIsNotExact) {

@@ -17,6 +17,7 @@ _xrds() {
   # Options and models are read from the program itself, so that this list cannot go stale.
   case $previous in
     --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
+    --family) mapfile -t COMPREPLY < <(compgen -W "plain lane tile matrix" -- "$current"); return ;;
     --skip) mapfile -t COMPREPLY < <(compgen -W "off safe" -- "$current"); return ;;
     --tiles) mapfile -t COMPREPLY < <(compgen -W "exact bounded" -- "$current"); return ;;
     --aux) mapfile -t COMPREPLY < <(compgen -W "converged" -- "$current"); return ;;
