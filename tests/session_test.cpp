@@ -89,8 +89,9 @@ TEST_P(Aliasing, NeverChangesABit) {
 INSTANTIATE_TEST_SUITE_P(Session, Aliasing,
                          testing::Combine(testing::Values(BlockKind::rdst, BlockKind::rdb, BlockKind::rstb),
                                           testing::Values(Precision::fp32, Precision::fp16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane,
-                                                          KernelFamily::tile)));
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+INSTANTIATE_TEST_SUITE_P(OfGpus, Aliasing,
+                         testing::Values(std::tuple{BlockKind::rdst, Precision::fp16, KernelFamily::tile}));
 
 // Every scale, kind of block, way to join and full-resolution stage occurs.
 const NetworkConfig kBanded[] = {
@@ -167,10 +168,11 @@ TEST_P(Banding, NeverChangesABit) {
   gpu.setTraits(traits);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Session, Banding,
-    testing::Combine(testing::Values(0, 1, 2, 3), testing::Values(Precision::fp32, Precision::fp16),
-                     testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile)));
+INSTANTIATE_TEST_SUITE_P(Session, Banding,
+                         testing::Combine(testing::Values(0, 1, 2, 3),
+                                          testing::Values(Precision::fp32, Precision::fp16),
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
+INSTANTIATE_TEST_SUITE_P(OfGpus, Banding, testing::Values(std::tuple{size_t{0}, Precision::fp16, KernelFamily::tile}));
 
 TEST(Session, BandsReadOnlyWhatTheyHold) {
   for (const NetworkConfig& config : kBanded) {

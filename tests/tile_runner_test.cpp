@@ -142,8 +142,7 @@ TEST_P(ExactTiles, EqualTheWholeFrameBitForBit) {
 
 INSTANTIATE_TEST_SUITE_P(All, ExactTiles,
                          testing::Combine(testing::Values(Precision::fp32, Precision::fp16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane,
-                                                          KernelFamily::tile)));
+                                          testing::Values(KernelFamily::plain, KernelFamily::lane)));
 
 // A window less shows, so the halo is as small as can be.
 TEST(TileRunner, ASmallerHaloIsNotExact) {

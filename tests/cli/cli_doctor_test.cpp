@@ -99,6 +99,21 @@ TEST(CliDoctor, DistrustsADeviceThatLosesADispatch) {
   EXPECT_FALSE(nlohmann::json::parse(readBytes(json))["trusted"].get<bool>());
 }
 
+TEST(CliDoctor, ExaminesTheKernelFamilyThatTheEnvironmentNames) {
+  const TemporaryFolder out;
+  const std::string json = (out / "doctor.json").string();
+  const StartOptions tile{.environment = {{"XRDS_KERNEL_FAMILY", "tile"}}};
+  const Ended ended = runXrds({"doctor", "--runs", "2", "--json", json}, tile);
+  EXPECT_EQ(ended.exitCode, 0) << ended.output << ended.error;
+  const auto report = nlohmann::json::parse(readBytes(json));
+  EXPECT_EQ(report["capabilities"]["kernelFamily"], "tile");
+  for (const char* program :
+       {"conv3x3_tile_f16", "layer_norm_tile_f32", "linear_tile_f16", "window_attention_tile_f32"})
+    EXPECT_TRUE(contains(ended.output, program)) << ended.output;
+  const StartOptions none{.environment = {{"XRDS_KERNEL_FAMILY", "tiles"}}};
+  expectFailure(runXrds({"doctor"}, none), 5, "there is no kernel family 'tiles'", out, 1);
+}
+
 TEST(CliDoctor, FailsWithTheDevice) {
   const TemporaryFolder out;
   expectFailure(runXrds({"doctor", "--quiet"}, withFaults("vkQueueSubmit:5:0:-4")), 5, "the device was lost", out, 0);
