@@ -101,7 +101,7 @@ class MomentFlow {
       }
       at(op.output, o) = finished(sum, op.activation, op.residual, o);
     }
-    checkWeights(op.weight);
+    checkWeights(op.weight, inputs);
   }
 
   void follow(const Conv3x3& op) {
@@ -119,7 +119,7 @@ class MomentFlow {
       Moment& stored = at(op.output, channel);
       if (o % outputGroup == 0 || y.square() > stored.square()) stored = y;
     }
-    checkWeights(op.weight);
+    checkWeights(op.weight, op.inputChannels * 9);
   }
 
   void follow(const LayerNorm& op) {
@@ -145,6 +145,12 @@ class MomentFlow {
       for (const TensorView& view : {op.queries, op.keys})
         note(graph_.values[view.value].name, false, "large logits of attention");
     }
+    // These may be slices of one tensor, of which checkRange() sees the largest alone.
+    for (const TensorView& view : {op.queries, op.keys, op.values}) {
+      double square = 0;
+      for (uint32_t c = 0; c < view.channels; ++c) square = std::max(square, at(view, c).square());
+      checkSmall(graph_.values[view.value].name, square);
+    }
     copy(op.values, op.output);
   }
 
@@ -155,18 +161,25 @@ class MomentFlow {
       square = std::max(square, m.square());
     }
     if (peak > kLargestHalf) note(name, false, "too large for a half");
+    checkSmall(name, square);
+  }
+
+  void checkSmall(const std::string& name, double square) {
     if (square > 0 && std::sqrt(square) < kSmallestHalf) note(name, false, "too small for a half");
   }
 
-  // Weights are rounded once, so their error can be known.
-  void checkWeights(std::span<const float> weights) {
-    double difference = 0, power = 0;
-    for (const float w : weights) {
-      const double error = double{fromHalf(toHalf(w))} - w;
-      difference += error * error;
-      power += double{w} * w;
+  // Weights are rounded once, so their error can be known. A layer behind may ask for any one channel, however small.
+  void checkWeights(std::span<const float> weights, size_t weightsPerOutput) {
+    for (size_t row = 0; row < weights.size(); row += weightsPerOutput) {
+      double difference = 0, power = 0;
+      for (const float w : weights.subspan(row, weightsPerOutput)) {
+        const double error = double{fromHalf(toHalf(w))} - w;
+        difference += error * error;
+        power += double{w} * w;
+      }
+      if (difference <= kWeightNoise * kWeightNoise * power) continue;
+      return note(node_->name, true, "beyond the range of a half");
     }
-    if (!(difference <= kWeightNoise * kWeightNoise * power)) note(node_->name, true, "beyond the range of a half");
   }
 
   const Graph& graph_;

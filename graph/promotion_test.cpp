@@ -56,8 +56,12 @@ TEST(Promotion, StoresInFp32WhatIsTooLargeForAHalf) {
 
 TEST(Promotion, StoresInFp32WhatIsTooSmallForAHalf) {
   const ModelWeights model = changed("inside x 2^-24");
-  EXPECT_TRUE(contains(promotedNames(model, false), "aux_blocks.0.conv1"));
-  EXPECT_TRUE(contains(promotedNames(model, true), "aux_blocks.0.conv1"));
+  const auto values = promotedNames(model, false), weights = promotedNames(model, true);
+  EXPECT_TRUE(contains(values, "aux_blocks.0.conv1"));
+  EXPECT_TRUE(contains(weights, "aux_blocks.0.conv1"));
+  // A third of the layer's outputs alone is small.
+  EXPECT_TRUE(contains(values, "groups.0.xm.self_attn.qkv"));
+  EXPECT_TRUE(contains(weights, "groups.0.xm.self_attn.qkv"));
 }
 
 TEST(Promotion, StoresQueriesAndKeysOfLargeLogitsInFp32) {
