@@ -234,6 +234,9 @@ struct Upscaler::State {
   Repairs repairs{};
 
   const TileRunner& tileRunner() const { return sparse ? sparse->runner() : *runner; }
+  const std::vector<uint64_t>& lostPixels() const {
+    return session ? session->lostPixels() : sparse ? sparse->lostPixels() : runner->lostPixels();
+  }
 };
 
 std::vector<Device::Description> Device::list() {
@@ -334,7 +337,7 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
   for (const PixelView& image : auxiliary) finiteImages.emplace_back(image, repairs.auxiliary);
   for (const FiniteImage& image : finiteImages) views.push_back(image.view());
   if (!state_->runFinite(finiteColour.view(), views, output, progress)) return false;
-  repairs.output = state_->session ? state_->session->lostPixels() : state_->tileRunner().lostPixels();
+  repairs.output = state_->lostPixels().size();
   state_->repairs = repairs;
   return true;
 }

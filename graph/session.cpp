@@ -175,10 +175,10 @@ void Session::upload(const FrameInput& input) {
 void Session::download(std::span<float> output) const {
   checkSize("output", output.size(), graph_.output.pixelCount());
   const std::vector<float> pixels = read(graph_.output);
-  lostPixels_ = 0;
+  lostPixels_.clear();
   for (size_t p = 0; p < graph_.output.pixelCount(); ++p) {
     std::copy_n(&pixels[4 * p], 3, &output[3 * p]);
-    lostPixels_ += pixels[4 * p + 3] != 0;
+    if (pixels[4 * p + 3] != 0) lostPixels_.push_back(p);
   }
 }
 

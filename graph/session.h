@@ -89,8 +89,8 @@ class Session {
   std::vector<float> read(const TensorView& view) const;
   /// Fills the arena with a bit pattern (tests: NaN).
   void fillArena(uint32_t pattern) { arena_->fill(pattern); }
-  /// Pixels of the last run's output without the network's share, which was not finite there.
-  uint64_t lostPixels() const { return lostPixels_; }
+  /// Pixels of the last run's output without the network's share, which was not finite there, row by row from 0.
+  const std::vector<uint64_t>& lostPixels() const { return lostPixels_; }
   /// The exposure that the last run used.
   float exposure() const;
 
@@ -103,7 +103,7 @@ class Session {
   Buffer *arena_ = nullptr, *weights_ = nullptr;  // the own ones or the lender's
   std::vector<PackedKey> packedKeys_;             // what the weights hold, in order
   std::optional<Recording> recording_;
-  mutable uint64_t lostPixels_ = 0;  // counted by download()
+  mutable std::vector<uint64_t> lostPixels_;  // found by download()
 };
 
 /// Opens a session of the frame. Where the device has no room for it, one whose bands are as narrow as bands can be,

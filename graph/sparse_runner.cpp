@@ -92,6 +92,7 @@ bool SparseRunner::run(const FrameViews& given, std::span<float> output, const s
   const std::vector<Tile> tiles = tilesOf(needed);
   if (!runner_.run(frame, tiles, output, progress)) return false;
   if (!tiles.empty()) exposure_ = runner_.exposure();
+  lostPixels_ = runner_.lostPixels();
 
   const WindowMask outside = windowsOutside(tiles, frame_, config_.window);
   for (size_t i = 0; i < outside.marks.size(); ++i) {
@@ -124,7 +125,7 @@ std::vector<Tile> SparseRunner::tilesOf(const WindowMask& needed) {
   return tiles;
 }
 
-void SparseRunner::copyKept(std::span<float> output) const {
+void SparseRunner::copyKept(std::span<float> output) {
   const uint32_t side = config_.window * config_.scale, width = frame_.width * config_.scale;
   for (uint32_t y = 0; y < frame_.height * config_.scale; ++y)
     for (uint32_t column = 0; column < kept_.columns; ++column) {
@@ -132,13 +133,17 @@ void SparseRunner::copyKept(std::span<float> output) const {
       const size_t first = size_t{3} * (size_t{y} * width + size_t{column} * side);
       std::copy_n(&last_->output[first], size_t{3} * std::min(side, width - column * side), &output[first]);
     }
+  for (const uint64_t pixel : last_->lostPixels)
+    if (kept_.at(static_cast<uint32_t>(pixel / width / side), static_cast<uint32_t>(pixel % width / side)))
+      lostPixels_.push_back(pixel);
 }
 
 void SparseRunner::remember(const FrameViews& frame, std::span<const float> output) {
-  if (!last_) last_.emplace();
+  if (!last_) last_ = Last{};
   last_->inputs.assign(1, packed(frame.colour));
   for (const PixelView& image : frame.auxiliary) last_->inputs.push_back(packed(image));
   last_->output.assign(output.begin(), output.end());
+  last_->lostPixels = lostPixels_;
   last_->exposure = exposure_;
 }
 

@@ -36,6 +36,8 @@ class SparseRunner {
   /// Pixels of the crops in the last run over those of the frame.
   double work() const { return work_; }
   float exposure() const { return exposure_; }
+  /// As Session::lostPixels(), those of kept windows included.
+  const std::vector<uint64_t>& lostPixels() const { return lostPixels_; }
   const TileRunner& runner() const { return runner_; }
 
  private:
@@ -43,11 +45,12 @@ class SparseRunner {
   struct Last {
     std::vector<std::vector<float>> inputs;  // colour, then the auxiliary images, three floats a pixel
     std::vector<float> output;
+    std::vector<uint64_t> lostPixels;
     float exposure = 0;
   };
   WindowMask changedWindows(const FrameViews& frame) const;
   std::vector<Tile> tilesOf(const WindowMask& needed);
-  void copyKept(std::span<float> output) const;
+  void copyKept(std::span<float> output);
   void remember(const FrameViews& frame, std::span<const float> output);
 
   NetworkConfig config_;
@@ -57,6 +60,7 @@ class SparseRunner {
   FrameShape frame_;
   WindowMask interpolated_, kept_;
   std::optional<Last> last_;
+  std::vector<uint64_t> lostPixels_;
   double work_ = 1;
   float exposure_ = 1;
 };

@@ -60,7 +60,7 @@ Session& TileRunner::sessionOf(const Rectangle& crop) {
 bool TileRunner::run(const FrameViews& frame, std::span<const Tile> tiles, std::span<float> output,
                      const std::function<bool(double)>& progress) {
   times_.clear();
-  lostPixels_ = 0;
+  lostPixels_.clear();
   if (tiles.empty()) return true;
   prepare(tiles);
   const float given = frame.exposure.value_or(1.f);
@@ -78,7 +78,7 @@ bool TileRunner::run(const FrameViews& frame, std::span<const Tile> tiles, std::
     result_.resize(3 * session.graph().output.pixelCount());
     if (!session.run(input, result_, progress ? std::function<bool(size_t, size_t)>(report) : nullptr)) return false;
     store(frame, tile, output);
-    lostPixels_ += session.lostPixels();
+    addLostPixels(session, frame, tile);
     addTimes(session);
     done += share;
   }
@@ -99,6 +99,17 @@ void TileRunner::store(const FrameViews& frame, const Tile& tile, std::span<floa
     const size_t from = (top + row) * tile.crop.width * s + left;
     const size_t to = (size_t{tile.inner.y} * s + row) * frame.colour.width * s + static_cast<size_t>(tile.inner.x) * s;
     std::copy_n(&result_[3 * from], size_t{3} * tile.inner.width * s, &output[3 * to]);
+  }
+}
+
+void TileRunner::addLostPixels(const Session& session, const FrameViews& frame, const Tile& tile) {
+  const int64_t s = model_.config().scale, width = s * tile.crop.width;
+  const int64_t left = s * tile.inner.x, top = s * tile.inner.y;
+  for (const uint64_t pixel : session.lostPixels()) {
+    const int64_t x = s * tile.crop.x + static_cast<int64_t>(pixel) % width;
+    const int64_t y = s * tile.crop.y + static_cast<int64_t>(pixel) / width;
+    if (x >= left && x < left + s * tile.inner.width && y >= top && y < top + s * tile.inner.height)
+      lostPixels_.push_back(static_cast<uint64_t>(y * s * frame.colour.width + x));
   }
 }
 

@@ -37,8 +37,8 @@ class TileRunner {
   uint64_t byteSize() const;
   /// The exposure of the last run.
   float exposure() const { return exposure_.value; }
-  /// As Session::lostPixels(), over the crops of all tiles.
-  uint64_t lostPixels() const { return lostPixels_; }
+  /// As Session::lostPixels(), of the whole output: those that the last run wrote.
+  const std::vector<uint64_t>& lostPixels() const { return lostPixels_; }
   /// Time of each operator in the last run, over all tiles; needs timestamps.
   const std::vector<DispatchTime>& times() const { return times_; }
 
@@ -47,6 +47,7 @@ class TileRunner {
   Session& sessionOf(const Rectangle& crop);
   void load(const FrameViews& frame, const Rectangle& crop);
   void store(const FrameViews& frame, const Tile& tile, std::span<float> output) const;
+  void addLostPixels(const Session& session, const FrameViews& frame, const Tile& tile);
   void addTimes(const Session& session);
 
   Gpu& gpu_;
@@ -56,7 +57,7 @@ class TileRunner {
   Size largestSize_{};
   std::map<Size, std::unique_ptr<Session>> others_;
   FrameExposure exposure_;
-  uint64_t lostPixels_ = 0;
+  std::vector<uint64_t> lostPixels_;
   std::vector<float> colour_, result_;  // of a crop
   std::vector<std::vector<float>> auxiliary_;
   std::vector<DispatchTime> times_;

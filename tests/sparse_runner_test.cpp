@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "graph/halo.h"
@@ -140,6 +141,34 @@ TEST(SparseRunner, KeepsWhatDidNotChangeBitForBit) {
   EXPECT_LT(runner.work(), 0.6);
   EXPECT_EQ(frame.run(runner, 1.1f), frame.runWhole(model, 1.1f));
   EXPECT_EQ(runner.work(), 1);
+}
+
+// Where the network is not finite the base image shows, also in windows that are kept.
+TEST(SparseRunner, CountsThePixelsThatWereLostInKeptWindowsToo) {
+  TensorFile file = ModelWeights::random(kConfig, 3).file();
+  for (float& weight : file.tensors.at("out.weight").values) weight = std::copysign(3e38f, weight);
+  const ModelWeights model = ModelWeights::fromTensors(std::move(file), "test");
+  Frame frame({0, 0, kFrame.width, kFrame.height});
+  Session whole(test::gpu(), model, kFrame, {.autoExposure = false});
+  std::vector<float> output(frame.albedo.size());
+  whole.run({frame.colour, {frame.albedo, frame.normal}, 1.f}, output);
+  const std::vector<uint64_t> lost = whole.lostPixels();
+  ASSERT_GT(lost.size(), 0U);
+
+  const uint32_t halo = exactHalo(kConfig);
+  SparseRunner runner = runnerOf(model, {.keepUnchanged = true, .reach = halo, .halo = halo});
+  for (int run = 0; run < 3; ++run) {
+    EXPECT_EQ(frame.run(runner), output) << run;
+    EXPECT_EQ(runner.lostPixels(), lost) << run;
+  }
+  EXPECT_EQ(runner.work(), 0);
+  frame.colour.back() += 0.25f;
+  EXPECT_EQ(frame.run(runner), frame.runWhole(model));
+  EXPECT_GT(runner.kept().count(), 0U);
+  whole.run({frame.colour, {frame.albedo, frame.normal}, 1.f}, output);
+  std::vector<uint64_t> found = runner.lostPixels();
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, whole.lostPixels());
 }
 
 TEST(SparseRunner, HoldsAnExposureOfItsOwn) {

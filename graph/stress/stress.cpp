@@ -185,7 +185,7 @@ class StressRun {
       ++row.cases;
       row.nonFiniteOutputs += !std::all_of(output.begin(), output.end(), [](float v) { return std::isfinite(v); });
       row.repairedPixels += frame.repairedPixels;
-      row.lostPixels += session.lostPixels();
+      row.lostPixels += session.lostPixels().size();
       if (frame.natural && mode.autoExposure) compareWithReference(frame, natural++, output, config.transfer, row);
       if (mode.autoExposure && !mode.banded) expected_[i] = output;
       if (mode.banded) row.bandsExactly = row.bandsExactly && output == expected_[i];
