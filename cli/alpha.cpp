@@ -17,11 +17,11 @@ float snapped(float alpha) {
 
 }  // namespace
 
-Image upscaleAlpha(Device& device, const Image& alpha, int scale) {
+Image upscaleAlpha(Device& device, const Image& alpha, int scale, const TileOptions& tiles) {
   Image spread(alpha.width, alpha.height, 3);
   for (size_t p = 0; p < alpha.pixelCount(); ++p)
     std::fill_n(&spread.pixels[3 * p], 3, alpha.pixels[p * alpha.channels]);
-  const Image upscaled = runBaseline(device, {"bicubic", "none", 1.F}, spread, {}, scale);
+  const Image upscaled = runBaseline(device, {"bicubic", "none", 1.F, tiles}, spread, {}, scale);
   Image result(upscaled.width, upscaled.height, 1);
   for (size_t p = 0; p < result.pixelCount(); ++p) result.pixels[p] = snapped(upscaled.pixels[3 * p]);
   return result;

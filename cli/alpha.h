@@ -5,8 +5,9 @@
 
 namespace xrds {
 
-/// Alpha [h, w, 1] enlarged bicubically to [scale h, scale w, 1] and kept within [0, 1]: no model is trained for it.
-Image upscaleAlpha(Device& device, const Image& alpha, int scale);
+/// Alpha [h, w, 1] enlarged bicubically to [scale h, scale w, 1], wrapped and in tiles like the colour, and kept within
+/// [0, 1]: no model is trained for it.
+Image upscaleAlpha(Device& device, const Image& alpha, int scale, const TileOptions& tiles);
 
 /// R, G, B and A of one size as one image of four channels.
 Image withAlpha(const Image& colour, const Image& alpha);

@@ -107,7 +107,7 @@ Image runBaseline(Device& device, const Baseline& baseline, const Image& colour,
                   int scale) {
   const Model model = Model::untrained(static_cast<uint32_t>(scale), baseline.base, baseline.transfer);
   Upscaler upscaler(device, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height),
-                    {.exposure = baseline.exposure});
+                    {.exposure = baseline.exposure, .tiles = baseline.tiles});
   Image result(colour.width * scale, colour.height * scale, 3);
   upscaler.run(viewOf(colour), viewsOf(auxiliary), result.pixels, [](double) { return !interrupted(); });
   stopIfInterrupted();

@@ -23,6 +23,7 @@ int printCheck(const std::vector<Upscaler::CheckRow>& rows);
 struct Baseline {
   std::string base, transfer = "log1p";
   std::optional<float> exposure{};  // empty: from the frame
+  TileOptions tiles{};
 };
 
 /// Throws Error as Model::untrained and Upscaler do, Failure when interrupted.

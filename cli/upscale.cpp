@@ -239,7 +239,7 @@ void upscaleOn(Device& device, const Task& task) {
   if (options.check) runCheck(device, opened.model, frame, options);
   const Upscaled result = compute(device, opened.model, frame, options);
   std::optional<Image> alpha;
-  if (frame.alpha()) alpha = upscaleAlpha(device, *frame.alpha(), scale);
+  if (frame.alpha()) alpha = upscaleAlpha(device, *frame.alpha(), scale, options.upscaler().tiles);
   writeResult(options, frame, opened, result, alpha);
   if (!options.quiet)
     std::printf(

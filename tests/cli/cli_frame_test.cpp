@@ -146,6 +146,27 @@ TEST(CliFrame, UpscalesAlphaAndKeepsOpaqueOpaque) {
   for (const float value : alpha.pixels) EXPECT_TRUE(value >= 0 && value <= 1);
 }
 
+// In a panorama the left edge is what stands right of the right edge, for alpha too.
+TEST(CliFrame, WrapsAlphaWithTheColour) {
+  const SmallFrame frame;
+  const Layer colour = colourLayer("", 10);
+  const Layer withAlpha{"", "RGBA", [&](int x, int y, int c) {
+                          return c < 3 ? colour.pixels(x, y, c) : x < 5 ? 1.F : 0.F;
+                        }};
+  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {withAlpha}}});
+  ASSERT_EQ(runXrds(frame.arguments({"--wrap"})).exitCode, 0);
+  const Image alpha = readLayer(readExrHeader(frame.out), {0, "", {"A"}});
+  EXPECT_EQ(alpha.at(10, 16, 0), 1.F);
+  EXPECT_EQ(alpha.at(29, 16, 0), 0.F);
+  for (const auto& [x, opaque] : {std::pair{0, true}, {39, false}}) {
+    const float value = alpha.at(x, 16, 0);
+    EXPECT_TRUE(value > 0 && value < 1) << x;
+    EXPECT_EQ(value > 0.5F, opaque) << x;
+    // The edge in the middle of the frame has the same two sides.
+    EXPECT_NEAR(value, alpha.at(opaque ? 19 : 20, 16, 0), 1e-5F) << x;
+  }
+}
+
 TEST(CliFrame, RepairsCountsAndReportsWhatIsNotFinite) {
   const SmallFrame frame;
   const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
