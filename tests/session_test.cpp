@@ -3,36 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "graph/reference.h"
+#include "graph/stress/edges.h"
 #include "tests/harness.h"
+#include "tests/noise_frame.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
 
-struct Frame {
-  Frame(const NetworkConfig& config, FrameShape frame) {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<float> uniform(0, 1);
-    const auto fill = [&](std::vector<float>& image, uint64_t pixels) {
-      image.resize(3 * pixels);
-      for (float& value : image) value = uniform(random);
-    };
-    fill(colour, uint64_t{frame.height} * frame.width);
-    auxiliary.resize(config.auxInputs.size());
-    for (auto& image : auxiliary) fill(image, uint64_t{frame.height} * frame.width * config.scale * config.scale);
-    output.resize(3 * colour.size() / 3 * config.scale * config.scale);
-  }
-  FrameInput input() const {
-    FrameInput in{colour};
-    for (const auto& image : auxiliary) in.auxiliary.emplace_back(image);
-    return in;
-  }
-  std::vector<float> colour, output;
-  std::vector<std::vector<float>> auxiliary;
-};
+using Frame = test::NoiseFrame;
 
 const NetworkConfig kSmall{.scale = 2,
                            .channels = 16,
@@ -94,46 +74,7 @@ INSTANTIATE_TEST_SUITE_P(OfGpus, Aliasing,
                          testing::Values(std::tuple{BlockKind::rdst, Precision::fp16, KernelFamily::tile}));
 
 // Every scale, kind of block, way to join and full-resolution stage occurs.
-const NetworkConfig kBanded[] = {
-    {.scale = 2,
-     .channels = 16,
-     .auxChannels = 8,
-     .groups = 2,
-     .blocks = 2,
-     .window = 4,
-     .headChannels = 8,
-     .kernels = 5,
-     .auxSkip = true,
-     .auxKernels = 5},
-    {.scale = 4,
-     .channels = 8,
-     .auxChannels = 4,
-     .groups = 1,
-     .blocks = 2,
-     .window = 4,
-     .headChannels = 4,
-     .block = BlockKind::rdb,
-     .cross = CrossKind::concat,
-     .auxKernels = 3},
-    {.scale = 1,
-     .channels = 8,
-     .auxChannels = 8,
-     .groups = 2,
-     .blocks = 1,
-     .window = 4,
-     .headChannels = 8,
-     .base = BaseImage::none,
-     .block = BlockKind::rstb,
-     .auxSkip = true},
-    {.scale = 8,
-     .channels = 16,
-     .auxInputs = {},
-     .groups = 1,
-     .blocks = 1,
-     .window = 4,
-     .headChannels = 16,
-     .base = BaseImage::bicubic},
-};
+const std::vector<NetworkConfig> kBanded = stressConfigs();
 
 class Banding : public testing::TestWithParam<std::tuple<size_t, Precision, KernelFamily>> {};
 

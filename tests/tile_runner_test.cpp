@@ -3,34 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
-
 #include "graph/halo.h"
+#include "graph/stress/edges.h"
 #include "tests/harness.h"
+#include "tests/noise_frame.h"
 
 namespace xrds {
 namespace {
 
-/// Noise around a few levels, three floats a pixel, that can be rolled to the right.
-struct Frame {
-  Frame(const NetworkConfig& config, FrameShape shape, uint32_t roll = 0) : frame(shape), scale(config.scale) {
-    colour = image(shape, 1, roll, 1);
-    for (size_t i = 0; i < config.auxInputs.size(); ++i)
-      auxiliary.push_back(image(shape, scale, roll, static_cast<uint32_t>(i) + 2));
-    output.assign(3 * size_t{frame.width} * frame.height * scale * scale, NAN);
-  }
-  static std::vector<float> image(FrameShape shape, uint32_t scale, uint32_t roll, uint32_t seed) {
-    std::minstd_rand random(seed);
-    std::uniform_real_distribution<float> uniform(0, 1);
-    const size_t width = size_t{shape.width} * scale, height = size_t{shape.height} * scale;
-    std::vector<float> pixels(3 * width * height);
-    for (size_t y = 0; y < height; ++y)
-      for (size_t x = 0; x < width; ++x)
-        for (size_t c = 0; c < 3; ++c)
-          pixels[3 * (y * width + (x + size_t{roll} * scale) % width) + c] = uniform(random);
-    return pixels;
-  }
+struct Frame : test::NoiseFrame {
+  using NoiseFrame::NoiseFrame;
   PixelView view(const std::vector<float>& pixels, uint32_t s) const {
     return {pixels.data(), frame.width * s, frame.height * s, 3};
   }
@@ -40,65 +22,24 @@ struct Frame {
     for (const auto& pixels : auxiliary) aux.push_back(view(pixels, scale));
     return runner.run({view(colour, 1), aux, exposure}, cutFrame(frame, config.window, cut), output, progress);
   }
-  FrameInput input() const { return {colour, {auxiliary.begin(), auxiliary.end()}}; }
-
-  FrameShape frame;
-  uint32_t scale;
-  std::vector<float> colour, output;
-  std::vector<std::vector<float>> auxiliary;
 };
 
-// Every scale, kind of block, way to join and full-resolution stage occurs; heads and windows as small as may be.
-const NetworkConfig kConfigs[] = {
-    {.scale = 2,
-     .channels = 16,
-     .auxChannels = 8,
-     .groups = 1,
-     .blocks = 2,
-     .window = 4,
-     .headChannels = 8,
-     .kernels = 5,
-     .auxSkip = true,
-     .auxKernels = 5},
-    {.scale = 4,
-     .channels = 8,
-     .auxChannels = 4,
-     .groups = 1,
-     .blocks = 1,
-     .window = 8,
-     .headChannels = 4,
-     .kernels = 5,
-     .auxSkip = true},
-    {.scale = 4,
-     .channels = 8,
-     .auxChannels = 4,
-     .groups = 1,
-     .blocks = 2,
-     .window = 4,
-     .headChannels = 4,
-     .block = BlockKind::rdb,
-     .cross = CrossKind::concat,
-     .auxKernels = 3},
-    {.scale = 1,
-     .channels = 8,
-     .auxChannels = 8,
-     .groups = 2,
-     .blocks = 1,
-     .window = 4,
-     .headChannels = 8,
-     .base = BaseImage::none,
-     .block = BlockKind::rstb,
-     .auxSkip = true},
-    {.scale = 8,
-     .channels = 16,
-     .auxInputs = {},
-     .groups = 1,
-     .blocks = 1,
-     .window = 4,
-     .headChannels = 16,
-     .base = BaseImage::bicubic},
-    {.scale = 4, .groups = 0},
-};
+// Those of the stress run, in which every scale, kind of block, way to join and full-resolution stage occurs; then a
+// window of 8 pixels, and no network.
+std::vector<NetworkConfig> tiledConfigs() {
+  std::vector<NetworkConfig> configs = stressConfigs();
+  configs.pop_back();
+  configs[0].groups = 1;
+  NetworkConfig wide = configs[0];
+  wide.scale = 4;
+  wide.blocks = 1;
+  wide.window = 8;
+  wide.auxKernels = 0;
+  configs.insert(configs.begin() + 1, wide);
+  configs.push_back({.scale = 4, .groups = 0});
+  return configs;
+}
+const std::vector<NetworkConfig> kConfigs = tiledConfigs();
 
 /// Runs a test in a kernel family.
 struct InFamily {
