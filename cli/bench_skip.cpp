@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 
 #include "app/models.h"
@@ -20,6 +21,7 @@ namespace {
 struct BenchSkipOptions {
   std::string folder, model, device, markdown, skip = "safe", precision = "fp32";
   int scale = 4, runs = 5, colour = 64, aux = 16;
+  bool cpuTime = false;
 
   Upscaler::Options upscaler(float bound) const { return {.fp16 = precision == "fp16", .skip = {.bound = bound}}; }
 };
@@ -33,14 +35,32 @@ struct LargestChange {
 struct SkipMeasurement {
   std::string scene;
   SkipMap map;
-  double secondsOff = 0, seconds = 0, psnrOff = 0, psnr = 0;
+  std::vector<double> secondsOff, seconds;  // of each pair of runs
+  double psnrOff = 0, psnr = 0;
   LargestChange change;
 };
 
-double median(std::vector<double> values) {
+// Of the sorted values, interpolated.
+double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
-  const size_t half = values.size() / 2;
-  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+  const double at = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<size_t>(at);
+  const double above = values[std::min(below + 1, values.size() - 1)];
+  return values[below] + (at - static_cast<double>(below)) * (above - values[below]);
+}
+double median(const std::vector<double>& values) { return quantile(values, 0.5); }
+
+// The first of each pair over the second.
+std::vector<double> ratios(const std::vector<double>& first, const std::vector<double>& second) {
+  std::vector<double> result;
+  for (size_t i = 0; i < first.size(); ++i) result.push_back(first[i] / second[i]);
+  return result;
+}
+
+// Wall clock, or what all threads of the process have taken of the cores: on a busy machine the CPU devices' measure.
+double secondsNow(bool cpuTime) {
+  if (cpuTime) return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 LargestChange largestChange(const Image& full, const Image& result, const SkipMap& map, float exposure) {
@@ -61,7 +81,7 @@ LargestChange largestChange(const Image& full, const Image& result, const SkipMa
   return largest;
 }
 
-// Both are run once before, so that everything is compiled and planned, then in turn.
+// Both are run once before, so that everything is compiled and planned, then in pairs, the other one first each time.
 SkipMeasurement measureScene(Device& device, const Model& model, const SceneFiles& files, const Scene& scene,
                              const BenchSkipOptions& options) {
   const Frame& frame = scene.frame;
@@ -69,20 +89,20 @@ SkipMeasurement measureScene(Device& device, const Model& model, const SceneFile
   Upscaler skipping(device, model, frame.width(), frame.height(), options.upscaler(parseSkip(options.skip)));
   const auto auxiliary = viewsOf(frame.auxiliary());
   const auto seconds = [&](Upscaler& upscaler, Image& result) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = secondsNow(options.cpuTime);
     upscaler.run(viewOf(frame.colour()), auxiliary, result.pixels, [](double) { return !interrupted(); });
     stopIfInterrupted();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return secondsNow(options.cpuTime) - start;
   };
   Image off(scene.reference.width, scene.reference.height, 3), on = off;
-  std::vector<double> secondsOff, secondsOn;
-  for (int run = -1; run < options.runs; ++run) {
-    const double first = seconds(full, off), second = seconds(skipping, on);
-    if (run < 0) continue;
-    secondsOff.push_back(first);
-    secondsOn.push_back(second);
+  seconds(full, off);
+  seconds(skipping, on);
+  SkipMeasurement made{files.name, skipping.skipMap()};
+  for (int run = 0; run < options.runs; ++run) {
+    if (run % 2 == 0) made.secondsOff.push_back(seconds(full, off));
+    made.seconds.push_back(seconds(skipping, on));
+    if (run % 2 != 0) made.secondsOff.push_back(seconds(full, off));
   }
-  SkipMeasurement made{files.name, skipping.skipMap(), median(secondsOff), median(secondsOn)};
   made.psnrOff = psnr(off, scene.reference);
   made.psnr = psnr(on, scene.reference);
   made.change = largestChange(off, on, made.map, full.exposure());
@@ -93,13 +113,22 @@ Row rowOf(const SkipMeasurement& made) {
   return {made.scene,
           text("%.1f %%", 100 * made.map.share(SkipMap::Window::interpolated)),
           text("%.1f %%", 100 * made.map.work),
-          text("%.3f", made.secondsOff),
-          text("%.3f", made.seconds),
-          text("%.3f", made.secondsOff / made.seconds),
+          text("%.3f", median(made.secondsOff)),
+          text("%.3f", median(made.seconds)),
+          text("%.3f", median(ratios(made.secondsOff, made.seconds))),
           text("%.3f", made.psnrOff),
           text("%+.4f", made.psnr - made.psnrOff),
           text("%.5f", made.change.interpolated),
           text("%.5f", made.change.computed)};
+}
+
+// What skipping costs where it does not find a window to skip.
+void printCost(const std::vector<double>& slower) {
+  if (slower.empty()) return;
+  std::printf(
+      "Where nothing is skipped: %zu pairs of runs, time with --skip over that without: median %.4f, quartiles %.4f "
+      "and %.4f.\n",
+      slower.size(), median(slower), quantile(slower, 0.25), quantile(slower, 0.75));
 }
 
 void run(const BenchSkipOptions& options) {
@@ -112,19 +141,25 @@ void run(const BenchSkipOptions& options) {
   std::vector<Row> rows{
       {"scene", "skipped", "work", "s off", "s skip", "faster", "PSNR off", "change dB", "skipped windows", "others"}};
   double worst = 0;
+  std::vector<double> slower;
   for (const SceneFiles& files : list.scenes) {
     const Scene scene = stage(ExitCode::input, [&] { return loadScene(files, setting); });
     const SkipMeasurement made =
         stage(ExitCode::device, [&] { return measureScene(device, model, files, scene, options); });
+    if (made.map.work == 1) {
+      const std::vector<double> pairs = ratios(made.seconds, made.secondsOff);
+      slower.insert(slower.end(), pairs.begin(), pairs.end());
+    }
     worst = std::max({worst, made.change.interpolated, made.change.computed});
     rows.push_back(rowOf(made));
   }
   std::printf(
-      "%s, --skip %s (bound %g), model %s (%s), %s: median of %d runs in turn\n\n%s\nLargest change of a window "
+      "%s, --skip %s (bound %g), model %s (%s), %s: median of %d pairs of runs%s\n\n%s\nLargest change of a window "
       "%.5f: the bound %s.\n",
       options.folder.c_str(), options.skip.c_str(), static_cast<double>(parseSkip(options.skip)), name.c_str(),
-      options.precision.c_str(), device.description().name.c_str(), options.runs, aligned(rows).c_str(), worst,
-      worst <= static_cast<double>(parseSkip(options.skip)) ? "holds" : "does not hold");
+      options.precision.c_str(), device.description().name.c_str(), options.runs, options.cpuTime ? ", CPU time" : "",
+      aligned(rows).c_str(), worst, worst <= static_cast<double>(parseSkip(options.skip)) ? "holds" : "does not hold");
+  printCost(slower);
   if (!options.markdown.empty()) stage(ExitCode::output, [&] { writeText(options.markdown, markdown(rows)); });
 }
 
@@ -141,9 +176,11 @@ void addBenchSkip(CLI::App& group) {
   verb->add_option("--scale", options->scale, "Of the colour's render")->capture_default_str();
   verb->add_option("--colour", options->colour, "Samples a pixel of the colour")->capture_default_str();
   verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")->capture_default_str();
-  verb->add_option("--runs", options->runs, "Of which the median is taken")
+  verb->add_option("--runs", options->runs, "Pairs of runs, of which the median is taken")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  verb->add_flag("--cpu-time", options->cpuTime,
+                 "Time what the process takes of the cores: for CPU devices, busy machines");
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->capture_default_str();
@@ -151,7 +188,7 @@ void addBenchSkip(CLI::App& group) {
       ->type_name("DEVICE");
   verb->add_option("--markdown", options->markdown, "File to write with the table")->type_name("MD");
   verb->footer(
-      "Each scene is upscaled in full and with --skip, in turn, after one run of each. skipped: share of the windows\n"
+      "Each scene is upscaled in full and with --skip, in pairs, after one run of each. skipped: share of the windows\n"
       "that were interpolated; work: pixels computed, surroundings included, over all; the last two columns: the\n"
       "largest change of a window, root mean square of log(1 + exposure radiance), among those skipped and the "
       "others.");
