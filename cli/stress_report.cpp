@@ -12,7 +12,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::pair<const char*, const char*> kDefinitions[] = {
-    {"cases", "frames of 7 x 9 pixels that were upscaled, each another image, exposure or set of weights"},
+    {"cases", "frames of 7 x 9 pixels, or wide enough for two tiles, each another image, exposure or set of weights"},
+    {"casesInParts", "of these, those in exact or bounded tiles or with quiet windows skipped"},
     {"nonFiniteOutputs", "of these, those with a NaN or infinity in the result"},
     {"repairedPixels", "input pixels that were not finite, filled from their finite neighbours"},
     {"lostPixels", "output pixels whose network share was not finite and was left out"},
@@ -21,6 +22,7 @@ constexpr std::pair<const char*, const char*> kDefinitions[] = {
      "natural images with automatic exposure"},
     {"bounded",
      "false: with these weights the network amplifies rounding so much that no bound on its error is claimed"},
+    {"worstSkip", "the largest change of a window that was skipped, root mean square of log(1 + exposure radiance)"},
     {"firstDegraded", "the first operator whose own error, on the inputs that the device gave it, exceeds its budget"},
     {"promoted", "what the engine stores in fp32 although fp16 was asked for"},
 };
@@ -121,6 +123,7 @@ Json jsonOf(const StressRow& row) {
           {"family", row.family},
           {"bounded", row.bounded},
           {"cases", row.cases},
+          {"casesInParts", row.casesInParts},
           {"nonFiniteOutputs", row.nonFiniteOutputs},
           {"repairedPixels", row.repairedPixels},
           {"lostPixels", row.lostPixels},
@@ -130,7 +133,9 @@ Json jsonOf(const StressRow& row) {
           {"firstDegraded", row.firstDegraded},
           {"promoted", row.promoted},
           {"replaysExactly", row.replaysExactly},
-          {"bandsExactly", row.bandsExactly}};
+          {"bandsExactly", row.bandsExactly},
+          {"tilesExactly", row.tilesExactly},
+          {"worstSkip", row.worstSkip}};
 }
 
 }  // namespace

@@ -2,59 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 
+#include "graph/quiet_windows.h"
 #include "graph/reference.h"
 #include "graph/stress/edges.h"
 #include "graph/stress/inputs.h"
-#include "image/repair.h"
+#include "graph/stress/parts.h"
 
 namespace xrds {
 namespace {
 
 constexpr FrameShape kFrame{9, 7};  // more than one window of any model, and padding
-constexpr float kExposures[] = {1e-30f, 1e-6f, 1, 1e6f, 1e30f};
 constexpr size_t kFewReferences = 2;
 
 const char* nameOf(Precision precision) { return precision == Precision::fp32 ? "fp32" : "fp16"; }
-
-/// A frame as Upscaler::run hands it to a session.
-struct StressFrame {
-  std::string name;
-  bool natural = false;
-  Image colour;
-  std::vector<Image> auxiliary;
-  uint64_t repairedPixels = 0;
-  float givenExposure = 1;
-
-  FrameInput input(bool autoExposure) const {
-    FrameInput in{colour.pixels};
-    for (const Image& image : auxiliary) in.auxiliary.emplace_back(image.pixels);
-    if (!autoExposure) in.exposure = givenExposure;
-    return in;
-  }
-};
-
-/// Every colour, natural ones with natural auxiliary images, the others with all of them in turn.
-std::vector<StressFrame> framesOf(const NetworkConfig& config, uint32_t seed, size_t turn) {
-  const auto colours = stressColours(), auxiliaries = stressAuxiliaries();
-  const auto naturalCount = static_cast<size_t>(
-      std::count_if(auxiliaries.begin(), auxiliaries.end(), [](const StressInput& input) { return input.natural; }));
-  std::vector<StressFrame> frames;
-  for (size_t i = 0; i < colours.size(); ++i) {
-    const bool natural = colours[i].natural;
-    const size_t aux = natural ? i % naturalCount : (i + 5 * turn) % auxiliaries.size();
-    const auto frameSeed = static_cast<uint32_t>(seed + 100 * turn + i);
-    StressFrame frame{std::string(colours[i].name), natural, stressColour(i, kFrame, frameSeed),
-                      stressAuxiliary(aux, config, kFrame, frameSeed)};
-    if (!frame.auxiliary.empty()) frame.name += ", " + std::string(auxiliaries[aux].name);
-    frame.repairedPixels = repairNonFinite(frame.colour).nonFinitePixels;
-    for (Image& image : frame.auxiliary) frame.repairedPixels += repairNonFinite(image).nonFinitePixels;
-    frame.givenExposure = kExposures[(i + turn) % std::size(kExposures)];
-    frames.push_back(std::move(frame));
-  }
-  return frames;
-}
 
 /// What double precision makes of a frame.
 struct Reference {
@@ -124,7 +86,9 @@ class StressRun {
 
   // Returns false if it was stopped.
   bool runModel(const StressModel& model, size_t turn) {
-    frames_ = framesOf(model.weights.config(), options_.seed, turn);
+    const NetworkConfig& config = model.weights.config();
+    frames_ = stressFrames(config, kFrame, options_.seed, turn);
+    partedFrames_ = stressFrames(config, partedFrame(config), options_.seed, turn);
     for (const WeightEdge& edge : weightEdges()) {
       if (!runs(model, edge, traits_.family)) continue;
       const ModelWeights weights = ModelWeights::fromTensors(edge.apply(model.weights.file()), model.name);
@@ -136,7 +100,9 @@ class StressRun {
         for (const KernelFamily family : families()) {
           if (!runs(model, edge, family)) continue;
           StressRow row{model.name, edge.name, nameOf(precision), nameOf(family), edge.bounded};
-          runRow(weights, precision, family, {isChange(edge), model.large}, row);
+          const Scope scope{isChange(edge), model.large};
+          runRow(weights, precision, family, scope, row);
+          runParts(weights, precision, scope, row);
           report_.rows.push_back(std::move(row));
           const double done = static_cast<double>(report_.rows.size()) / static_cast<double>(rowCount_);
           if (options_.progress && !options_.progress(done)) return false;
@@ -182,10 +148,7 @@ class StressRun {
     for (const size_t i : which) {
       const StressFrame& frame = frames_[i];
       session.run(frame.input(mode.autoExposure), output);
-      ++row.cases;
-      row.nonFiniteOutputs += !std::all_of(output.begin(), output.end(), [](float v) { return std::isfinite(v); });
-      row.repairedPixels += frame.repairedPixels;
-      row.lostPixels += session.lostPixels().size();
+      count(frame, output, session.lostPixels().size(), row);
       if (frame.natural && mode.autoExposure) compareWithReference(frame, natural++, output, config.transfer, row);
       if (mode.autoExposure && !mode.banded) expected_[i] = output;
       if (mode.banded) row.bandsExactly = row.bandsExactly && output == expected_[i];
@@ -194,6 +157,52 @@ class StressRun {
     }
     session.run(frames_.front().input(mode.autoExposure), output);
     row.replaysExactly = row.replaysExactly && output == first;
+  }
+
+  // Frames in tiles and with windows skipped; one way in turn where not all is tried.
+  void runParts(const ModelWeights& weights, Precision precision, Scope scope, StressRow& row) {
+    if (row.family != nameOf(traits_.family) && (scope.large || options_.shortForm)) return;
+    const bool fewer = scope.changed || options_.shortForm;
+    const size_t turn = report_.rows.size();
+    std::vector<std::unique_ptr<PartRunner>> runners;
+    for (const Parts parts : kAllParts) {
+      if (fewer && turn % std::size(kAllParts) != static_cast<size_t>(parts)) continue;
+      if (parts == Parts::skip && !whyNeverQuiet(weights.config()).empty()) continue;
+      runners.push_back(std::make_unique<PartRunner>(gpu_, weights, precision, parts));
+    }
+    if (runners.empty()) return;
+    Session session(gpu_, weights, partedFrame(weights.config()), {.precision = precision, .bandRows = kWholeFrame});
+    std::vector<float> whole(3 * session.graph().output.pixelCount());
+    for (size_t i = 0; i < partedFrames_.size(); ++i) {
+      if (fewer && (i + turn) % 4 != 0) continue;
+      session.run(partedFrames_[i].input(true), whole);
+      count(partedFrames_[i], whole, session.lostPixels().size(), row);
+      for (const auto& runner : runners) runInParts(*runner, partedFrames_[i], whole, row);
+    }
+  }
+
+  static void runInParts(PartRunner& runner, const StressFrame& frame, const std::vector<float>& whole,
+                         StressRow& row) {
+    std::vector<float> output(whole.size());
+    // Given exposures, too, are tried: with bounded tiles, which need not equal anything.
+    const bool autoExposure = runner.parts() != Parts::boundedTiles;
+    runner.run(frame, autoExposure, output);
+    count(frame, output, runner.lostPixels(), row);
+    ++row.casesInParts;
+    if (runner.parts() == Parts::exactTiles) row.tilesExactly = row.tilesExactly && output == whole;
+    if (runner.parts() == Parts::skip)
+      row.worstSkip = std::max(row.worstSkip, runner.largestSkippedChange(output, whole));
+    if (!frame.natural) return;
+    std::vector<float> again(whole.size());
+    runner.run(frame, autoExposure, again);
+    row.replaysExactly = row.replaysExactly && again == output;
+  }
+
+  static void count(const StressFrame& frame, const std::vector<float>& output, uint64_t lostPixels, StressRow& row) {
+    ++row.cases;
+    row.nonFiniteOutputs += !std::all_of(output.begin(), output.end(), [](float v) { return std::isfinite(v); });
+    row.repairedPixels += frame.repairedPixels;
+    row.lostPixels += lostPixels;
   }
 
   void compareWithReference(const StressFrame& frame, size_t which, const std::vector<float>& output, Transfer transfer,
@@ -230,7 +239,7 @@ class StressRun {
   const StressOptions& options_;
   const DeviceTraits traits_;
   size_t rowCount_ = 0;
-  std::vector<StressFrame> frames_;
+  std::vector<StressFrame> frames_, partedFrames_;
   std::vector<Reference> references_;         // of the first natural frames
   std::vector<std::vector<float>> expected_;  // of each frame, in one piece
   StressReport report_;
@@ -259,6 +268,7 @@ std::vector<std::string> StressReport::exceptions() const {
       found.push_back(what + std::to_string(row.nonFiniteOutputs) + " of " + std::to_string(row.cases) +
                       " outputs are not finite.");
     if (!row.replaysExactly) found.push_back(what + "a replay gave other bits.");
+    if (!row.tilesExactly) found.push_back(what + "exact tiles gave other bits than one piece.");
     if (!row.bandsExactly) found.push_back(what + "bands of rows gave other bits than one piece.");
     if (!row.bounded) continue;
     if (!(row.worstError <= bound))

@@ -28,6 +28,7 @@ struct StressRow {
   std::string model, weights, precision, family;
   bool bounded = true;                          // with these weights the bounds on the error hold
   uint64_t cases = 0, nonFiniteOutputs = 0;     // frames
+  uint64_t casesInParts = 0;                    // of these, in exact or bounded tiles or with windows skipped
   uint64_t repairedPixels = 0, lostPixels = 0;  // of the inputs; of the output, without the network's share
   uint64_t naturalCases = 0;
   double worstError = 0;  // of the natural inputs: RMS relative to double precision, in the transformed domain
@@ -36,6 +37,8 @@ struct StressRow {
   std::vector<std::string> promoted;  // values, and layers whose weights, fp16 keeps in fp32
   bool replaysExactly = true;         // after all other inputs
   bool bandsExactly = true;           // in bands of rows as in one piece
+  bool tilesExactly = true;           // in exact tiles as in one piece
+  double worstSkip = 0;               // largest change of a skipped window, as SkipOptions::bound has it
 };
 
 /// The largest error of an operator alone, on what the device gave it, over all natural inputs.
