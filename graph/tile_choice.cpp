@@ -77,7 +77,7 @@ class Planner {
 
   Needs needs(FrameShape crop) const {
     const uint32_t side = std::max(crop.width, crop.height), most = kMaxSide / model_.config().scale;
-    if (side > most) return {~uint64_t{0}, static_cast<double>(most) / side};
+    if (side > most) return {.arenaByteSize = ~uint64_t{0}, .share = static_cast<double>(most) / side};
     const Graph graph = graphOf(crop);
     Needs needs{xrds::arenaByteSize(graph)};
     needs.share = static_cast<double>(room_) / static_cast<double>(needs.arenaByteSize);
