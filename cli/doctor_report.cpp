@@ -117,7 +117,8 @@ std::string doctorJson(const Findings& findings, const Verdict& verdict) {
                           {"subgroupSize", can.subgroupSize},
                           {"int64", can.int64},
                           {"timestamps", can.timestamps},
-                          {"maxBindingBytes", can.maxBindingBytes}};
+                          {"maxBindingBytes", can.maxBindingBytes},
+                          {"maxTensorTexels", can.maxTensorTexels}};
   for (const PrecisionExamination& precision : findings.precisions) {
     for (const auto& kernel : precision.kernels) json["kernels"].push_back(jsonOf(kernel, precision.fp16));
     json["knownFrames"].push_back(jsonOf(precision.frame, precision.fp16));

@@ -7,7 +7,8 @@
 namespace xrds {
 namespace {
 
-constexpr const char* kTriedDrivers[] = {"llvmpipe Mesa 22.3"};
+constexpr const char* kTriedDrivers[] = {"llvmpipe Mesa 22.3", "SwiftShader driver"};
+constexpr uint64_t kUsualTensorTexels = uint64_t{1} << 26;  // what GPUs of computers offer at the least
 
 const char* nameOf(const PrecisionExamination& precision) { return precision.fp16 ? "fp16" : "fp32"; }
 
@@ -60,6 +61,9 @@ std::vector<std::string> degradedFeatures(const Findings& findings) {
         "Its matrix units gave wrong products: fp16 runs the tile kernels instead of the matrix kernels.");
   if (!can.timestamps)
     degraded.emplace_back("It has no timestamps: --profile has nothing to show, and the times here are the host's.");
+  if (can.maxTensorTexels < kUsualTensorTexels)
+    degraded.push_back("Its kernels read tensors of at most " + std::to_string(can.maxTensorTexels) +
+                       " texels: frames are cut into more tiles, or refused if not even the smallest fit.");
   addMemory(findings, degraded);
   if (std::none_of(std::begin(kTriedDrivers), std::end(kTriedDrivers),
                    [&](const char* driver) { return findings.device.driver.starts_with(driver); }))

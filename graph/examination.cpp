@@ -119,7 +119,8 @@ DeviceCapabilities Examination::capabilities(Device& device) {
           .subgroupSize = traits.subgroupSize,
           .int64 = traits.shaderInt64,
           .timestamps = gpu.hasTimestamps(),
-          .maxBindingBytes = traits.maxStorageBufferRange};
+          .maxBindingBytes = traits.maxStorageBufferRange,
+          .maxTensorTexels = traits.maxTexelBufferElements};
 }
 
 std::vector<KernelExamination> Examination::kernels(Device& device, bool fp16, uint32_t runs) {

@@ -218,8 +218,7 @@ struct Upscaler::State {
   // The images of a frame that is computed in tiles are never on the device as a whole.
   Session& wholeSession() {
     if (!session)
-      throw Error(
-          "The frame is computed in parts, so that it cannot be drawn from the device: use Upscaler::run().");
+      throw Error("The frame is computed in parts, so that it cannot be drawn from the device: use Upscaler::run().");
     return *session;
   }
 

@@ -14,6 +14,7 @@ struct DeviceCapabilities {
   bool int64 = false;            // 64-bit integers in shaders, also in subgroup operations
   bool timestamps = false;       // the device times its own work
   uint64_t maxBindingBytes = 0;  // of a storage buffer; larger tensors are bound in bands
+  uint64_t maxTensorTexels = 0;  // four channels each, of a tensor that kernels read; larger frames need tiles
 };
 
 /// One kernel on a small tensor of random numbers, against its double-precision reference and against itself.
