@@ -26,7 +26,7 @@ Findings rightFindings() {
   const FrameExamination frame{.width = 12, .height = 10, .rms = 1e-6, .rmsBound = 1e-4};
   Findings findings{
       .device = {.name = "device", .kind = "cpu", .driver = "llvmpipe Mesa 22.3.6", .memoryBytes = 1 << 30},
-      .capabilities = {.kernelFamily = "lane", .int64 = true, .timestamps = true},
+      .capabilities = {.kernelFamily = "lane", .int64 = true, .timestamps = true, .maxTensorTexels = 1 << 27},
       .precisions = {{false, {kernel}, frame}, {true, {kernel}, frame}},
       .usual = UsualFrame{"model", 1920, 1080, 1 << 29, 1 << 28},
       .runs = 3};
@@ -68,7 +68,8 @@ TEST(Verdict, TellsWhatTheDeviceLacks) {
   lesser.device.driver = "unheard-of 1.0";
   const std::vector<std::string> degraded = judge(lesser).degraded;
   EXPECT_EQ(judge(lesser).code, ExitCode::ok) << "lacking something is no reason for distrust";
-  for (const char* words : {"64-bit integers", "no timestamps", "use --precision fp16", "unheard-of 1.0"})
+  for (const char* words :
+       {"64-bit integers", "no timestamps", "at most 0 texels", "use --precision fp16", "unheard-of 1.0"})
     EXPECT_TRUE(anyContains(degraded, words)) << words;
 }
 
