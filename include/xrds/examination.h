@@ -6,10 +6,10 @@ namespace xrds {
 
 /// What a device offers beyond Vulkan 1.2, as far as it decides how kernels run.
 struct DeviceCapabilities {
-  std::string
-      kernelFamily;  // of the operators that are written for it: "plain", "lane", "tile", "matrix"; without it, "plain"
-  std::string matrixUnits;     // Vulkan's way to them: "nv", "khr" or "none"
-  bool matrixTrusted = false;  // they gave right products when the device was opened; in use in fp16 only
+  /// Of the operators that are written for it: "plain", "lane", "tile", "matrix"; the others run "plain".
+  std::string kernelFamily;
+  std::string matrixUnits = "none";  // Vulkan's way to them: "nv", "khr" or "none"
+  bool matrixTrusted = false;        // they gave right products when the device was opened; in use in fp16 only
   uint32_t subgroupSize = 0;
   bool int64 = false;            // 64-bit integers in shaders, also in subgroup operations
   bool timestamps = false;       // the device times its own work
