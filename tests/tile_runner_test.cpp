@@ -27,17 +27,15 @@ struct Frame : test::NoiseFrame {
 // Those of the stress run, in which every scale, kind of block, way to join and full-resolution stage occurs; then a
 // window of 8 pixels, and no network.
 std::vector<NetworkConfig> tiledConfigs() {
-  std::vector<NetworkConfig> configs = stressConfigs();
-  configs.pop_back();
-  configs[0].groups = 1;
-  NetworkConfig wide = configs[0];
+  const std::vector<NetworkConfig> stress = stressConfigs();
+  NetworkConfig narrow = stress.at(0);
+  narrow.groups = 1;
+  NetworkConfig wide = narrow;
   wide.scale = 4;
   wide.blocks = 1;
   wide.window = 8;
   wide.auxKernels = 0;
-  configs.insert(configs.begin() + 1, wide);
-  configs.push_back({.scale = 4, .groups = 0});
-  return configs;
+  return {narrow, wide, stress.at(1), stress.at(2), stress.at(3), {.scale = 4, .groups = 0}};
 }
 const std::vector<NetworkConfig> kConfigs = tiledConfigs();
 
