@@ -9,6 +9,7 @@
 #include "app/frame.h"
 #include "app/models.h"
 #include "app/skip_bound.h"
+#include "app/skip_map.h"
 #include "app/stage.h"
 #include "cli/alpha.h"
 #include "cli/commands.h"
@@ -16,7 +17,6 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
-#include "app/skip_map.h"
 #include "image/png_write.h"
 
 namespace xrds {

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "graph/device_state.h"
+#include "graph/public_state.h"
 #include "graph/known_frame.h"
 #include "graph/placed_operator.h"
 #include "shaders/common/tolerance.h"

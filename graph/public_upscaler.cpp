@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 
-#include "graph/device_state.h"
 #include "graph/halo.h"
-#include "graph/matrix_proof.h"
+#include "graph/public_state.h"
 #include "graph/quiet_windows.h"
 #include "graph/reference.h"
 #include "graph/sparse_runner.h"
@@ -13,22 +11,10 @@
 #include "graph/tile_choice.h"
 #include "graph/tile_runner.h"
 #include "image/repair.h"
-#include "shaders/programs.h"
 #include "xrds/engine_access.h"
 
 namespace xrds {
 namespace {
-
-Device::Description describeDevice(const DeviceDescription& device) {
-  static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
-  return {device.name,
-          kKinds[static_cast<size_t>(device.kind)],
-          device.uuid,
-          device.driver,
-          device.apiVersion,
-          device.memoryBytes,
-          nameOf(device.kernelFamily)};
-}
 
 // Three tightly packed floats a pixel.
 Image packed(const PixelView& view) {
@@ -85,8 +71,6 @@ void checkExposure(const Upscaler::Options& options) {
     throw Error("An exposure of " + std::to_string(e) + " was given, expected a number between 1e-30 and 1e30.");
 }
 
-std::string sizeText(uint32_t width, uint32_t height) { return std::to_string(width) + " x " + std::to_string(height); }
-
 void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& colour,
                 std::span<const PixelView> auxiliary) {
   if (colour.width != frame.width || colour.height != frame.height)
@@ -100,13 +84,6 @@ void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& 
       throw Error("The " + config.auxInputs[i] + " image is " + sizeText(auxiliary[i].width, auxiliary[i].height) +
                   " pixels, expected " + sizeText(config.scale * frame.width, config.scale * frame.height) + ": " +
                   std::to_string(config.scale) + " times the colour's " + sizeText(frame.width, frame.height) + ".");
-}
-
-FrameShape frameOf(const NetworkConfig& config, uint32_t outputWidth, uint32_t outputHeight) {
-  if (outputWidth % config.scale != 0 || outputHeight % config.scale != 0)
-    throw Error("An output of " + sizeText(outputWidth, outputHeight) + " pixels is no multiple of the model's scale " +
-                std::to_string(config.scale) + ".");
-  return {outputHeight / config.scale, outputWidth / config.scale};
 }
 
 SessionOptions sessionOptions(const Upscaler::Options& options) {
@@ -124,26 +101,6 @@ std::function<bool(size_t, size_t)> countingShare(const Upscaler::Progress& prog
   };
 }
 
-Tiling tilingOf(const ModelWeights& model, FrameShape frame, bool fp16, const TileOptions& options,
-                const MemoryLimits& limits) {
-  const NetworkConfig& config = model.config();
-  const uint32_t halo = options.halo.value_or(options.exact ? exactHalo(config) : boundedHalo(config));
-  if (halo % config.window != 0)
-    throw Error("A halo of " + std::to_string(halo) +
-                " pixels was asked for, expected a multiple of the model's window, " + std::to_string(config.window) +
-                ".");
-  const TileChoice choice = chooseTiles(model, frame, fp16 ? Precision::fp16 : Precision::fp32,
-                                        {options.columns, options.rows, halo, options.wrap}, limits);
-  Tiling tiling{.columns = choice.cut.columns, .rows = choice.cut.rows, .halo = halo};
-  if (tiling.columns * tiling.rows == 1 && !options.wrap) tiling.halo = 0;
-  tiling.tileWidth = config.scale * choice.crop.width;
-  tiling.tileHeight = config.scale * choice.crop.height;
-  tiling.work = choice.work;
-  tiling.arenaBytes = choice.arenaByteSize;
-  tiling.weightBytes = choice.weightByteSize;
-  return tiling;
-}
-
 SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
   if (options.tiles.wrap)
     throw Error("A panorama whose borders continue into each other is computed in full: skip nothing, or do not wrap.");
@@ -159,10 +116,6 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 }
 
 }  // namespace
-
-struct Model::State {
-  ModelWeights weights;
-};
 
 struct Upscaler::State {
   State(Gpu& gpu, const ModelWeights& model, FrameShape shape, const Options& given)
@@ -237,87 +190,6 @@ struct Upscaler::State {
     return session ? session->lostPixels() : sparse ? sparse->lostPixels() : runner->lostPixels();
   }
 };
-
-std::vector<Device::Description> Device::list() {
-  std::vector<Description> descriptions;
-  for (const DeviceDescription& device : listDevices()) descriptions.push_back(describeDevice(device));
-  return descriptions;
-}
-
-Device::Device(const Options& options)
-    : state_(new State{Gpu({.select = options.select,
-                            .validation = options.validation,
-                            .onMessage = options.onMessage,
-                            .cacheFolder = options.cacheFolder,
-                            .instanceExtensions = options.instanceExtensions,
-                            .deviceExtensions = options.deviceExtensions,
-                            .kernelFamily = options.kernelFamily,
-                            .programs = embeddedProgram})}) {
-  if (!proveMatrixKernels(state_->gpu) && options.kernelFamily == "matrix")
-    throw Error("the matrix kernels give wrong results on " + description().name + "; choose plain or tile");
-}
-Device::~Device() = default;
-Device::Device(Device&&) noexcept = default;
-Device& Device::operator=(Device&&) noexcept = default;
-Device::Description Device::description() const {
-  Description description = describeDevice(state_->gpu.description());
-  description.kernelFamily = nameOf(state_->gpu.traits().family);
-  return description;
-}
-
-Model::Model(const std::filesystem::path& file) : state_(new State{ModelWeights::read(file)}) {}
-Model::Model(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Model Model::untrained(uint32_t scale, const std::string& base, const std::string& transfer) {
-  NetworkConfig none{.scale = scale, .groups = 0};
-  if (base == "bicubic") none.auxInputs.clear();
-  Metadata metadata = describe(none);
-  metadata["base"] = base;
-  metadata["transfer"] = transfer;
-  TensorFile file;
-  file.metadata = std::move(metadata);
-  return Model(std::unique_ptr<State>(new State{ModelWeights::fromTensors(std::move(file), "untrained model")}));
-}
-Model::~Model() = default;
-Model::Model(Model&&) noexcept = default;
-Model& Model::operator=(Model&&) noexcept = default;
-uint32_t Model::scale() const { return state_->weights.config().scale; }
-const std::vector<std::string>& Model::auxiliaryInputs() const { return state_->weights.config().auxInputs; }
-const std::map<std::string, std::string>& Model::metadata() const { return state_->weights.file().metadata; }
-
-std::string Model::hash() const {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(state_->weights.file().hash));
-  return text;
-}
-
-std::string Model::whyNeverSkipped() const { return whyNeverQuiet(state_->weights.config()); }
-
-Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) const {
-  const NetworkConfig& config = state_->weights.config();
-  const GraphOptions options{fp16 ? Precision::fp16 : Precision::fp32};
-  const Graph graph = buildGraph(config, frameOf(config, outputWidth, outputHeight), state_->weights.lookup(), options);
-  Cost sum;
-  sum.parameters = state_->weights.parameterCount();
-  for (const Node& node : graph.nodes) {
-    const NodeCost part = xrds::cost(node);
-    sum.multiplyAdds += part.multiplyAdds;
-    sum.attentionMultiplyAdds += part.attentionMultiplyAdds;
-  }
-  const MemoryNeeds needs = memoryNeeds(graph, DeviceTraits{});
-  sum.plannedBytes = needs.planned;
-  sum.lowerBoundBytes = needs.lowerBound;
-  sum.unaliasedBytes = needs.unaliased;
-  sum.weightBytes = needs.weights;
-  return sum;
-}
-
-Tiling Model::tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options) const {
-  const FrameShape frame = frameOf(state_->weights.config(), outputWidth, outputHeight);
-  constexpr uint64_t kNoLimit = uint64_t{1} << 50;
-  MemoryLimits limits{options.memoryBytes ? options.memoryBytes : kNoLimit};
-  limits.traits.maxAllocationBytes = limits.traits.maxTexelBufferElements = kNoLimit;
-  return tilingOf(state_->weights, frame, fp16, options, limits);
-}
 
 Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
     : state_((checkExposure(options), new State(device.state_->gpu, model.state_->weights, {height, width}, options))) {

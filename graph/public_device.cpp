@@ -1,0 +1,49 @@
+#include "graph/matrix_proof.h"
+#include "graph/public_state.h"
+#include "shaders/programs.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+Device::Description describeDevice(const DeviceDescription& device) {
+  static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
+  return {device.name,
+          kKinds[static_cast<size_t>(device.kind)],
+          device.uuid,
+          device.driver,
+          device.apiVersion,
+          device.memoryBytes,
+          nameOf(device.kernelFamily)};
+}
+
+}  // namespace
+
+std::vector<Device::Description> Device::list() {
+  std::vector<Description> descriptions;
+  for (const DeviceDescription& device : listDevices()) descriptions.push_back(describeDevice(device));
+  return descriptions;
+}
+
+Device::Device(const Options& options)
+    : state_(new State{Gpu({.select = options.select,
+                            .validation = options.validation,
+                            .onMessage = options.onMessage,
+                            .cacheFolder = options.cacheFolder,
+                            .instanceExtensions = options.instanceExtensions,
+                            .deviceExtensions = options.deviceExtensions,
+                            .kernelFamily = options.kernelFamily,
+                            .programs = embeddedProgram})}) {
+  if (!proveMatrixKernels(state_->gpu) && options.kernelFamily == "matrix")
+    throw Error("the matrix kernels give wrong results on " + description().name + "; choose plain or tile");
+}
+Device::~Device() = default;
+Device::Device(Device&&) noexcept = default;
+Device& Device::operator=(Device&&) noexcept = default;
+Device::Description Device::description() const {
+  Description description = describeDevice(state_->gpu.description());
+  description.kernelFamily = nameOf(state_->gpu.traits().family);
+  return description;
+}
+
+}  // namespace xrds
