@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "viewer/live_scene.h"
+#include "viewer/watch.h"
+
+namespace xrds {
+
+/// Which windows of a frame may be left out.
+struct SkipChoice {
+  enum class Mode : uint8_t { off, safe, bounded };
+  Mode mode = Mode::off;
+  float bounded = 0.02F;  // the bound of that mode
+  float bound() const { return mode == Mode::off ? 0 : mode == Mode::safe ? kSafeSkip : bounded; }
+};
+
+/// What is to be upscaled, and how.
+struct Wanted {
+  FrameFiles files;              // of one frame; no colour: nothing
+  bool watching = false;         // files that are written again and again
+  bool inSequence = false;       // the next files are likely to look alike
+  std::filesystem::path folder;  // watched for new files; empty: `files` are meant
+  AovRequest layers;
+  LiveWanted live;    // goes before files
+  std::string model;  // a name or a file; empty: the default of the frame's scale, of a live view the fastest
+  bool fp16 = false;
+  SkipChoice skip;
+  uint64_t memoryBytes = 0;              // of the device; 0: most of it
+  std::array<bool, kSlotCount> slots{};  // of bicubic, demodulated and guided: those that are looked at
+  bool metrics = true;
+  uint64_t reload = 0;  // another number reads the files again
+  bool operator==(const Wanted&) const;
+};
+
+}  // namespace xrds
