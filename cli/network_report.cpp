@@ -166,8 +166,8 @@ std::string plainText(const NetworkReport& report) {
       times.push_back(timeRow(row));
       if (!row.measurement.refusal.empty())
         notes += "refused: " + row.networkCase.model->name + ", " + row.networkCase.precision + ", " +
-                 familyOf("", row.networkCase) + ", " + std::to_string(row.networkCase.side) + ": " +
-                 row.measurement.refusal + "\n";
+                 (row.networkCase.family.empty() ? "" : row.networkCase.family + ", ") +
+                 std::to_string(row.networkCase.side) + ": " + row.measurement.refusal + "\n";
     }
     for (const AccuracyRow& row : report.accuracies) {
       if (row.networkCase.device != device.uuid) continue;
