@@ -59,6 +59,12 @@ void main() {
       a += v.w * tile[at + 3 * kTileQuads];
       b += v.w * tile[at + 3 * kTileQuads + 1];
     }
+#ifdef XRDS_F16
+    // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
+    // would compute one after the other, waiting for each addition, in three times the time.
+    if (!kHasResidual)
+      target[firstTarget + n + laneOffset[0]] = subgroupShuffle(packUint2x32(floatBitsToUint(vec2(a.x, b.x))), 0);
+#endif
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
     const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(finished(b, token, quad + 1));
     [[unroll]] for (uint l = 0; l < kLanes; l++) {
