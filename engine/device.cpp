@@ -1,7 +1,6 @@
 #include "engine/device.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "engine/cache_file.h"
 #include "engine/environment.h"
@@ -14,17 +13,6 @@
 
 namespace xrds {
 namespace {
-
-bool hasDeviceExtension(VkPhysicalDevice device, const char* name) {
-  uint32_t count = 0;
-  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr),
-              "vkEnumerateDeviceExtensionProperties");
-  std::vector<VkExtensionProperties> extensions(count);
-  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()),
-              "vkEnumerateDeviceExtensionProperties");
-  return std::any_of(extensions.begin(), extensions.end(),
-                     [&](const auto& e) { return !std::strcmp(e.extensionName, name); });
-}
 
 void chooseQueue(Gpu::Handles& gpu) {
   uint32_t count = 0;

@@ -192,4 +192,15 @@ std::vector<FoundDevice> findDevices(const Instance& instance) {
   return found;
 }
 
+bool hasDeviceExtension(VkPhysicalDevice device, const char* name) {
+  uint32_t count = 0;
+  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr),
+              "vkEnumerateDeviceExtensionProperties");
+  std::vector<VkExtensionProperties> extensions(count);
+  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()),
+              "vkEnumerateDeviceExtensionProperties");
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return !std::strcmp(e.extensionName, name); });
+}
+
 }  // namespace xrds

@@ -34,4 +34,7 @@ struct FoundDevice {
 /// Every device of Vulkan 1.2 or later with a compute queue.
 std::vector<FoundDevice> findDevices(const Instance& instance);
 
+/// Whether the device lists the extension.
+bool hasDeviceExtension(VkPhysicalDevice device, const char* name);
+
 }  // namespace xrds

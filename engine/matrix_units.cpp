@@ -1,7 +1,6 @@
 #include "engine/matrix_units.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "engine/vulkan_result.h"
 
@@ -13,29 +12,14 @@
 namespace xrds {
 namespace {
 
-std::vector<VkExtensionProperties> extensionsOf(VkPhysicalDevice device) {
-  uint32_t count = 0;
-  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr),
-              "vkEnumerateDeviceExtensionProperties");
-  std::vector<VkExtensionProperties> extensions(count);
-  checkResult(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()),
-              "vkEnumerateDeviceExtensionProperties");
-  return extensions;
-}
-
-bool has(const std::vector<VkExtensionProperties>& extensions, const char* name) {
-  return std::any_of(extensions.begin(), extensions.end(),
-                     [&](const auto& e) { return !std::strcmp(e.extensionName, name); });
-}
-
 // Kernels share their work among subgroups whose number they know.
-bool hasFixedSubgroups(VkPhysicalDevice device, const std::vector<VkExtensionProperties>& extensions) {
+bool hasFixedSubgroups(VkPhysicalDevice device) {
   VkPhysicalDeviceSubgroupSizeControlProperties sizes{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
   vkGetPhysicalDeviceProperties2(device, &properties);
   if (properties.properties.apiVersion < VK_API_VERSION_1_3 &&
-      !has(extensions, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME))
+      !hasDeviceExtension(device, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME))
     return true;
   properties.pNext = &sizes;
   vkGetPhysicalDeviceProperties2(device, &properties);
@@ -99,14 +83,13 @@ bool offersKhr(const Instance& instance, VkPhysicalDevice device) {
 }  // namespace
 
 MatrixUnits findMatrixUnits(const Instance& instance, VkPhysicalDevice device) {
-  const auto extensions = extensionsOf(device);
-  if (!hasFixedSubgroups(device, extensions)) return MatrixUnits::none;
+  if (!hasFixedSubgroups(device)) return MatrixUnits::none;
   const MatrixFeatures features;
-  if (has(extensions, VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.nv) &&
+  if (hasDeviceExtension(device, VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.nv) &&
       offersNv(instance, device))
     return MatrixUnits::nv;
 #ifdef XRDS_USES_KHR
-  if (has(extensions, VK_KHR_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.khr) &&
+  if (hasDeviceExtension(device, VK_KHR_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.khr) &&
       offersKhr(instance, device))
     return MatrixUnits::khr;
 #endif

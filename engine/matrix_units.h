@@ -12,7 +12,7 @@ MatrixUnits findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
 /// "VK_NV_cooperative_matrix", say; null without an extension.
 const char* extensionOf(MatrixUnits units);
 
-/// Adds what the units need to the features with which a device is opened; `storage` outlives that.
+/// What the units need of a device. enable() adds it to the features with which one is opened, which then point here.
 struct MatrixFeatures {
   VkPhysicalDeviceCooperativeMatrixFeaturesNV nv{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_COOPERATIVE_MATRIX_FEATURES_NV};
 #ifdef VK_KHR_cooperative_matrix

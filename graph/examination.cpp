@@ -7,9 +7,9 @@
 #include <numeric>
 #include <set>
 
-#include "graph/public_state.h"
 #include "graph/known_frame.h"
 #include "graph/placed_operator.h"
+#include "graph/public_state.h"
 #include "shaders/common/tolerance.h"
 
 namespace xrds {

@@ -30,9 +30,9 @@ struct Linear {
 /// [h, w, N], N being the length of the bias. Throws std::logic_error if the weight does not fit.
 TensorShape outputShape(const Linear& op);
 
-/// The kernel launch for the rows. The lane kernel takes any channels whose weights of four outputs fit its tile, the
-/// tile kernel all that the limits of the device allow; all else goes to the plain one. Throws std::logic_error on
-/// misuse. Pure.
+/// The kernel launch for the rows. The lane kernel takes multiples of eight outputs if the weights of eight fit its
+/// tile, the tile kernel all that the limits of the device allow; all else goes to the plain one. Throws
+/// std::logic_error on misuse. Pure.
 Dispatch dispatch(const Linear& op, const DeviceTraits& device);
 
 /// What the chosen kernel reads as its weights. Plain, tile: [K][N], then bias[N]. Lane: for each tile of T outputs
