@@ -67,8 +67,8 @@ void run(const BenchOptions& options) {
   std::vector<std::vector<float>> auxiliary(model.config().auxInputs.size());
   for (auto& image : auxiliary) image = randomImage(size_t{options.size} * options.size, random);
   std::vector<float> output(size_t{3} * side * side * model.config().scale * model.config().scale);
-  FrameInput input{colour};
-  for (const auto& image : auxiliary) input.auxiliary.emplace_back(image);
+  FrameInput input{{colour.data(), side, side}};
+  for (const auto& image : auxiliary) input.auxiliary.push_back({image.data(), options.size, options.size});
 
   const Precision precision = options.precision == "fp16" ? Precision::fp16 : Precision::fp32;
   std::unique_ptr<Session> session;

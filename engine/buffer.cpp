@@ -107,6 +107,13 @@ void checkRange(const Buffer::Handles& buffer, uint64_t byteOffset, uint64_t byt
   XRDS_CHECK_LE(byteSize, buffer.askedByteSize - byteOffset);
 }
 
+// Rows of that many bytes in one staging copy.
+uint32_t rowsAtOnce(uint64_t rowBytes) {
+  XRDS_CHECK_LT(0u, rowBytes);
+  XRDS_CHECK_LE(rowBytes, kStagingBytes);
+  return static_cast<uint32_t>(kStagingBytes / rowBytes);
+}
+
 }  // namespace
 
 Buffer::Handles::~Handles() {
@@ -147,6 +154,38 @@ void Buffer::download(uint64_t byteOffset, std::span<std::byte> bytes) const {
     const auto part = bytes.subspan(done, std::min<size_t>(kStagingBytes, bytes.size() - done));
     copy(handles_->gpu, handles_->buffer, byteOffset + done, staging.buffer, 0, part.size());
     std::copy_n(staging.mapped, part.size(), part.begin());
+  }
+}
+
+void Buffer::uploadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCount,
+                        const std::function<void(uint32_t, std::span<std::byte>)>& write) {
+  checkRange(*handles_, byteOffset, rowBytes * rowCount);
+  const auto each = [&](std::byte* to, uint32_t first, uint32_t end) {
+    for (uint32_t row = first; row < end; ++row, to += rowBytes) write(row, {to, rowBytes});
+  };
+  if (handles_->mapped) return each(handles_->mapped + byteOffset, 0, rowCount);
+  const Handles& staging = stagingOf(handles_->gpu);
+  const uint32_t most = rowsAtOnce(rowBytes);
+  for (uint32_t row = 0; row < rowCount; row += most) {
+    const uint32_t end = std::min(rowCount, row + most);
+    each(staging.mapped, row, end);
+    copy(handles_->gpu, staging.buffer, 0, handles_->buffer, byteOffset + row * rowBytes, (end - row) * rowBytes);
+  }
+}
+
+void Buffer::downloadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCount,
+                          const std::function<void(uint32_t, std::span<const std::byte>)>& read) const {
+  checkRange(*handles_, byteOffset, rowBytes * rowCount);
+  const auto each = [&](const std::byte* from, uint32_t first, uint32_t end) {
+    for (uint32_t row = first; row < end; ++row, from += rowBytes) read(row, {from, rowBytes});
+  };
+  if (handles_->mapped) return each(handles_->mapped + byteOffset, 0, rowCount);
+  const Handles& staging = stagingOf(handles_->gpu);
+  const uint32_t most = rowsAtOnce(rowBytes);
+  for (uint32_t row = 0; row < rowCount; row += most) {
+    const uint32_t end = std::min(rowCount, row + most);
+    copy(handles_->gpu, handles_->buffer, byteOffset + row * rowBytes, staging.buffer, 0, (end - row) * rowBytes);
+    each(staging.mapped, row, end);
   }
 }
 

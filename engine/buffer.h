@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -23,6 +24,13 @@ class Buffer {
   void upload(uint64_t byteOffset, std::span<const std::byte> bytes);
   /// Copies bytes out, after everything that was run.
   void download(uint64_t byteOffset, std::span<std::byte> bytes) const;
+  /// The same for `rowCount` rows of `rowBytes` from byteOffset on, one after the other, without a copy of them all:
+  /// `write` and `read` get a row's number and its bytes, in the device's memory where that is shared. rowBytes: at
+  /// most 16 MiB.
+  void uploadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCount,
+                  const std::function<void(uint32_t row, std::span<std::byte>)>& write);
+  void downloadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCount,
+                    const std::function<void(uint32_t row, std::span<const std::byte>)>& read) const;
   /// Fills the whole buffer with a 32-bit pattern (NaN in tests).
   void fill(uint32_t pattern);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graph/frame_input.h"
 #include "shaders/exposure/exposure.h"
 
 namespace xrds {
@@ -21,20 +22,6 @@ FrameExposure exposureOnHost(const PixelView& colour) {
   return {static_cast<float>(bounded), static_cast<float>(1 / bounded)};
 }
 
-namespace {
-
-// Rows at a time, so that the host needs no second copy of a large frame.
-void upload(const PixelView& colour, Buffer& buffer) {
-  std::vector<float> row(size_t{4} * colour.width);
-  for (uint32_t y = 0; y < colour.height; ++y) {
-    const float* from = colour.pixels + uint64_t{y} * colour.width * colour.stride;
-    for (uint32_t x = 0; x < colour.width; ++x) std::copy_n(from + size_t{x} * colour.stride, 3, &row[size_t{4} * x]);
-    buffer.upload(row.size() * sizeof(float) * y, std::as_bytes(std::span(row)));
-  }
-}
-
-}  // namespace
-
 FrameExposure exposureOf(Gpu& gpu, const PixelView& colour, Buffer& scratch) {
   const TensorView image{0, DataType::f32, colour.height, colour.width, 4, 0, 4};
   const TensorView result{1, DataType::f32, 1, 1, 4, 0, 4};
@@ -42,7 +29,10 @@ FrameExposure exposureOf(Gpu& gpu, const PixelView& colour, Buffer& scratch) {
   if (resultOffset + result.storedByteSize() > scratch.byteSize() ||
       image.pixelCount() > gpu.traits().maxTexelBufferElements)
     return exposureOnHost(colour);
-  upload(colour, scratch);
+  scratch.uploadRows(0, uint64_t{colour.width} * 4 * sizeof(float), colour.height,
+                     [&](uint32_t y, std::span<std::byte> row) {
+                       copyRow(colour, 0, y, colour.width, reinterpret_cast<float*>(row.data()), 4);
+                     });
   const PlacedDispatch placed{
       dispatch(Exposure{image, result}, gpu.traits()),
       {{&scratch, 0, image.storedByteSize()}, {&scratch, resultOffset, result.storedByteSize()}}};

@@ -75,8 +75,10 @@ KnownFrame::KnownFrame() : model_(knownModel()) {
 FrameShape KnownFrame::shape() const { return kShape; }
 
 FrameInput KnownFrame::input() const {
-  FrameInput input{colour_};
-  for (const auto& image : auxiliary_) input.auxiliary.emplace_back(image);
+  const uint32_t scale = model_.config().scale;
+  FrameInput input{{colour_.data(), kShape.width, kShape.height}};
+  for (const auto& image : auxiliary_)
+    input.auxiliary.push_back({image.data(), scale * kShape.width, scale * kShape.height});
   return input;
 }
 

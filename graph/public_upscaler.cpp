@@ -49,20 +49,9 @@ class FiniteImage {
   Image copy_;
 };
 
-/// Host copies of a frame, in the layout that the session takes.
-struct PackedFrame {
-  Image colour;
-  std::vector<Image> auxiliary;
-
-  PackedFrame(const PixelView& colourImage, std::span<const PixelView> images) : colour(packed(colourImage)) {
-    for (const PixelView& image : images) auxiliary.push_back(packed(image));
-  }
-  FrameInput input(std::optional<float> exposure) const {
-    FrameInput frame{colour.pixels, {}, exposure};
-    for (const Image& image : auxiliary) frame.auxiliary.emplace_back(image.pixels);
-    return frame;
-  }
-};
+FrameInput inputOf(const PixelView& colour, std::span<const PixelView> auxiliary, const Upscaler::Options& options) {
+  return {colour, {auxiliary.begin(), auxiliary.end()}, options.exposure};
+}
 
 void checkExposure(const Upscaler::Options& options) {
   constexpr float kLargest = 1e30f;
@@ -84,6 +73,14 @@ void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& 
       throw Error("The " + config.auxInputs[i] + " image is " + sizeText(auxiliary[i].width, auxiliary[i].height) +
                   " pixels, expected " + sizeText(config.scale * frame.width, config.scale * frame.height) + ": " +
                   std::to_string(config.scale) + " times the colour's " + sizeText(frame.width, frame.height) + ".");
+}
+
+void checkOutput(const NetworkConfig& config, FrameShape frame, std::span<const float> output) {
+  const size_t numbers = size_t{3} * config.scale * frame.width * config.scale * frame.height;
+  if (output.size() != numbers)
+    throw Error("The output has room for " + std::to_string(output.size()) + " numbers, expected " +
+                std::to_string(numbers) + ": 3 for each of its " +
+                sizeText(config.scale * frame.width, config.scale * frame.height) + " pixels.");
 }
 
 SessionOptions sessionOptions(const Upscaler::Options& options) {
@@ -157,15 +154,9 @@ struct Upscaler::State {
 
   bool runFinite(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                  const Progress& progress) {
-    if (session) return runWhole(colour, auxiliary, output, progress);
-    const FrameViews views{colour, auxiliary, options.exposure};
-    return sparse ? sparse->run(views, output, progress) : runner->run(views, tiles, output, progress);
-  }
-
-  bool runWhole(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
-                const Progress& progress) {
-    const PackedFrame pixels(colour, auxiliary);
-    return session->run(pixels.input(options.exposure), output, countingShare(progress));
+    const FrameInput frame = inputOf(colour, auxiliary, options);
+    if (session) return session->run(frame, output, countingShare(progress));
+    return sparse ? sparse->run(frame, output, progress) : runner->run(frame, tiles, output, progress);
   }
 
   // The images of a frame that is computed in tiles are never on the device as a whole.
@@ -201,6 +192,7 @@ Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
 bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                    const Progress& progress) {
   checkFrame(state_->config, state_->frame, colour, auxiliary);
+  checkOutput(state_->config, state_->frame, output);
   Repairs repairs;
   const FiniteImage finiteColour(colour, repairs.colour);
   std::vector<FiniteImage> finiteImages;
@@ -250,9 +242,8 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
                                                 std::span<const PixelView> auxiliary, const Options& options) {
   const FrameShape frame{colour.height, colour.width};
   checkFrame(model.state_->weights.config(), frame, colour, auxiliary);
-  const PackedFrame packed(colour, auxiliary);
   const CheckResult result = checkAgainstReference(device.state_->gpu, model.state_->weights, frame,
-                                                   packed.input(options.exposure), sessionOptions(options));
+                                                   inputOf(colour, auxiliary, options), sessionOptions(options));
   std::vector<CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
@@ -276,8 +267,7 @@ DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
 void EngineAccess::upload(Upscaler& upscaler, const PixelView& colour, std::span<const PixelView> auxiliary) {
   Upscaler::State& state = *upscaler.state_;
   checkFrame(state.config, state.frame, colour, auxiliary);
-  const PackedFrame packed(colour, auxiliary);
-  state.wholeSession().upload(packed.input(state.options.exposure));
+  state.wholeSession().upload(inputOf(colour, auxiliary, state.options));
 }
 
 bool EngineAccess::replay(Upscaler& upscaler, const Upscaler::Progress& progress) {

@@ -32,9 +32,10 @@ void runReference(const Graph& graph, HostMemory& memory, const std::function<bo
 }
 
 void setInputs(const Graph& graph, const FrameInput& input, HostMemory& memory) {
-  const auto set = [&](const TensorView& view, uint32_t offset, std::span<const float> image) {
+  const auto set = [&](const TensorView& view, uint32_t offset, const PixelView& image) {
     for (uint64_t p = 0; p < view.pixelCount(); ++p)
-      for (uint32_t c = 0; c < 3; ++c) memory.storage(view)[p * view.channelStride + offset + c] = image[3 * p + c];
+      for (uint32_t c = 0; c < 3; ++c)
+        memory.storage(view)[p * view.channelStride + offset + c] = image.pixels[p * image.stride + c];
   };
   set(graph.colour, 0, input.colour);
   for (size_t i = 0; i < input.auxiliary.size(); ++i)

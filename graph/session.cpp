@@ -68,18 +68,11 @@ PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
   return packed;
 }
 
-// Interleaves images of three channels into pixels of `stride`, the rest zero.
-std::vector<float> interleave(const std::vector<std::span<const float>>& images, uint64_t pixels, uint32_t stride) {
-  std::vector<float> packed(pixels * stride);
-  for (size_t i = 0; i < images.size(); ++i)
-    for (uint64_t p = 0; p < pixels; ++p) std::copy_n(&images[i][3 * p], 3, &packed[p * stride + 3 * i]);
-  return packed;
-}
-
-void checkSize(const char* what, size_t found, uint64_t pixels) {
-  if (found != 3 * pixels)
-    throw Error(std::string("The ") + what + " image has " + std::to_string(found) + " numbers, expected " +
-                std::to_string(3 * pixels) + ": 3 for each of its " + std::to_string(pixels) + " pixels.");
+void checkSize(const char* what, const PixelView& image, const TensorView& expected) {
+  if (image.width != expected.width || image.height != expected.height)
+    throw Error(std::string("The ") + what + " image is " + std::to_string(image.width) + " x " +
+                std::to_string(image.height) + " pixels, expected " + std::to_string(expected.width) + " x " +
+                std::to_string(expected.height) + ".");
 }
 
 void checkLimits(const Graph& graph, const DeviceTraits& device) {
@@ -145,7 +138,6 @@ Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionO
 
 bool Session::run(const FrameInput& input, std::span<float> output,
                   const std::function<bool(size_t, size_t)>& progress) {
-  checkSize("output", output.size(), graph_.output.pixelCount());
   upload(input);
   if (!replay(progress)) return false;
   download(output);
@@ -153,33 +145,62 @@ bool Session::run(const FrameInput& input, std::span<float> output,
 }
 
 void Session::upload(const FrameInput& input) {
-  const auto write = [&](const TensorView& view, std::span<const float> values) {
-    arena_->upload(placeOf(view), std::as_bytes(values));
+  checkSize("colour", input.colour, graph_.colour);
+  for (const PixelView& image : input.auxiliary) checkSize("auxiliary", image, graph_.auxiliary);
+  uploadPart(input, 0, 0);
+}
+
+void Session::uploadPart(const FrameInput& frame, int64_t x, uint32_t y) {
+  // Images side by side in the channels of a view, the rest of them zero.
+  const auto write = [&](const TensorView& view, std::span<const PixelView> images, int64_t left, uint32_t top) {
+    XRDS_CHECK_EQ(byteSize(view.type), sizeof(float));
+    const auto given = static_cast<uint32_t>(3 * images.size());
+    for (const PixelView& image : images) XRDS_CHECK_LE(top + view.height, image.height);
+    const uint64_t rowBytes = uint64_t{view.width} * view.channels * sizeof(float);
+    arena_->uploadRows(placeOf(view), rowBytes, view.height, [&](uint32_t row, std::span<std::byte> bytes) {
+      auto* to = reinterpret_cast<float*>(bytes.data());
+      for (size_t i = 0; i < images.size(); ++i)
+        copyRow(images[i], left, top + row, view.width, to + 3 * i, view.channels);
+      for (uint32_t column = 0; column < view.width; ++column)
+        std::fill(to + size_t{column} * view.channels + given, to + size_t{column + 1} * view.channels, 0.f);
+    });
   };
-  checkSize("colour", input.colour.size(), graph_.colour.pixelCount());
-  write(graph_.colour, interleave({input.colour}, graph_.colour.pixelCount(), 4));
+  write(graph_.colour, {&frame.colour, 1}, x, y);
   if (graph_.auxiliary.exists()) {
-    for (const auto& image : input.auxiliary) checkSize("auxiliary", image.size(), graph_.auxiliary.pixelCount());
-    if (3 * input.auxiliary.size() > graph_.auxiliary.channels ||
-        3 * input.auxiliary.size() + 3 < graph_.auxiliary.channels)
-      throw Error("The model was given " + std::to_string(input.auxiliary.size()) +
+    if (3 * frame.auxiliary.size() > graph_.auxiliary.channels ||
+        3 * frame.auxiliary.size() + 3 < graph_.auxiliary.channels)
+      throw Error("The model was given " + std::to_string(frame.auxiliary.size()) +
                   " auxiliary images, another number than it expects.");
-    write(graph_.auxiliary, interleave(input.auxiliary, graph_.auxiliary.pixelCount(), graph_.auxiliary.channels));
+    const uint32_t scale = graph_.output.width / graph_.colour.width;
+    write(graph_.auxiliary, frame.auxiliary, x * scale, y * scale);
   }
   if (!graph_.computesExposure()) {
-    const float e = input.exposure.value_or(1.f);
-    write(graph_.exposure, std::vector<float>{e, input.inverseExposure.value_or(1 / e), 0, 0});
+    const float e = frame.exposure.value_or(1.f);
+    const float numbers[4] = {e, frame.inverseExposure.value_or(1 / e), 0, 0};
+    arena_->upload(placeOf(graph_.exposure), std::as_bytes(std::span(numbers)));
   }
 }
 
+void Session::downloadRows(const std::function<void(uint32_t, std::span<const float>)>& read) const {
+  const TensorView& view = graph_.output;
+  XRDS_CHECK_EQ(byteSize(view.type), sizeof(float));
+  const size_t count = size_t{view.width} * view.channels;
+  arena_->downloadRows(placeOf(view), count * sizeof(float), view.height,
+                       [&](uint32_t row, std::span<const std::byte> bytes) {
+                         read(row, {reinterpret_cast<const float*>(bytes.data()), count});
+                       });
+}
+
 void Session::download(std::span<float> output) const {
-  checkSize("output", output.size(), graph_.output.pixelCount());
-  const std::vector<float> pixels = read(graph_.output);
+  XRDS_CHECK_EQ(output.size(), 3 * graph_.output.pixelCount());
   lostPixels_.clear();
-  for (size_t p = 0; p < graph_.output.pixelCount(); ++p) {
-    std::copy_n(&pixels[4 * p], 3, &output[3 * p]);
-    if (pixels[4 * p + 3] != 0) lostPixels_.push_back(p);
-  }
+  downloadRows([&](uint32_t row, std::span<const float> pixels) {
+    const uint64_t first = uint64_t{row} * graph_.output.width;
+    for (uint64_t x = 0; x < graph_.output.width; ++x) {
+      std::copy_n(&pixels[4 * x], 3, &output[3 * (first + x)]);
+      if (pixels[4 * x + 3] != 0) lostPixels_.push_back(first + x);
+    }
+  });
 }
 
 std::vector<DispatchTime> Session::times() const {

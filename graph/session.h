@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/recording.h"
+#include "graph/frame_input.h"
 #include "graph/model.h"
 
 namespace xrds {
@@ -37,14 +38,6 @@ struct SessionOptions {
   const Session* lender = nullptr;
 };
 
-/// One frame on the host. Pixels are row-major, `colourChannels` or three floats each.
-struct FrameInput {
-  std::span<const float> colour;                    // [h, w, 3], linear radiance
-  std::vector<std::span<const float>> auxiliary{};  // [s h, s w, 3] each, in the model's order
-  std::optional<float> exposure{};                  // needed without autoExposure
-  std::optional<float> inverseExposure{};           // as a device computed it; empty: 1 / exposure
-};
-
 /// Names packed weights: the program that reads them, and the weights as the model has them.
 using PackedKey = std::pair<std::string, const float*>;
 
@@ -62,15 +55,20 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Upscales one frame into output [s h, s w, 3]. Throws Error if a size does not fit. `progress` as in
+  /// Upscales one frame into output [s h, s w, 3]. Throws Error if an image is of another size. `progress` as in
   /// Recording::run; returns false if it stopped the run.
   bool run(const FrameInput& input, std::span<float> output, const std::function<bool(size_t, size_t)>& progress = {});
 
   /// The three steps of run(), for frames whose inputs or output stay on the device. upload() writes the inputs to
   /// where placeOf() says; replay() reads them there and may overwrite them.
   void upload(const FrameInput& input);
+  /// Uploads the part of a larger frame whose upper left low-resolution pixel is (x, y); its columns are cyclic.
+  void uploadPart(const FrameInput& frame, int64_t x, uint32_t y);
   bool replay(const std::function<bool(size_t, size_t)>& progress = {}) { return recording_->run(progress); }
   void download(std::span<float> output) const;
+  /// Hands over the rows of the last run's output: four floats a pixel, the last one not 0 where the network's share
+  /// was not finite and is missing.
+  void downloadRows(const std::function<void(uint32_t row, std::span<const float> pixels)>& read) const;
   /// Byte offset of an input or the output of the graph in arena().
   uint64_t placeOf(const TensorView& view) const { return plan_.offsets[storage_[view.value]]; }
   const Buffer& arena() const { return *arena_; }
@@ -89,7 +87,7 @@ class Session {
   std::vector<float> read(const TensorView& view) const;
   /// Fills the arena with a bit pattern (tests: NaN).
   void fillArena(uint32_t pattern) { arena_->fill(pattern); }
-  /// Pixels of the last run's output without the network's share, which was not finite there, row by row from 0.
+  /// Pixels of the last download's output without the network's share, which was not finite there, row by row from 0.
   const std::vector<uint64_t>& lostPixels() const { return lostPixels_; }
   /// The exposure that the last run used.
   float exposure() const;

@@ -75,8 +75,8 @@ SparseRunner::SparseRunner(Gpu& gpu, const ModelWeights& model, const SessionOpt
   if (options.bound > 0 && !why.empty()) throw Error("No window may be skipped: the model " + why + ".");
 }
 
-bool SparseRunner::run(const FrameViews& given, std::span<float> output, const std::function<bool(double)>& progress) {
-  FrameViews frame = given;
+bool SparseRunner::run(const FrameInput& given, std::span<float> output, const std::function<bool(double)>& progress) {
+  FrameInput frame = given;
   exposure_ = frame.exposure ? *frame.exposure : exposureOnHost(frame.colour).value;
   if (!frame.exposure && last_ && std::abs(exposure_ / last_->exposure - 1) <= kHeldExposure)
     frame.exposure = exposure_ = last_->exposure;
@@ -105,7 +105,7 @@ bool SparseRunner::run(const FrameViews& given, std::span<float> output, const s
   return true;
 }
 
-WindowMask SparseRunner::changedWindows(const FrameViews& frame) const {
+WindowMask SparseRunner::changedWindows(const FrameInput& frame) const {
   WindowMask changed(frame_, config_.window, false);
   markDifferences(frame.colour, last_->inputs[0], config_.window, changed);
   for (size_t i = 0; i < frame.auxiliary.size(); ++i)
@@ -138,7 +138,7 @@ void SparseRunner::copyKept(std::span<float> output) {
       lostPixels_.push_back(pixel);
 }
 
-void SparseRunner::remember(const FrameViews& frame, std::span<const float> output) {
+void SparseRunner::remember(const FrameInput& frame, std::span<const float> output) {
   if (!last_) last_ = Last{};
   last_->inputs.assign(1, packed(frame.colour));
   for (const PixelView& image : frame.auxiliary) last_->inputs.push_back(packed(image));

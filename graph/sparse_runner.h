@@ -28,7 +28,7 @@ class SparseRunner {
                const SparseOptions& options);
 
   /// As TileRunner::run, for all of the output.
-  bool run(const FrameViews& frame, std::span<float> output, const std::function<bool(double)>& progress = {});
+  bool run(const FrameInput& frame, std::span<float> output, const std::function<bool(double)>& progress = {});
 
   /// The windows of the last run that were interpolated, and those that were kept.
   const WindowMask& interpolated() const { return interpolated_; }
@@ -48,10 +48,10 @@ class SparseRunner {
     std::vector<uint64_t> lostPixels;
     float exposure = 0;
   };
-  WindowMask changedWindows(const FrameViews& frame) const;
+  WindowMask changedWindows(const FrameInput& frame) const;
   std::vector<Tile> tilesOf(const WindowMask& needed);
   void copyKept(std::span<float> output);
-  void remember(const FrameViews& frame, std::span<const float> output);
+  void remember(const FrameInput& frame, std::span<const float> output);
 
   NetworkConfig config_;
   TileRunner runner_;

@@ -7,25 +7,10 @@ namespace {
 
 uint64_t pixelCount(const Rectangle& rectangle) { return uint64_t{rectangle.width} * rectangle.height; }
 
-// Copies a rectangle of the image, three floats a pixel, columns cyclic.
-void copyPixels(const PixelView& image, int64_t x, uint32_t y, uint32_t width, uint32_t height,
-                std::vector<float>& pixels) {
-  pixels.resize(size_t{3} * width * height);
-  float* to = pixels.data();
-  for (uint32_t row = y; row < y + height; ++row) {
-    const float* from = image.pixels + uint64_t{row} * image.width * image.stride;
-    uint64_t column = static_cast<uint64_t>((x % image.width + image.width) % image.width);
-    for (uint32_t i = 0; i < width; ++i, to += 3) {
-      std::copy_n(from + column * image.stride, 3, to);
-      if (++column == image.width) column = 0;
-    }
-  }
-}
-
 }  // namespace
 
 TileRunner::TileRunner(Gpu& gpu, ModelWeights model, const SessionOptions& options)
-    : gpu_(gpu), model_(std::move(model)), options_(options), auxiliary_(model_.config().auxInputs.size()) {
+    : gpu_(gpu), model_(std::move(model)), options_(options) {
   options_.autoExposure = false;
 }
 
@@ -57,7 +42,7 @@ Session& TileRunner::sessionOf(const Rectangle& crop) {
   return size == largestSize_ ? *largest_ : *others_.at(size);
 }
 
-bool TileRunner::run(const FrameViews& frame, std::span<const Tile> tiles, std::span<float> output,
+bool TileRunner::run(const FrameInput& frame, std::span<const Tile> tiles, std::span<float> output,
                      const std::function<bool(double)>& progress) {
   times_.clear();
   lostPixels_.clear();
@@ -65,6 +50,8 @@ bool TileRunner::run(const FrameViews& frame, std::span<const Tile> tiles, std::
   prepare(tiles);
   const float given = frame.exposure.value_or(1.f);
   exposure_ = frame.exposure ? FrameExposure{given, 1 / given} : exposureOf(gpu_, frame.colour, largest_->arena());
+  FrameInput exposed = frame;
+  exposed.exposure = exposure_.value, exposed.inverseExposure = exposure_.inverse;
   double total = 0, done = 0;
   for (const Tile& tile : tiles) total += static_cast<double>(pixelCount(tile.crop));
   for (const Tile& tile : tiles) {
@@ -72,45 +59,30 @@ bool TileRunner::run(const FrameViews& frame, std::span<const Tile> tiles, std::
     const auto report = [&](size_t finished, size_t count) {
       return progress((done + share * static_cast<double>(finished) / static_cast<double>(count)) / total);
     };
-    load(frame, tile.crop);
-    FrameInput input{colour_, {auxiliary_.begin(), auxiliary_.end()}, exposure_.value, exposure_.inverse};
     Session& session = sessionOf(tile.crop);
-    result_.resize(3 * session.graph().output.pixelCount());
-    if (!session.run(input, result_, progress ? std::function<bool(size_t, size_t)>(report) : nullptr)) return false;
-    store(frame, tile, output);
-    addLostPixels(session, frame, tile);
+    session.uploadPart(exposed, tile.crop.x, tile.crop.y);
+    if (!session.replay(progress ? std::function<bool(size_t, size_t)>(report) : nullptr)) return false;
+    store(session, tile, size_t{frame.colour.width} * model_.config().scale, output);
     addTimes(session);
     done += share;
   }
   return true;
 }
 
-void TileRunner::load(const FrameViews& frame, const Rectangle& crop) {
-  const uint32_t s = model_.config().scale;
-  copyPixels(frame.colour, crop.x, crop.y, crop.width, crop.height, colour_);
-  for (size_t i = 0; i < auxiliary_.size(); ++i)
-    copyPixels(frame.auxiliary[i], int64_t{crop.x} * s, crop.y * s, crop.width * s, crop.height * s, auxiliary_[i]);
-}
-
-void TileRunner::store(const FrameViews& frame, const Tile& tile, std::span<float> output) const {
-  const uint32_t s = model_.config().scale;
+// Writes the inner part of a tile to the output, whose rows are `width` pixels.
+void TileRunner::store(const Session& session, const Tile& tile, size_t width, std::span<float> output) {
+  const size_t s = model_.config().scale;
   const size_t left = static_cast<size_t>(tile.inner.x - tile.crop.x) * s, top = (tile.inner.y - tile.crop.y) * s;
-  for (size_t row = 0; row < size_t{tile.inner.height} * s; ++row) {
-    const size_t from = (top + row) * tile.crop.width * s + left;
-    const size_t to = (size_t{tile.inner.y} * s + row) * frame.colour.width * s + static_cast<size_t>(tile.inner.x) * s;
-    std::copy_n(&result_[3 * from], size_t{3} * tile.inner.width * s, &output[3 * to]);
-  }
-}
-
-void TileRunner::addLostPixels(const Session& session, const FrameViews& frame, const Tile& tile) {
-  const int64_t s = model_.config().scale, width = s * tile.crop.width;
-  const int64_t left = s * tile.inner.x, top = s * tile.inner.y;
-  for (const uint64_t pixel : session.lostPixels()) {
-    const int64_t x = s * tile.crop.x + static_cast<int64_t>(pixel) % width;
-    const int64_t y = s * tile.crop.y + static_cast<int64_t>(pixel) / width;
-    if (x >= left && x < left + s * tile.inner.width && y >= top && y < top + s * tile.inner.height)
-      lostPixels_.push_back(static_cast<uint64_t>(y * s * frame.colour.width + x));
-  }
+  const size_t columns = tile.inner.width * s, rows = tile.inner.height * s;
+  session.downloadRows([&](uint32_t row, std::span<const float> pixels) {
+    if (row < top || row >= top + rows) return;
+    const size_t first = (tile.inner.y * s + row - top) * width + static_cast<size_t>(tile.inner.x) * s;
+    for (size_t x = 0; x < columns; ++x) {
+      const float* pixel = &pixels[4 * (left + x)];
+      std::copy_n(pixel, 3, &output[3 * (first + x)]);
+      if (pixel[3] != 0) lostPixels_.push_back(first + x);
+    }
+  });
 }
 
 void TileRunner::addTimes(const Session& session) {

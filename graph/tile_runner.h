@@ -9,13 +9,6 @@
 
 namespace xrds {
 
-/// A whole frame on the host, pixels of the caller.
-struct FrameViews {
-  PixelView colour;                        // [h, w]
-  std::span<const PixelView> auxiliary{};  // [s h, s w] each, in the model's order
-  std::optional<float> exposure{};         // empty: computed over the whole frame, whatever the tiles
-};
-
 /// A model made ready to run on tiles of frames: one session for each size of crop, all in the arena of the largest,
 /// planned and recorded once and kept from run to run.
 class TileRunner {
@@ -30,7 +23,7 @@ class TileRunner {
   /// that leaves the frame to the left or right reads its other side. `progress` gets the finished share in [0, 1],
   /// also within a tile, and stops the run by returning false; then false is returned and some tiles are written.
   /// Throws Error if the device fails.
-  bool run(const FrameViews& frame, std::span<const Tile> tiles, std::span<float> output,
+  bool run(const FrameInput& frame, std::span<const Tile> tiles, std::span<float> output,
            const std::function<bool(double)>& progress = {});
 
   /// Device memory in use: the arena and the weights, once each.
@@ -45,9 +38,7 @@ class TileRunner {
  private:
   using Size = std::pair<uint32_t, uint32_t>;  // height and width of a crop
   Session& sessionOf(const Rectangle& crop);
-  void load(const FrameViews& frame, const Rectangle& crop);
-  void store(const FrameViews& frame, const Tile& tile, std::span<float> output) const;
-  void addLostPixels(const Session& session, const FrameViews& frame, const Tile& tile);
+  void store(const Session& session, const Tile& tile, size_t width, std::span<float> output);
   void addTimes(const Session& session);
 
   Gpu& gpu_;
@@ -58,8 +49,6 @@ class TileRunner {
   std::map<Size, std::unique_ptr<Session>> others_;
   FrameExposure exposure_;
   std::vector<uint64_t> lostPixels_;
-  std::vector<float> colour_, result_;  // of a crop
-  std::vector<std::vector<float>> auxiliary_;
   std::vector<DispatchTime> times_;
 };
 

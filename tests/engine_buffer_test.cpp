@@ -35,6 +35,32 @@ TEST_P(BufferCopies, ReachBeyondOneStagingBuffer) {
   EXPECT_EQ(test::downloadFloats(buffer, 256, numbers.size()), numbers);
 }
 
+// More rows than one staging buffer holds.
+TEST_P(BufferCopies, GoRowByRow) {
+  constexpr uint64_t kRowBytes = 3u << 20;
+  constexpr uint32_t kRows = 13;
+  Buffer buffer(gpu_, 256 + kRowBytes * kRows + 4);
+  buffer.fill(0x7F7F7F7F);
+  std::vector<uint32_t> written, read;
+  buffer.uploadRows(256, kRowBytes, kRows, [&](uint32_t row, std::span<std::byte> bytes) {
+    ASSERT_EQ(bytes.size(), kRowBytes);
+    written.push_back(row);
+    std::fill(bytes.begin(), bytes.end(), std::byte{static_cast<uint8_t>(row)});
+  });
+  buffer.downloadRows(256, kRowBytes, kRows, [&](uint32_t row, std::span<const std::byte> bytes) {
+    ASSERT_EQ(bytes.size(), kRowBytes);
+    read.push_back(row);
+    for (const std::byte byte : bytes) ASSERT_EQ(byte, std::byte{static_cast<uint8_t>(row)});
+  });
+  const std::vector<uint32_t> all{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  EXPECT_EQ(written, all);
+  EXPECT_EQ(read, all);
+  std::byte around[8];
+  buffer.download(252, std::span(around, 4));
+  buffer.download(256 + kRowBytes * kRows, std::span(around).subspan(4));
+  for (const std::byte byte : around) EXPECT_EQ(byte, std::byte{0x7F});
+}
+
 TEST_P(BufferCopies, FillReachesEveryWord) {
   Buffer buffer(gpu_, 1000);
   buffer.fill(0x3F800000);
@@ -57,6 +83,8 @@ TEST_P(BufferCopies, RefuseToLeaveTheBuffer) {
   std::vector<std::byte> bytes(20);
   EXPECT_THROW(buffer.upload(0, bytes), std::logic_error);
   EXPECT_THROW(buffer.download(~uint64_t{0}, bytes), std::logic_error);
+  EXPECT_THROW(buffer.uploadRows(0, 8, 3, [](uint32_t, std::span<std::byte>) {}), std::logic_error);
+  EXPECT_THROW(buffer.downloadRows(8, 12, 1, [](uint32_t, std::span<const std::byte>) {}), std::logic_error);
   EXPECT_THROW(Buffer(gpu_, 0), std::logic_error);
 }
 

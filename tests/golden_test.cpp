@@ -29,9 +29,12 @@ struct Golden {
         tensors(readTensors(kFolder / (name + ".io.safetensors"))) {
     const auto& colour = tensors.tensors.at("colour");
     frame = {static_cast<uint32_t>(colour.shape[0]), static_cast<uint32_t>(colour.shape[1])};
-    input.colour = colour.values;
-    for (const std::string& kind : model.config().auxInputs)
-      input.auxiliary.emplace_back(tensors.tensors.at(tensors.tensors.contains(kind) ? kind : "aux").values);
+    const uint32_t scale = model.config().scale;
+    input.colour = {colour.values.data(), frame.width, frame.height};
+    for (const std::string& kind : model.config().auxInputs) {
+      const auto& values = tensors.tensors.at(tensors.tensors.contains(kind) ? kind : "aux").values;
+      input.auxiliary.push_back({values.data(), scale * frame.width, scale * frame.height});
+    }
   }
   const std::vector<float>& network() const { return tensors.tensors.at("network").values; }
   const std::vector<float>& output() const { return tensors.tensors.at("output").values; }
@@ -146,10 +149,10 @@ TEST(GoldenCheck, NamesTheFirstDivergentOperator) {
   EXPECT_EQ(good.firstDivergent, -1);
   EXPECT_GT(good.nodes.size(), 40u);
 
-  std::vector<float> colour(golden.input.colour.begin(), golden.input.colour.end());
+  std::vector<float> colour = golden.tensors.tensors.at("colour").values;
   colour[4] = INFINITY;  // the exposure leaves it out, the encoding hands it on
   FrameInput broken = golden.input;
-  broken.colour = colour;
+  broken.colour.pixels = colour.data();
   const CheckResult bad = checkAgainstReference(test::gpu(), golden.model, golden.frame, broken, {});
   ASSERT_GE(bad.firstDivergent, 0);
   EXPECT_EQ(bad.nodes[static_cast<size_t>(bad.firstDivergent)].node, "encode_radiance");

@@ -27,7 +27,15 @@ struct NoiseFrame {
           pixels[3 * (y * width + (x + size_t{roll} * scale) % width) + c] = static_cast<float>(random() % 4096) / 4096;
     return pixels;
   }
-  FrameInput input() const { return {colour, {auxiliary.begin(), auxiliary.end()}}; }
+  /// `pixels` of this frame, `s` times as many in each direction as the low-resolution ones.
+  PixelView view(const std::vector<float>& pixels, uint32_t s) const {
+    return {pixels.data(), frame.width * s, frame.height * s};
+  }
+  FrameInput input(std::optional<float> exposure = {}) const {
+    FrameInput all{view(colour, 1), {}, exposure};
+    for (const auto& pixels : auxiliary) all.auxiliary.push_back(view(pixels, scale));
+    return all;
+  }
 
   FrameShape frame;
   uint32_t scale;

@@ -34,20 +34,21 @@ struct Frame {
     paint(albedo, kConfig.scale, 2, 0.5f);
     paint(normal, kConfig.scale, 3, 0.f);
   }
-  std::vector<PixelView> auxiliary() const {
-    const uint32_t s = kConfig.scale;
-    return {{albedo.data(), s * kFrame.width, s * kFrame.height}, {normal.data(), s * kFrame.width, s * kFrame.height}};
+  FrameInput input(std::optional<float> exposure = 1.f) const {
+    const uint32_t width = kConfig.scale * kFrame.width, height = kConfig.scale * kFrame.height;
+    return {{colour.data(), kFrame.width, kFrame.height},
+            {{albedo.data(), width, height}, {normal.data(), width, height}},
+            exposure};
   }
   std::vector<float> run(SparseRunner& runner, std::optional<float> exposure = 1.f) const {
     std::vector<float> output(albedo.size(), NAN);
-    const auto images = auxiliary();
-    EXPECT_TRUE(runner.run({{colour.data(), kFrame.width, kFrame.height}, images, exposure}, output));
+    EXPECT_TRUE(runner.run(input(exposure), output));
     return output;
   }
   std::vector<float> runWhole(const ModelWeights& model, std::optional<float> exposure = 1.f) const {
     Session session(test::gpu(), model, kFrame, {.autoExposure = !exposure});
     std::vector<float> output(albedo.size());
-    session.run({colour, {albedo, normal}, exposure}, output);
+    session.run(input(exposure), output);
     return output;
   }
   std::vector<float> colour, albedo, normal;
@@ -151,7 +152,7 @@ TEST(SparseRunner, CountsThePixelsThatWereLostInKeptWindowsToo) {
   Frame frame({0, 0, kFrame.width, kFrame.height});
   Session whole(test::gpu(), model, kFrame, {.autoExposure = false});
   std::vector<float> output(frame.albedo.size());
-  whole.run({frame.colour, {frame.albedo, frame.normal}, 1.f}, output);
+  whole.run(frame.input(), output);
   const std::vector<uint64_t> lost = whole.lostPixels();
   ASSERT_GT(lost.size(), 0U);
 
@@ -165,7 +166,7 @@ TEST(SparseRunner, CountsThePixelsThatWereLostInKeptWindowsToo) {
   frame.colour.back() += 0.25f;
   EXPECT_EQ(frame.run(runner), frame.runWhole(model));
   EXPECT_GT(runner.kept().count(), 0U);
-  whole.run({frame.colour, {frame.albedo, frame.normal}, 1.f}, output);
+  whole.run(frame.input(), output);
   std::vector<uint64_t> found = runner.lostPixels();
   std::sort(found.begin(), found.end());
   EXPECT_EQ(found, whole.lostPixels());
@@ -195,9 +196,8 @@ TEST(SparseRunner, ACancelledRunForgetsNothing) {
   Frame other = frame;
   for (float& value : other.colour) value *= 0.5f;
   std::vector<float> output(before.size());
-  const auto images = other.auxiliary();
   const auto stop = [](double) { return false; };
-  EXPECT_FALSE(runner.run({{other.colour.data(), kFrame.width, kFrame.height}, images, 1.f}, output, stop));
+  EXPECT_FALSE(runner.run(other.input(), output, stop));
   EXPECT_EQ(frame.run(runner), before);
   EXPECT_EQ(runner.work(), 0);
 }

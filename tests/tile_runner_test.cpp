@@ -13,14 +13,9 @@ namespace {
 
 struct Frame : test::NoiseFrame {
   using NoiseFrame::NoiseFrame;
-  PixelView view(const std::vector<float>& pixels, uint32_t s) const {
-    return {pixels.data(), frame.width * s, frame.height * s, 3};
-  }
   bool run(TileRunner& runner, const Cut& cut, const NetworkConfig& config, std::optional<float> exposure = {},
            const std::function<bool(double)>& progress = {}) {
-    std::vector<PixelView> aux;
-    for (const auto& pixels : auxiliary) aux.push_back(view(pixels, scale));
-    return runner.run({view(colour, 1), aux, exposure}, cutFrame(frame, config.window, cut), output, progress);
+    return runner.run(input(exposure), cutFrame(frame, config.window, cut), output, progress);
   }
 };
 
@@ -133,8 +128,7 @@ TEST(TileRunner, RunsAnyTilesAndLeavesTheRest) {
   const std::vector<Tile> tiles{{{0, 0, 8 + halo, 12 + halo}, {0, 0, 8, 12}},
                                 {{24 - static_cast<int32_t>(halo), 0, 12 + 2 * halo, 60}, {24, 40, 12, 20}}};
   std::fill(frame.output.begin(), frame.output.end(), -1.f);
-  const std::vector<PixelView> aux{frame.view(frame.auxiliary[0], 4), frame.view(frame.auxiliary[1], 4)};
-  ASSERT_TRUE(runner.run({frame.view(frame.colour, 1), aux}, tiles, frame.output));
+  ASSERT_TRUE(runner.run(frame.input(), tiles, frame.output));
   for (size_t y = 0; y < 240; ++y)
     for (size_t x = 0; x < 256; ++x) {
       const bool inFirst = x < 32 && y < 48, inSecond = x >= 96 && x < 144 && y >= 160;

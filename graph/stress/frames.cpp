@@ -14,8 +14,11 @@ constexpr float kExposures[] = {1e-30f, 1e-6f, 1, 1e6f, 1e30f};
 }  // namespace
 
 FrameInput StressFrame::input(bool autoExposure) const {
-  FrameInput in{colour.pixels};
-  for (const Image& image : auxiliary) in.auxiliary.emplace_back(image.pixels);
+  const auto viewOf = [](const Image& image) {
+    return PixelView{image.pixels.data(), static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height)};
+  };
+  FrameInput in{viewOf(colour)};
+  for (const Image& image : auxiliary) in.auxiliary.push_back(viewOf(image));
   if (!autoExposure) in.exposure = givenExposure;
   return in;
 }

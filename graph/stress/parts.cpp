@@ -28,17 +28,11 @@ PartRunner::PartRunner(Gpu& gpu, const ModelWeights& model, Precision precision,
 }
 
 void PartRunner::run(const StressFrame& frame, bool autoExposure, std::span<float> output) {
-  const auto viewOf = [](const Image& image) {
-    return PixelView{image.pixels.data(), static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height)};
-  };
-  std::vector<PixelView> auxiliary;
-  for (const Image& image : frame.auxiliary) auxiliary.push_back(viewOf(image));
-  FrameViews views{viewOf(frame.colour), auxiliary};
-  if (!autoExposure) views.exposure = frame.givenExposure;
+  const FrameInput input = frame.input(autoExposure);
   if (sparse_)
-    sparse_->run(views, output);
+    sparse_->run(input, output);
   else
-    tiled_->run(views, tiles_, output);
+    tiled_->run(input, tiles_, output);
 }
 
 double PartRunner::largestSkippedChange(std::span<const float> output, std::span<const float> whole) const {

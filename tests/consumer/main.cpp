@@ -1,6 +1,7 @@
 // Upscales a small picture with an installed library and model: consumer MODEL
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <vector>
 
 #include "xrds/xrds.h"
@@ -25,6 +26,11 @@ int main(int, char** arguments) {
     const auto [badColours, badAuxiliaries, badOutputs] = upscaler.repairs();
     if (badColours != 1 || badAuxiliaries != 2 || badOutputs != 0) return 4;
     std::printf("%u x %u\n", width, height);
+    try {
+      upscaler.run({colour.data(), kWidth, kHeight}, auxiliary, std::span(output).first(output.size() - 1));
+      return 5;
+    } catch (const xrds::Error&) {  // the output has no room for the last number
+    }
     return 0;
   } catch (const xrds::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
