@@ -1,7 +1,8 @@
 """Renders frames that are half or more background, to measure `xrds upscale --skip` on.
 
 blender -b --factory-startup -noaudio -P bench/skip_scenes.py -- --scene sky --out DIR
-Writes NAME_lr64.exr (colour at a quarter of the size), NAME_aux16.exr and NAME_gt.exr, as `xrds bench quality` reads them.
+Writes NAME_lr64.exr (colour at a quarter of the size; NAME_x2lr64.exr and so on for --scale 2), NAME_aux16.exr and NAME_gt.exr, as
+`xrds bench quality` reads them.
 """
 import argparse
 import math
@@ -102,6 +103,7 @@ def arguments():
     parser.add_argument("--out", required=True)
     parser.add_argument("--width", type=int, default=1024)
     parser.add_argument("--height", type=int, default=576)
+    parser.add_argument("--scale", type=int, default=4, help="of the colour")
     parser.add_argument("--reference-samples", type=int, default=512)
     parser.add_argument("--kinds", nargs="+", default=("lr", "aux", "gt"), choices=("lr", "aux", "gt"))
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
@@ -113,7 +115,7 @@ def main():
     scene = bpy.context.scene
     SCENES[ask.scene](scene)
     passes.configure(scene)
-    passes.expose(scene, ask.width // 4, ask.height // 4)
+    passes.expose(scene, ask.width // 4, ask.height // 4)     # whatever the scale, so that all pictures of a scene agree
     os.makedirs(ask.out, exist_ok=True)
 
     def store(kind, width, height, samples, seed, keep, threshold=0.0):
@@ -122,7 +124,8 @@ def main():
         print(f"{ask.scene}_{kind}: {samples} spp, {time.monotonic() - begin:.1f} s", flush=True)
 
     if "lr" in ask.kinds:
-        store("lr64", ask.width // 4, ask.height // 4, 64, 1, passes.colour)
+        kind = "lr64" if ask.scale == 4 else f"x{ask.scale}lr64"
+        store(kind, ask.width // ask.scale, ask.height // ask.scale, 64, 1, passes.colour)
     if "aux" in ask.kinds:
         store("aux16", ask.width, ask.height, 16, 2, passes.auxiliaries)
     if "gt" in ask.kinds:

@@ -12,12 +12,18 @@ BORDER = 2      # low-resolution pixels around a crop, for the 5 x 5 kernels
 # How often a sample count of the auxiliary images is drawn (0: converged), and of the colour by scale. Counts that a scene
 # lacks are imitated by scaling the noise of one that it has.
 AUX_SHARES = {16: 0.5, 8: 0.05, 4: 0.15, 2: 0.05, 1: 0.15, 0: 0.1}
-COLOUR_SHARES = {1: {4: 1, 16: 1, 1: 1}, 2: {16: 0.8, 4: 0.2}, 4: {64: 0.75, 16: 0.25}, 8: {64: 0.6, 256: 0.4}}
+COLOUR_SHARES = {1: {1: 1, 2: 2, 4: 3, 8: 3, 16: 2}, 2: {16: 0.8, 4: 0.2}, 4: {64: 0.75, 16: 0.25}, 8: {64: 0.6, 256: 0.4}}
+
+
+# At scale 1 colour and auxiliary images come from one render, so that their noise goes together; so often they do in training.
+SAME_RENDER_SHARE = 0.85
+IMITATED = (0.5, 1, 2, 4)       # sample counts over that of a render that its noise, scaled, may stand for at scale 1
 
 
 class Scene:
     """One scene at one scale, half precision: colours {spp: [3, h, w]}, aux {spp, 0 converged: [A, H, W]}, target [3, H, W];
-    exposure {spp: number}; base_error: mean square sRGB error of the untrained base."""
+    exposure {spp: number}; base_error: mean square sRGB error of the untrained base. At scale 1 the noise of the one colour
+    is scaled to imitate more counts, and `aux` has every count of the colour."""
 
     def __init__(self, decoded, config, device):
         scale = config.scale
@@ -27,11 +33,20 @@ class Scene:
                             for (s, spp), image in decoded["colour"].items() if s == 4}
         self.target = decoded["target"].to(device)
         self.aux = {spp: pipeline.own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
+        if scale == 1:
+            self.imitate_renders()
         self.exposure = {spp: pipeline.auto_exposure(image.float()) for spp, image in self.colours.items()}
         if self.colours:
             most = max(self.colours)
             base = pipeline.baseline(self.colours[most].float()[None], self.noisy_aux(16)[None].float(), config, self.exposure[most])[0]
             self.base_error = (metrics.srgb(base) - metrics.srgb(self.target.float())).square().mean().item()
+
+    def imitate_renders(self):
+        for have, colour in list(self.colours.items()):
+            for spp in {int(have * factor) for factor in IMITATED} & set(COLOUR_SHARES[1]):
+                share = (have / spp) ** 0.5
+                self.colours[spp] = torch.lerp(self.target.float(), colour.float(), share).clamp(min=0).half()
+                self.aux[spp] = torch.lerp(self.aux[0].float(), self.aux[have].float(), share).half()
 
     def noisy_aux(self, spp):
         """[A, H, W] at `spp` samples (0: converged): the render of the nearest count, its noise scaled by sqrt(have / spp)."""
@@ -133,7 +148,8 @@ class Crops:
         y, x = (self.pick(extent - size + 1) for extent in colour.shape[-2:])
         crop = {"colour": cut(colour, y, x, size, BORDER, 1), "target": cut(scene.target, y, x, size, 0, scale)}
         if self.config.aux_inputs:
-            crop["aux"] = cut(scene.noisy_aux(self.drawn(self.aux_shares)), y, x, size, BORDER, scale)
+            same = scale == 1 and self.number() < SAME_RENDER_SHARE
+            crop["aux"] = cut(scene.noisy_aux(spp if same else self.drawn(self.aux_shares)), y, x, size, BORDER, scale)
         if self.config.aux_kernels:
             crop["clean"] = cut(scene.aux[0], y, x, size, 0, scale)
         crop = self.varied({key: image.float() for key, image in crop.items()})

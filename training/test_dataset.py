@@ -95,6 +95,29 @@ def test_noise_of_other_counts_is_scaled():
     assert scene.noisy_aux(16) is scene.aux[16]
 
 
+def test_scale_1_takes_colour_and_aux_of_one_render():
+    config = NetworkConfig(**{**SMALL.__dict__, "scale": 1})
+    torch.manual_seed(6)
+    clean = 0.5 + torch.rand(6, 12, 12)
+    noise = 0.1 * torch.randn(12, 12)
+    decoded = {"colour": {(1, 4): (clean[:3] + noise).half()}, "target": clean[:3].half(), "aux": {0: clean.half(), 4: (clean + noise).half()}}
+    scene = dataset.Scene(decoded, config, "cpu")
+    assert set(scene.colours) == {2, 4, 8, 16}                      # half to four times the samples
+    for spp in scene.colours:
+        colour, aux = scene.colours[spp].float() - clean[:3], scene.aux[spp].float() - clean
+        assert torch.allclose(colour, noise.expand(3, 12, 12) * (4 / spp) ** 0.5, atol=4e-3)
+        assert torch.allclose(aux, noise.expand(6, 12, 12) * (4 / spp) ** 0.5, atol=4e-3)
+    assert scene.exposure.keys() == scene.colours.keys()
+    scenes = FakeScenes(config)
+    scenes.scenes = [scene]
+    crops = dataset.Crops(scenes, 8, seed=4)
+    crops.varied = lambda crop: crop
+    crops.number = lambda: 0.5 * dataset.SAME_RENDER_SHARE          # the same render, and the middle of the image
+    crop = crops.one()
+    inner = (..., slice(2, -2), slice(2, -2))
+    assert torch.allclose((crop["colour"] - crop["aux"][:3])[inner], torch.zeros(3, 8, 8), atol=4e-3)
+
+
 def write_scene(folder, name, side=16):
     """A scene of plain R, G, B colour and albedo and normal, as render.py names the files."""
     import OpenEXR
@@ -109,6 +132,11 @@ def write_scene(folder, name, side=16):
     for kind in ("gt", "aux1", "aux16"):
         write(kind, **layers())
     write("lr64", **{"ViewLayer.Combined": image(side // 4, side // 4)})
+
+
+def write(path, source, name, noisy_every):
+    shards.write_shard(path, [(source, name)], 1e6, noisy_every)
+    return path
 
 
 def test_shards_give_back_scenes(tmp_path, monkeypatch):
@@ -128,6 +156,10 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
         true = torch.cat(images.read_exr(source / f"s0000_{f'aux{spp}' if spp else 'gt'}.exr", "albedo", "normal"))
         assert ((scene["aux"][spp].float() - true).abs() <= 0.51 * step + 1e-3).all()
     assert set(scene["colour"]) == {(4, 64), (1, 1)}                # turn 0 of 3 keeps a noisy colour
+    ((_, quiet),) = shards.read_shard(write(output / "other.npz", source, "s0001", 3))
+    ((_, noisy),) = shards.read_shard(write(output / "other.npz", source, "s0001", 1))
+    (output / "other.npz").unlink()
+    assert set(quiet["colour"]) == {(4, 64)} and set(noisy["colour"]) == {(4, 64), (1, 1)}
     monkeypatch.setattr(shards, "NOISY_STEP", {1: 1 / 8})
     with pytest.raises(ValueError, match="pack its scenes again"):
         list(shards.read_shard(output / "scenes-000.npz"))
