@@ -76,6 +76,8 @@ void checkCombination(const NetworkConfig& config) {
           "has learned kernels, which need side 5 and the guided base");
   require(config.auxKernels == 0 || config.auxKernels == 3 || config.auxKernels == 5,
           "gives aux_kernels " + std::to_string(config.auxKernels) + ", expected 0, 3 or 5");
+  require(config.outputSide == 1 || config.outputSide == 3,
+          "gives output_side " + std::to_string(config.outputSide) + ", expected 1 or 3");
   require(config.auxKernels == 0 || config.demodulates(),
           "has learned kernels for its auxiliary images, which need a base image that demodulates");
   require(config.groups > 0 || (config.base != BaseImage::none && config.outputWidth() == 3),
@@ -112,6 +114,7 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   config.kernels = numberOr(metadata, "kernels", 0, 5);
   config.auxSkip = numberOr(metadata, "aux_skip", 0, 1) == 1;
   config.auxKernels = numberOr(metadata, "aux_kernels", 0, 5);
+  config.outputSide = numberOr(metadata, "output_side", 3, 3);
   checkCombination(config);
   return config;
 }
@@ -135,7 +138,8 @@ Metadata describe(const NetworkConfig& config) {
           {"cross", kCrosses[static_cast<size_t>(config.cross)]},
           {"kernels", std::to_string(config.kernels)},
           {"aux_skip", config.auxSkip ? "1" : "0"},
-          {"aux_kernels", std::to_string(config.auxKernels)}};
+          {"aux_kernels", std::to_string(config.auxKernels)},
+          {"output_side", std::to_string(config.outputSide)}};
 }
 
 }  // namespace xrds

@@ -22,7 +22,7 @@ class Reach {
     if (config_.groups > 0) {
       network = upscaled(lowResolution(deshuffled()));
       if (config_.auxSkip) network = std::max(network, auxFeatures(config_.groups));
-      network += kConv;  // out
+      if (config_.outputSide == 3) network += kConv;
     }
     if (config_.auxKernels > 0) {
       const uint32_t filtered = std::max(network, config_.auxKernels / 2);

@@ -33,8 +33,8 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   return op.output;
 }
 
-TensorView Layers::addLinear(const std::string& name, Linear op) {
-  op.bias = weight(name + ".bias", {op.output.channels});
+TensorView Layers::addLinear(const std::string& name, uint32_t outputs, Linear op) {
+  op.bias = weight(name + ".bias", {outputs});
   op.weightType = storedWeights(name);
   graph.nodes.push_back({name, op});
   return op.output;
@@ -42,20 +42,23 @@ TensorView Layers::addLinear(const std::string& name, Linear op) {
 
 TensorView Layers::linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into, TensorView residual,
                           Activation activation) {
-  return addLinear(name, {.input = x,
-                          .output = into.exists() ? into : create(name, x, outputs),
-                          .residual = residual,
-                          .weight = weight(name + ".weight", {outputs, x.channels}),
-                          .activation = activation});
+  return addLinear(name, outputs,
+                   {.input = x,
+                    .output = into.exists() ? into : create(name, x, outputs),
+                    .residual = residual,
+                    .weight = weight(name + ".weight", {outputs, x.channels}),
+                    .activation = activation});
 }
 
 // In NHWC a 1x1 convolution is a linear map of each pixel; only the weight's shape in the file differs.
 TensorView Layers::conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
-                           TensorView residual) {
-  return addLinear(name, {.input = x,
-                          .output = into.exists() ? into : create(name, x, outputs),
-                          .residual = residual,
-                          .weight = weight(name + ".weight", {outputs, x.channels, 1, 1})});
+                           TensorView residual, RowRange rows) {
+  return addLinear(name, outputs,
+                   {.input = x,
+                    .output = into.exists() ? into : create(name, x, outputs),
+                    .residual = residual,
+                    .weight = weight(name + ".weight", {outputs, x.channels, 1, 1}),
+                    .rows = rows});
 }
 
 TensorView Layers::layerNorm(const std::string& name, TensorView x) {

@@ -24,8 +24,8 @@ class Layers {
   }
   TensorView linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into = {},
                     TensorView residual = {}, Activation activation = Activation::none);
-  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
-                     TensorView residual = {});
+  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into, TensorView residual = {},
+                     RowRange rows = {});
   TensorView layerNorm(const std::string& name, TensorView x);
   /// Attention of the band's rows, of which the views are images of their own.
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
@@ -51,7 +51,7 @@ class Layers {
 
  private:
   DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
-  TensorView addLinear(const std::string& name, Linear op);
+  TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
   std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
     return weights_(name, std::span(shape.begin(), shape.size()));
   }

@@ -51,6 +51,7 @@ TEST(Network, CostsOfTheOtherFormsMatchTraining) {
   expectCosts({.cross = CrossKind::concat}, 712.406729, 9.214295);
   expectCosts({.auxInputs = {}, .cross = CrossKind::concat}, 583.356383, 8.541879);
   expectCosts({.kernels = 5, .auxSkip = true, .auxKernels = 5}, 769.885471, 9.436981);
+  expectCosts({.kernels = 5, .auxSkip = true, .auxKernels = 5, .outputSide = 1}, 727.204233, 9.396277);
   expectCosts({.block = BlockKind::rdb, .cross = CrossKind::concat, .auxKernels = 3}, 440.011850, 4.876268);
 }
 
@@ -154,8 +155,10 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(refused("cross", "add"));
   EXPECT_TRUE(refused("aux_kernels", "4"));
   EXPECT_TRUE(refused("aux_kernels", "7"));
+  EXPECT_TRUE(refused("output_side", "2"));
+  EXPECT_TRUE(refused("output_side", "5"));
   for (const auto& [key, text] : good) {
-    const std::set<std::string> optional{"block", "cross", "kernels", "aux_skip", "aux_kernels"};
+    const std::set<std::string> optional{"block", "cross", "kernels", "aux_skip", "aux_kernels", "output_side"};
     Metadata missing = good;
     missing.erase(key);
     if (optional.contains(key))
@@ -168,7 +171,7 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
 TEST(Config, KeepsWhatDiffersFromThePaper) {
   for (const char* block : {"rdst", "rstb", "rdb"})
     for (const char* cross : {"attention", "concat"}) {
-      Metadata fields = describe({.kernels = 5, .auxSkip = true, .auxKernels = 3});
+      Metadata fields = describe({.kernels = 5, .auxSkip = true, .auxKernels = 3, .outputSide = 1});
       fields["block"] = block;
       fields["cross"] = cross;
       EXPECT_EQ(describe(parseConfig(fields)), fields);

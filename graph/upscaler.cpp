@@ -76,8 +76,11 @@ class Upscaler {
     if (made.begin == made.end) return;
     const uint32_t keep = sweep_.rows(step, decodeDistance()).begin;
     const TensorView& upscaled = doublings_.back().view();
-    layers_.conv("out", upscaled, upscaled.channels, config_.outputWidth(),
-                 {.into = out_.advance(graph_, made, keep), .rows = made});
+    const TensorView out = out_.advance(graph_, made, keep);
+    if (config_.outputSide == 1)
+      layers_.conv1x1("out", upscaled, config_.outputWidth(), out, {}, made);
+    else
+      layers_.conv("out", upscaled, upscaled.channels, config_.outputWidth(), {.into = out, .rows = made});
     const RowRange filtered = real(made);
     if (config_.auxKernels == 0 || filtered.begin == filtered.end) return;
     encoded_.aux = filtered_.advance(graph_, filtered, std::min(keep, filtered.begin));

@@ -40,6 +40,7 @@ VARIANTS = {
     "residual-alone": ("our fields", ["--kernels", "0"]),
     "no-skip": ("our fields", ["--aux-skip", "0"]),
     "aux-kernels": ("our fields", ["--aux-kernels", "5"]),
+    "output-1": ("our fields", ["--groups", "1", "--output-side", "1"]),
     "wide-crops": ("our fields", ["--crop", "48", "--batch", "2"]),
 }
 

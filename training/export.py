@@ -66,7 +66,7 @@ def fields_of(config):
     """What the model has beyond network.md's plain form, in words."""
     named = [f"learned {config.kernels} x {config.kernels} kernels" if config.kernels else "",
              f"learned {config.aux_kernels} x {config.aux_kernels} filter of the auxiliary images" if config.aux_kernels else "",
-             "auxiliary skip" if config.aux_skip else "", f"block `{config.block}`" if config.block != "rdst" else ""]
+             "auxiliary skip" if config.aux_skip else "", "1 x 1 output convolution" if config.output_side == 1 else "", f"block `{config.block}`" if config.block != "rdst" else ""]
     return ", ".join(filter(None, named)) or "plain"
 
 

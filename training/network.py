@@ -21,6 +21,7 @@ class NetworkConfig:
     Symbols of the paper: scale s, channels C, aux_channels Ca, groups N, blocks B, window w, head_channels d.
     `kernels` = 5 adds 25 kernel logits to the 3 output channels; `aux_skip` = 1 feeds H_N to the output convolution;
     `aux_kernels` = 3 or 5 adds that many squared logits of a kernel that filters the auxiliary images for the base image and the output.
+    `output_side` = 1 makes the output convolution 1 x 1.
     `cross` = "concat" puts a 1x1 convolution of [f, e] in the place of the cross module XM.
     """
     scale: int = 4
@@ -37,6 +38,7 @@ class NetworkConfig:
     kernels: int = 0
     aux_skip: int = 0
     aux_kernels: int = 0
+    output_side: int = 3
     cross: str = "attention"
 
     def __post_init__(self):
@@ -55,6 +57,7 @@ class NetworkConfig:
         require(self.kernels == 0 or self.base == "guided", "learned kernels need base=guided")
         require(self.aux_kernels in (0, 3, 5), f"aux_kernels must be 0, 3 or 5, found {self.aux_kernels}")
         require(self.aux_kernels == 0 or self.base in ("demodulated", "guided"), "aux_kernels needs a base that demodulates")
+        require(self.output_side in (1, 3), f"output_side must be 1 or 3, found {self.output_side}")
         require(self.aux_skip in (0, 1), f"aux_skip must be 0 or 1, found {self.aux_skip}")
         require(self.aux_skip == 0 or self.aux_inputs, "aux_skip needs auxiliary inputs")
 
@@ -328,7 +331,8 @@ class Network(nn.Module):
         self.fuse = conv3x3(2 * c if config.aux_inputs else c, c)
         self.body_conv, self.up_pre = conv3x3(c, c), conv3x3(c, c)
         self.up = nn.ModuleList(conv3x3(c, 4 * c) for _ in range(config.steps))
-        self.out = conv3x3(c + (ca if config.aux_skip else 0), config.output_width)
+        side = config.output_side
+        self.out = nn.Conv2d(c + (ca if config.aux_skip else 0), config.output_width, side, padding=side // 2)
 
     def deshuffled(self, i, h):
         """D_i [b, C, h, w'] from H_i [b, Ca, s*h, s*w']."""

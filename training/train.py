@@ -46,6 +46,7 @@ def arguments_of_command_line():
     model.add_argument("--kernels", type=int, default=5)
     model.add_argument("--aux-kernels", type=int, default=0)
     model.add_argument("--aux-skip", type=int, default=1)
+    model.add_argument("--output-side", type=int, default=3, help="3 or 1: of the output convolution")
     model.add_argument("--start", type=pathlib.Path, help="model file or checkpoint whose fitting weights to start from")
     parser.add_argument("--crop", type=int, default=32, help="low-resolution pixels a side, a multiple of the window")
     parser.add_argument("--batch", type=int, default=4)
@@ -68,7 +69,7 @@ def config_of(options):
     return NetworkConfig(scale=options.scale, channels=options.channels, aux_channels=options.aux_channels,
                          aux_inputs=tuple(options.aux.split(",")) if options.aux else (), groups=options.groups, blocks=options.blocks,
                          head_channels=options.head_channels, base=options.base, block=options.block, cross=options.cross,
-                         kernels=options.kernels, aux_skip=options.aux_skip, aux_kernels=options.aux_kernels)
+                         kernels=options.kernels, aux_skip=options.aux_skip, aux_kernels=options.aux_kernels, output_side=options.output_side)
 
 
 def forward(network, batch, device):
@@ -146,6 +147,8 @@ def start_from(network, path):
         if parts[0] == "up" and int(parts[1]) >= other.steps:
             parts[1] = str(other.steps - 1)
         found = source.get(".".join(parts))
+        if name == "out.weight" and found is not None and found.shape[2] > tensor.shape[2]:     # 3 x 3 to 1 x 1
+            found = found.sum((2, 3), keepdim=True)
         if found is not None and found.shape == tensor.shape:
             tensor.copy_(found)
             taken += 1

@@ -94,7 +94,8 @@ std::vector<NetworkConfig> stressConfigs() {
                       .headChannels = 4,
                       .block = BlockKind::rdb,
                       .cross = CrossKind::concat,
-                      .auxKernels = 3};
+                      .auxKernels = 3,
+                      .outputSide = 1};
   NetworkConfig plain{.scale = 1,
                       .channels = 8,
                       .auxChannels = 8,

@@ -18,7 +18,13 @@ constexpr uint32_t kMaxTile = 64, kGoodTile = 48;
 constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kernel
 
 uint32_t inputChannels(const Linear& op) { return op.input.channels; }
-uint32_t outputChannels(const Linear& op) { return static_cast<uint32_t>(op.bias.size()); }
+uint32_t outputChannels(const Linear& op) { return ceilDivide(op.bias.size(), 4) * 4; }
+
+// Of output n and input k; that of outputs above N is 0.
+float weightAt(const Linear& op, size_t n, uint32_t k) {
+  return n < op.bias.size() ? op.weight[n * inputChannels(op) + k] : 0;
+}
+float biasAt(const Linear& op, size_t n) { return n < op.bias.size() ? op.bias[n] : 0; }
 
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of 8; 0: there is
 // none.
@@ -29,11 +35,14 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
       subgroups / evenShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
-  const uint32_t limit = std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile);
-  for (uint32_t tile = std::min(limit, outputs) / 8 * 8; tile > 0; tile -= 8)
-    if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes)
-      return tile;
-  return 0;
+  const auto largest = [&](uint32_t limit) -> uint32_t {
+    for (uint32_t tile = std::min(limit, outputs) / 8 * 8; tile > 0; tile -= 8)
+      if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes)
+        return tile;
+    return 0;
+  };
+  const uint32_t tile = largest(std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile));
+  return tile < kGoodTile / 2 ? largest(kMaxTile) : tile;  // 56 outputs: not 8
 }
 
 // A workgroup of the tile kernel: columns * rows invocations, each four outputs of `tokens` tokens.
@@ -87,7 +96,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   Dispatch launch{
       .bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residual), writeRows(op.output, rows)},
       .pushConstants = pushBytes(params),
-      .multiplyAdds = tokens * params.inputChannels * params.outputChannels};
+      .multiplyAdds = tokens * params.inputChannels * op.bias.size()};
   if (const uint32_t tile = laneTile(op, device)) {
     const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = evenShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
@@ -120,8 +129,8 @@ std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device) {
   packed.reserve(size_t{inputs + 1} * outputs);
   for (uint32_t first = 0; first < outputs; first += tile) {
     for (uint32_t k = 0; k < inputs; ++k)
-      for (uint32_t n = first; n < first + tile; ++n) packed.push_back(op.weight[size_t{n} * inputs + k]);
-    packed.insert(packed.end(), op.bias.begin() + first, op.bias.begin() + first + tile);
+      for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weightAt(op, n, k));
+    for (uint32_t n = first; n < first + tile; ++n) packed.push_back(biasAt(op, n));
   }
   return packed;
 }
@@ -132,9 +141,8 @@ void reference(const Linear& op, HostMemory& memory) {
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < width; ++x)
       for (uint32_t n = 0; n < outputs; ++n) {
-        double sum = op.bias[n];
-        for (uint32_t k = 0; k < op.input.channels; ++k)
-          sum += memory.at(op.input, y, x, k) * op.weight[size_t{n} * op.input.channels + k];
+        double sum = biasAt(op, n);
+        for (uint32_t k = 0; k < op.input.channels; ++k) sum += memory.at(op.input, y, x, k) * weightAt(op, n, k);
         sum = activate(op.activation, sum);
         if (op.residual.exists()) sum += memory.at(op.residual, y, x, n);
         memory.at(op.output, y, x, n) = sum;

@@ -19,15 +19,16 @@ namespace xrds {
 
 /// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image.
 struct Linear {
-  TensorView input, output;             // [h, w, K], [h, w, N]
-  TensorView residual{};                // optional, [h, w, N]; may be the output itself
+  TensorView input, output;             // [h, w, K], [h, w, N rounded up to a multiple of four]
+  TensorView residual{};                // optional, as the output, which it may be
   std::span<const float> weight, bias;  // [N][K], [N]
   Activation activation = Activation::none;
   DataType weightType = DataType::f32;  // storage of the packed weights
   RowRange rows{};                      // of the output
 };
 
-/// [h, w, N], N being the length of the bias. Throws std::logic_error if the weight does not fit.
+/// [h, w, N], N being the length of the bias, rounded up to a multiple of four; the channels above it get
+/// activation(0). Throws std::logic_error if the weight does not fit.
 TensorShape outputShape(const Linear& op);
 
 /// The kernel launch for the rows. The lane kernel takes multiples of eight outputs if the weights of eight fit its

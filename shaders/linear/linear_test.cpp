@@ -20,7 +20,7 @@ struct Case {
 
 // Odd ones first: one token, channels that are no multiple of a tile, slices that start at a 4 or an 8, rows that start
 // inside an aligned block, then the widths of the network, then one that is too wide for the lane kernel, and enough
-// work for the largest tiles.
+// work for the largest tiles; at last outputs that are no multiple of four.
 constexpr Case kCases[] = {{1, 1, 4, 4},
                            {3, 5, 12, 20, Activation::relu},
                            {7, 3, 20, 28, Activation::leakyRelu, true},
@@ -31,7 +31,9 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {5, 11, 192, 64, Activation::none, true, true, 64, 256, 128, 192},
                            {4, 9, 384, 40, Activation::gelu},
                            {2, 3, 1600, 8, Activation::none, true},
-                           {33, 63, 20, 1024, Activation::relu}};
+                           {33, 63, 20, 1024, Activation::relu},
+                           {7, 33, 24, 3},
+                           {9, 40, 48, 53, Activation::none, false, false, 0, 0, 0, 0, {4, 9}}};
 
 std::vector<float> halves(std::vector<float> numbers) {
   for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
@@ -45,7 +47,7 @@ TEST_P(LinearCases, MatchesReference) {
   const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs, 1));
   const auto bias = halves(test::randomNumbers(c.outputs, 2));
   Linear op{.input = view(0, stored, c.height, c.width, c.inputs, c.inputOffset, c.inputStride),
-            .output = view(1, stored, c.height, c.width, c.outputs, c.outputOffset, c.outputStride),
+            .output = view(1, stored, c.height, c.width, ceilDivide(c.outputs, 4) * 4, c.outputOffset, c.outputStride),
             .weight = weight,
             .bias = bias,
             .activation = c.activation,
