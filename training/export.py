@@ -72,7 +72,7 @@ def fields_of(config):
 
 def command_of(told, start):
     """The trainer's command line; what is at its default is named too."""
-    keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "aux_kernels", "aux_skip",
+    keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "aux_kernels", "aux_skip", "output_side",
             "crop", "batch", "rate", "warm_up", "tone", "ratio", "aux_loss", "seed", "minutes")
     flags = " ".join(f"--{key.replace('_', '-')} {told[key] or repr('')}" for key in keys)
     return f"python training/train.py SHARD_FOLDER --output RUN_FOLDER {flags}" + (" --start CHECKPOINT" if start else "")
