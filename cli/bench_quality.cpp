@@ -20,6 +20,7 @@ struct BenchQualityOptions {
   std::string folder, aux = "16", precision = "fp32", device, json, markdown, write;
   std::optional<int> colour;
   int scale = 4;
+  uint32_t ensemble = 1;
   std::vector<std::string> models, also;
 };
 
@@ -75,7 +76,10 @@ std::vector<EngineMethod> engineMethods(const BenchQualityOptions& options) {
       std::fprintf(stderr, "xrds: warning: There is no shipped model '%s'; only the untrained methods are measured.\n",
                    shipped.c_str());
   }
-  for (const std::string& model : models) methods.push_back(trainedMethod(model, options.scale));
+  for (const std::string& model : models) {
+    methods.push_back(trainedMethod(model, options.scale));
+    if (options.ensemble > 1) methods.push_back(trainedMethod(model, options.scale, options.ensemble));
+  }
   return methods;
 }
 
@@ -215,6 +219,9 @@ void addBenchQuality(CLI::App& group) {
       ->type_name("K");
   verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal, or converged: those of the reference")
       ->check(CLI::Validator(validAux, "K|converged"))
+      ->capture_default_str();
+  verb->add_option("--ensemble", options->ensemble, "Also measure each model as the mean of so many passes")
+      ->check(CLI::IsMember({1, 2, 4}))
       ->capture_default_str();
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
       ->check(CLI::IsMember({"fp32", "fp16"}))

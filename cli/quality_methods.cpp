@@ -32,11 +32,12 @@ double deviceSeconds(const Upscaler& upscaler) {
 Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, FrameSeconds& seconds) {
   const auto known = upscalers_.find({frame.width(), frame.height()});
   const bool first = known == upscalers_.end();
-  Upscaler& upscaler = first ? upscalers_
-                                   .try_emplace({frame.width(), frame.height()}, device, model_, frame.width(),
-                                                frame.height(), Upscaler::Options{.fp16 = fp16, .profile = true})
-                                   .first->second
-                             : known->second;
+  Upscaler& upscaler =
+      first ? upscalers_
+                  .try_emplace({frame.width(), frame.height()}, device, model_, frame.width(), frame.height(),
+                               Upscaler::Options{.fp16 = fp16, .profile = true, .ensemble = ensemble_})
+                  .first->second
+            : known->second;
   const int scale = static_cast<int>(model_.scale());
   Image result(frame.colour().width * scale, frame.colour().height * scale, 3);
   const auto views = inputsOf(model_, frame);
@@ -46,7 +47,7 @@ Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, FrameSeco
     seconds.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     stopIfInterrupted();
   }
-  seconds.device = deviceSeconds(upscaler);
+  seconds.device = ensemble_ * deviceSeconds(upscaler);  // the profile is of the last pass, all do the same
   if (const uint64_t count = upscaler.repairs().output; count > 0)
     std::fprintf(stderr, "xrds: warning: the network of %s gave %llu pixels that were not finite and were left out.\n",
                  name_.c_str(), static_cast<unsigned long long>(count));
@@ -61,9 +62,10 @@ std::vector<EngineMethod> untrainedMethods(int scale) {
   return methods;
 }
 
-EngineMethod trainedMethod(const std::string& nameOrFile, int scale) {
+EngineMethod trainedMethod(const std::string& nameOrFile, int scale, uint32_t ensemble) {
   const std::filesystem::path file = resolveModel(nameOrFile);
-  EngineMethod method(file.stem().string(), Model(file), true);
+  const std::string name = file.stem().string() + (ensemble > 1 ? " ensemble " + std::to_string(ensemble) : "");
+  EngineMethod method(name, Model(file), true, ensemble);
   if (method.model().scale() != static_cast<uint32_t>(scale))
     throw Error("Model '" + method.name() + "' upscales by " + std::to_string(method.model().scale()) +
                 ", but --scale is " + std::to_string(scale) + ": measure it at its own scale.");

@@ -21,8 +21,9 @@ struct FrameSeconds {
 /// outlive it.
 class EngineMethod {
  public:
-  EngineMethod(std::string name, Model model, bool trained)
-      : name_(std::move(name)), model_(std::move(model)), trained_(trained) {}
+  /// ensemble: as Upscaler::Options.
+  EngineMethod(std::string name, Model model, bool trained, uint32_t ensemble = 1)
+      : name_(std::move(name)), model_(std::move(model)), trained_(trained), ensemble_(ensemble) {}
   const std::string& name() const { return name_; }
   const Model& model() const { return model_; }
   bool trained() const { return trained_; }
@@ -36,6 +37,7 @@ class EngineMethod {
   std::string name_;
   Model model_;
   bool trained_;
+  uint32_t ensemble_;
   std::map<std::pair<uint32_t, uint32_t>, Upscaler> upscalers_{};  // by width and height
 };
 
@@ -43,7 +45,8 @@ class EngineMethod {
 /// guided, then a filter, is left.
 std::vector<EngineMethod> untrainedMethods(int scale);
 
-/// A model by name or file. Throws Error if it cannot be read, has another scale or unknown inputs.
-EngineMethod trainedMethod(const std::string& nameOrFile, int scale);
+/// A model by name or file, its name followed by "ensemble N" if that is not 1. Throws Error if it cannot be read, has
+/// another scale or unknown inputs.
+EngineMethod trainedMethod(const std::string& nameOrFile, int scale, uint32_t ensemble = 1);
 
 }  // namespace xrds

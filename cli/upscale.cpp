@@ -28,6 +28,7 @@ struct UpscaleOptions {
   std::string color, aux, output, model, device, reference, preview, sideBySide,
       precision = "fp32", exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap;
   AovRequest layers;
+  uint32_t ensemble = 1;
   bool half = false, profile = false, check = false, quiet = false, wrap = false;
 
   Upscaler::Options upscaler() const {
@@ -35,6 +36,7 @@ struct UpscaleOptions {
     if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
     options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
     options.skip.bound = parseSkip(skip);
+    options.ensemble = ensemble;
     return options;
   }
 };
@@ -217,6 +219,7 @@ void writeResult(const UpscaleOptions& options, const Frame& frame, const Opened
     output.texts["xrds:model"] = opened.name() + " " + opened.model.hash();
     output.texts["xrds:options"] =
         "precision=" + options.precision + " exposure=" + exposure + (options.exposure == "auto" ? " (auto)" : "");
+    if (options.ensemble > 1) output.texts["xrds:options"] += " ensemble=" + std::to_string(options.ensemble);
     output.pixelType = options.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
     writeExr(options.output, alpha ? withAlpha(result.colour, *alpha) : result.colour, output);
     if (!options.preview.empty()) writePng(options.preview, result.colour);
@@ -288,6 +291,11 @@ void addUpscale(CLI::App& app) {
       ->type_name("MODEL");
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
       ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->capture_default_str();
+  verb->add_option("--ensemble", options->ensemble,
+                   "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways. Better, and as "
+                   "many times slower; normals must be in the camera's axes")
+      ->check(CLI::IsMember({1, 2, 4}))
       ->capture_default_str();
   verb->add_option("--exposure", options->exposure, "Factor that brings the colour to a mean log luminance of 0.18")
       ->check(CLI::Validator(validExposure, "auto|E"))

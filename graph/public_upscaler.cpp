@@ -2,6 +2,7 @@
 #include <cmath>
 #include <exception>
 
+#include "graph/ensemble.h"
 #include "graph/halo.h"
 #include "graph/public_state.h"
 #include "graph/quiet_windows.h"
@@ -58,6 +59,13 @@ void checkExposure(const Upscaler::Options& options) {
   const float e = options.exposure.value_or(1);
   if (!(e >= 1 / kLargest && e <= kLargest))
     throw Error("An exposure of " + std::to_string(e) + " was given, expected a number between 1e-30 and 1e30.");
+}
+
+void checkEnsemble(const Upscaler::Options& options) {
+  mirrorsOf(options.ensemble);
+  if (options.ensemble > 1 && options.skip.keepUnchanged)
+    throw Error(
+        "Windows that did not change are kept from pass to pass, not from frame to frame: no ensemble, please.");
 }
 
 void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& colour,
@@ -117,6 +125,7 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 struct Upscaler::State {
   State(Gpu& gpu, const ModelWeights& model, FrameShape shape, const Options& given)
       : config(model.config()), frame(shape), options(given) {
+    checkEnsemble(options);
     try {
       prepare(gpu, model, memoryOf(gpu, options.tiles));
     } catch (const OutOfMemory&) {
@@ -159,6 +168,35 @@ struct Upscaler::State {
     return sparse ? sparse->run(frame, output, progress) : runner->run(frame, tiles, output, progress);
   }
 
+  bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+           const Progress& progress) {
+    if (options.ensemble > 1) return runEnsemble(colour, auxiliary, output, progress);
+    if (!runFinite(colour, auxiliary, output, progress)) return false;
+    repairs.output = lostPixels().size();
+    return true;
+  }
+
+  bool runEnsemble(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                   const Progress& progress) {
+    const auto mirrors = mirrorsOf(options.ensemble);
+    const uint32_t width = config.scale * frame.width, height = config.scale * frame.height;
+    const double share = 1.0 / static_cast<double>(mirrors.size());
+    EnsembleMean mean(width, height, config.transfer);
+    std::vector<uint64_t> lost;
+    for (size_t pass = 0; pass < mirrors.size(); ++pass) {
+      const MirroredFrame images(colour, auxiliary, config.auxInputs, mirrors[pass]);
+      const auto report = [&](double done) { return progress((static_cast<double>(pass) + done) * share); };
+      if (!runFinite(images.colour(), images.auxiliary(), output, progress ? Progress(report) : Progress()))
+        return false;
+      mean.add(output, mirrors[pass], usedExposure());
+      for (const uint64_t pixel : lostPixels()) lost.push_back(mirroredPixel(pixel, width, height, mirrors[pass]));
+    }
+    mean.write(output, usedExposure());
+    std::sort(lost.begin(), lost.end());
+    repairs.output = static_cast<size_t>(std::unique(lost.begin(), lost.end()) - lost.begin());
+    return true;
+  }
+
   // The images of a frame that is computed in tiles are never on the device as a whole.
   Session& wholeSession() {
     if (!session)
@@ -176,6 +214,10 @@ struct Upscaler::State {
   std::optional<SparseRunner> sparse;  // or of those of its windows that need it
   Repairs repairs{};
 
+  float usedExposure() const {
+    if (session) return session->exposure();
+    return sparse ? sparse->exposure() : runner->exposure();
+  }
   const TileRunner& tileRunner() const { return sparse ? sparse->runner() : *runner; }
   const std::vector<uint64_t>& lostPixels() const {
     return session ? session->lostPixels() : sparse ? sparse->lostPixels() : runner->lostPixels();
@@ -199,18 +241,15 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
   std::vector<PixelView> views;
   for (const PixelView& image : auxiliary) finiteImages.emplace_back(image, repairs.auxiliary);
   for (const FiniteImage& image : finiteImages) views.push_back(image.view());
-  if (!state_->runFinite(finiteColour.view(), views, output, progress)) return false;
-  repairs.output = state_->lostPixels().size();
-  state_->repairs = repairs;
+  if (!state_->run(finiteColour.view(), views, output, progress)) return false;
+  state_->repairs.colour = repairs.colour;
+  state_->repairs.auxiliary = repairs.auxiliary;
   return true;
 }
 
 Upscaler::Repairs Upscaler::repairs() const { return state_->repairs; }
 
-float Upscaler::exposure() const {
-  if (state_->session) return state_->session->exposure();
-  return state_->sparse ? state_->sparse->exposure() : state_->runner->exposure();
-}
+float Upscaler::exposure() const { return state_->usedExposure(); }
 
 uint64_t Upscaler::deviceBytes() const {
   return state_->session ? state_->session->ownByteSize() : state_->tileRunner().byteSize();

@@ -9,13 +9,14 @@ _xrds() {
   local verbs=("$verb")
   if [ "$verb" = bench ]; then
     if [ "$COMP_CWORD" -eq 2 ]; then
-      mapfile -t COMPREPLY < <(compgen -W "network quality tiles --help" -- "$current")
+      mapfile -t COMPREPLY < <(compgen -W "network quality skip stress tiles --help" -- "$current")
       return
     fi
     verbs+=("${COMP_WORDS[2]}")
   fi
   # Options and models are read from the program itself, so that this list cannot go stale.
   case $previous in
+    --ensemble) mapfile -t COMPREPLY < <(compgen -W "1 2 4" -- "$current"); return ;;
     --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
     --family) mapfile -t COMPREPLY < <(compgen -W "plain lane tile matrix" -- "$current"); return ;;
     --skip) mapfile -t COMPREPLY < <(compgen -W "off safe" -- "$current"); return ;;

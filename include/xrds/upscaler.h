@@ -27,6 +27,9 @@ class Upscaler {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
     std::optional<float> exposure{};  // factor on the colour, 1e-30 to 1e30; empty: from the mean log luminance
     bool profile = false;
+    /// Passes over the frame: 1, or the mean of 2 (also turned by half a turn) or 4 (mirrored both ways), for as many
+    /// times the time. Normals are taken to be in the camera's axes. Not with SkipOptions::keepUnchanged.
+    uint32_t ensemble = 1;
     TileOptions tiles{};  // of a frame that does not fit the device
     SkipOptions skip{};
     /// A run is cut into submissions of about that much work: others wait for the device no longer than one takes.
@@ -47,7 +50,7 @@ class Upscaler {
   };
 
   /// width x height: of the low-resolution colour. Device and model must outlive the upscaler. Throws Error if the
-  /// device cannot hold even the smallest tiles of the frame, or if the exposure is out of range.
+  /// device cannot hold even the smallest tiles of the frame, or if an option is out of range.
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
   ~Upscaler();
   Upscaler(Upscaler&&) noexcept;
@@ -61,12 +64,12 @@ class Upscaler {
            const Progress& progress = {});
 
   /// Pixels of the last run that were not finite: of the inputs, filled from their finite neighbours, and of the
-  /// network's output, which then was left out, so that the base image shows.
+  /// network's output, which then was left out, so that the base image shows; of an ensemble, in any pass.
   struct Repairs {
     uint64_t colour = 0, auxiliary = 0, output = 0;
   };
   Repairs repairs() const;
-  float exposure() const;        // of the last run
+  float exposure() const;        // of the last run (of its last pass, as all that follow)
   uint64_t deviceBytes() const;  // arena and weights
   const Tiling& tiling() const;
   SkipMap skipMap() const;                  // of the last run

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "shaders/common/transfer.h"
+#include "xrds/pixel_view.h"
+
+namespace xrds {
+
+/// How the frame of a pass is mirrored: left to right, upside down, or both, which is half a turn.
+struct Mirror {
+  bool leftRight = false, upsideDown = false;
+};
+
+/// The mirrors of 1, 2 or 4 passes, the frame as it is last. Throws Error for other counts.
+std::span<const Mirror> mirrorsOf(uint32_t passes);
+
+/// The mirrored image, three floats a pixel. The components of a normal along the mirrored axes change sign.
+std::vector<float> mirrored(const PixelView& image, Mirror mirror, bool isNormal);
+
+/// A frame mirrored: copies of its images.
+class MirroredFrame {
+ public:
+  /// `inputs` names the auxiliary images; "normal" is one whose components turn along.
+  MirroredFrame(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<const std::string> inputs,
+                Mirror mirror);
+  const PixelView& colour() const { return views_.front(); }
+  std::span<const PixelView> auxiliary() const { return std::span(views_).subspan(1); }
+
+ private:
+  std::vector<std::vector<float>> pixels_;
+  std::vector<PixelView> views_;
+};
+
+/// The pixel of a mirrored frame of that size, row by row from 0, in the frame as it is.
+uint64_t mirroredPixel(uint64_t pixel, uint32_t width, uint32_t height, Mirror mirror);
+
+/// The mean of the results of all passes, in the domain of the network: T^-1(mean T(e I)) / e, so that a pixel far too
+/// bright in one pass weighs little. (Geometric self-ensemble: Timofte, Rothe & Van Gool 2016, section 3.)
+class EnsembleMean {
+ public:
+  /// width x height: of the results.
+  EnsembleMean(uint32_t width, uint32_t height, Transfer transfer);
+  /// Adds the result of a mirrored frame, three floats a pixel, at its exposure.
+  void add(std::span<const float> result, Mirror mirror, float exposure);
+  /// Writes the mean of what was added, at that exposure.
+  void write(std::span<float> output, float exposure) const;
+
+ private:
+  uint32_t width_, height_, count_ = 0;
+  Transfer transfer_;
+  std::vector<float> sum_;
+};
+
+}  // namespace xrds
