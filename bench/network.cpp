@@ -105,6 +105,7 @@ int main(int argc, char** argv) {
   app.add_option("--head-channels", options.config.headChannels, "d")->capture_default_str();
   app.add_option("--kernels", options.config.kernels, "0 or 5")->capture_default_str();
   app.add_option("--aux-kernels", options.config.auxKernels, "0, 3 or 5")->capture_default_str();
+  app.add_option("--output-side", options.config.outputSide, "3 or 1")->capture_default_str();
   app.add_flag("--aux-skip", options.config.auxSkip, "Feed H_N to the output convolution");
   app.add_option("--size", options.size, "Side of the output in pixels")->capture_default_str();
   app.add_option("--precision", options.precision, "fp32 or fp16")

@@ -32,6 +32,7 @@ filter="--aux-kernels 5"
 # shellcheck disable=SC2086
 {
     model xrds-x4-compact 100 "" $filter
+    model xrds-x4-small 80 xrds-x4-compact --groups 1 --output-side 1 $filter
     model xrds-x2-compact 15 xrds-x4-compact --scale 2 $filter
     model xrds-x8-compact 15 xrds-x4-compact --scale 8 --crop 16 $filter
     model xrds-x1-compact 15 xrds-x4-compact --scale 1 --crop 48 $filter
