@@ -93,7 +93,7 @@ class MomentFlow {
 
   void follow(const Linear& op) {
     const uint32_t inputs = op.input.channels;
-    for (uint32_t o = 0; o < op.output.channels; ++o) {
+    for (uint32_t o = 0; o < op.bias.size(); ++o) {
       Moment sum{op.bias[o], 0};
       for (uint32_t i = 0; i < inputs; ++i) {
         const double w = op.weight[size_t{o} * inputs + i];
