@@ -221,7 +221,7 @@ void addBenchQuality(CLI::App& group) {
       ->check(CLI::Validator(validAux, "K|converged"))
       ->capture_default_str();
   verb->add_option("--ensemble", options->ensemble, "Also measure each model as the mean of so many passes")
-      ->check(CLI::IsMember({1, 2, 4}))
+      ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
       ->check(CLI::IsMember({"fp32", "fp16"}))

@@ -263,6 +263,8 @@ void run(const UpscaleOptions& options) {
   Frame frame = openFrame(options, opened);
   if (options.model.empty()) leaveConstantsOut(options, opened, frame);
   checkSkip(options, opened);
+  if (options.wrap && options.ensemble == 8)
+    throw Failure{ExitCode::usage, "--ensemble 8 and --wrap exclude each other: 4 leaves out the diagonal."};
   const int scale = static_cast<int>(opened.model.scale());
   std::optional<Image> reference;
   if (!options.reference.empty())
@@ -293,9 +295,9 @@ void addUpscale(CLI::App& app) {
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->capture_default_str();
   verb->add_option("--ensemble", options->ensemble,
-                   "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways. Better, and as "
-                   "many times slower; normals must be in the camera's axes")
-      ->check(CLI::IsMember({1, 2, 4}))
+                   "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways; 8, also on the "
+                   "diagonal. Better, and as many times slower; normals must be in the camera's axes")
+      ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();
   verb->add_option("--exposure", options->exposure, "Factor that brings the colour to a mean log luminance of 0.18")
       ->check(CLI::Validator(validExposure, "auto|E"))

@@ -10,15 +10,17 @@
 
 namespace xrds {
 
-/// How the frame of a pass is mirrored: left to right, upside down, or both, which is half a turn.
+/// How the frame of a pass is mirrored: first on its diagonal, so that rows become columns, then left to right and
+/// upside down, both of which are half a turn.
 struct Mirror {
-  bool leftRight = false, upsideDown = false;
+  bool leftRight = false, upsideDown = false, transposed = false;
 };
 
-/// The mirrors of 1, 2 or 4 passes, the frame as it is last. Throws Error for other counts.
+/// The mirrors of 1, 2, 4 or 8 passes, those on the diagonal first, the frame as it is last. Throws Error for other
+/// counts.
 std::span<const Mirror> mirrorsOf(uint32_t passes);
 
-/// The mirrored image, three floats a pixel. The components of a normal along the mirrored axes change sign.
+/// The mirrored image, three floats a pixel. The components of a normal turn along: x points right, y up.
 std::vector<float> mirrored(const PixelView& image, Mirror mirror, bool isNormal);
 
 /// A frame mirrored: copies of its images.
@@ -35,14 +37,14 @@ class MirroredFrame {
   std::vector<PixelView> views_;
 };
 
-/// The pixel of a mirrored frame of that size, row by row from 0, in the frame as it is.
+/// A pixel of a mirrored frame of that size, row by row from 0, in the frame as it is.
 uint64_t mirroredPixel(uint64_t pixel, uint32_t width, uint32_t height, Mirror mirror);
 
 /// The mean of the results of all passes, in the domain of the network: T^-1(mean T(e I)) / e, so that a pixel far too
 /// bright in one pass weighs little. (Geometric self-ensemble: Timofte, Rothe & Van Gool 2016, section 3.)
 class EnsembleMean {
  public:
-  /// width x height: of the results.
+  /// width x height: of the mean.
   EnsembleMean(uint32_t width, uint32_t height, Transfer transfer);
   /// Adds the result of a mirrored frame, three floats a pixel, at its exposure.
   void add(std::span<const float> result, Mirror mirror, float exposure);

@@ -66,6 +66,8 @@ void checkEnsemble(const Upscaler::Options& options) {
   if (options.ensemble > 1 && options.skip.keepUnchanged)
     throw Error(
         "Windows that did not change are kept from pass to pass, not from frame to frame: no ensemble, please.");
+  if (options.ensemble == 8 && options.tiles.wrap)
+    throw Error("A panorama cannot be mirrored on its diagonal: take an ensemble of 4.");
 }
 
 void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& colour,
@@ -126,6 +128,12 @@ struct Upscaler::State {
   State(Gpu& gpu, const ModelWeights& model, FrameShape shape, const Options& given)
       : config(model.config()), frame(shape), options(given) {
     checkEnsemble(options);
+    if (options.ensemble == 8 && frame.width != frame.height) {
+      options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
+      Options once = options;
+      once.ensemble = 1;
+      turned = std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once);
+    }
     try {
       prepare(gpu, model, memoryOf(gpu, options.tiles));
     } catch (const OutOfMemory&) {
@@ -185,11 +193,14 @@ struct Upscaler::State {
     std::vector<uint64_t> lost;
     for (size_t pass = 0; pass < mirrors.size(); ++pass) {
       const MirroredFrame images(colour, auxiliary, config.auxInputs, mirrors[pass]);
+      State& state = turned && mirrors[pass].transposed ? *turned : *this;
       const auto report = [&](double done) { return progress((static_cast<double>(pass) + done) * share); };
-      if (!runFinite(images.colour(), images.auxiliary(), output, progress ? Progress(report) : Progress()))
+      if (!state.runFinite(images.colour(), images.auxiliary(), output, progress ? Progress(report) : Progress()))
         return false;
-      mean.add(output, mirrors[pass], usedExposure());
-      for (const uint64_t pixel : lostPixels()) lost.push_back(mirroredPixel(pixel, width, height, mirrors[pass]));
+      mean.add(output, mirrors[pass], state.usedExposure());
+      const bool across = mirrors[pass].transposed;
+      for (const uint64_t pixel : state.lostPixels())
+        lost.push_back(mirroredPixel(pixel, across ? height : width, across ? width : height, mirrors[pass]));
     }
     mean.write(output, usedExposure());
     std::sort(lost.begin(), lost.end());
@@ -212,12 +223,14 @@ struct Upscaler::State {
   std::optional<Session> session;      // of the whole frame
   std::optional<TileRunner> runner;    // or of its tiles
   std::optional<SparseRunner> sparse;  // or of those of its windows that need it
+  std::unique_ptr<State> turned;       // an ensemble's, of frames that are not square, on their diagonal
   Repairs repairs{};
 
   float usedExposure() const {
     if (session) return session->exposure();
     return sparse ? sparse->exposure() : runner->exposure();
   }
+  uint64_t byteSize() const { return session ? session->ownByteSize() : tileRunner().byteSize(); }
   const TileRunner& tileRunner() const { return sparse ? sparse->runner() : *runner; }
   const std::vector<uint64_t>& lostPixels() const {
     return session ? session->lostPixels() : sparse ? sparse->lostPixels() : runner->lostPixels();
@@ -252,7 +265,7 @@ Upscaler::Repairs Upscaler::repairs() const { return state_->repairs; }
 float Upscaler::exposure() const { return state_->usedExposure(); }
 
 uint64_t Upscaler::deviceBytes() const {
-  return state_->session ? state_->session->ownByteSize() : state_->tileRunner().byteSize();
+  return state_->byteSize() + (state_->turned ? state_->turned->byteSize() : 0);
 }
 
 SkipMap Upscaler::skipMap() const {

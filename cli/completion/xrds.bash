@@ -16,7 +16,7 @@ _xrds() {
   fi
   # Options and models are read from the program itself, so that this list cannot go stale.
   case $previous in
-    --ensemble) mapfile -t COMPREPLY < <(compgen -W "1 2 4" -- "$current"); return ;;
+    --ensemble) mapfile -t COMPREPLY < <(compgen -W "1 2 4 8" -- "$current"); return ;;
     --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
     --family) mapfile -t COMPREPLY < <(compgen -W "plain lane tile matrix" -- "$current"); return ;;
     --skip) mapfile -t COMPREPLY < <(compgen -W "off safe" -- "$current"); return ;;

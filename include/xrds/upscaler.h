@@ -27,8 +27,9 @@ class Upscaler {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
     std::optional<float> exposure{};  // factor on the colour, 1e-30 to 1e30; empty: from the mean log luminance
     bool profile = false;
-    /// Passes over the frame: 1, or the mean of 2 (also turned by half a turn) or 4 (mirrored both ways), for as many
-    /// times the time. Normals are taken to be in the camera's axes. Not with SkipOptions::keepUnchanged.
+    /// Passes over the frame: 1, or the mean of 2 (also turned by half a turn), 4 (mirrored both ways) or 8 (also on
+    /// the diagonal, not with TileOptions::wrap), for as many times the time. Normals are taken to be in the camera's
+    /// axes. Not with SkipOptions::keepUnchanged.
     uint32_t ensemble = 1;
     TileOptions tiles{};  // of a frame that does not fit the device
     SkipOptions skip{};

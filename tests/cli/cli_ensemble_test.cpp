@@ -43,6 +43,7 @@ TEST(CliEnsemble, GivesAMirroredFrameTheMirroredPicture) {
   const NoisyFrame frame(false), mirrored(true);
   EXPECT_GT(largestDifference(frame.upscaled({}), mirrored.upscaled({})), 0.01);
   EXPECT_LT(largestDifference(frame.upscaled({"--ensemble", "4"}), mirrored.upscaled({"--ensemble", "4"})), 1e-4);
+  EXPECT_LT(largestDifference(frame.upscaled({"--ensemble", "8"}), mirrored.upscaled({"--ensemble", "8"})), 1e-4);
   EXPECT_GT(largestDifference(frame.upscaled({"--ensemble", "2"}), mirrored.upscaled({"--ensemble", "2"})), 1e-3);
 }
 
@@ -57,7 +58,10 @@ TEST(CliEnsemble, TakesTilesAndSkippingAndIsNoted) {
   EXPECT_NE(headerOf(frame.out).attributes.text("xrds:options").value_or("").find("ensemble=2"), std::string::npos);
 }
 
-TEST(CliEnsemble, RefusesOtherCounts) { EXPECT_EQ(runXrds(SmallFrame().arguments({"--ensemble", "3"})).exitCode, 2); }
+TEST(CliEnsemble, RefusesOtherCounts) {
+  EXPECT_EQ(runXrds(SmallFrame().arguments({"--ensemble", "3"})).exitCode, 2);
+  EXPECT_EQ(runXrds(SmallFrame().arguments({"--ensemble", "8", "--wrap"})).exitCode, 2);
+}
 
 }  // namespace
 }  // namespace xrds::test
