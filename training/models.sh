@@ -3,6 +3,7 @@
 # usage: models.sh SHARD_FOLDERS VAL_FOLDER RUN_FOLDER [MINUTES=80] [MODEL ...]
 # The paper-size xrds-x4 wants a CUDA device and is trained only when named: models.sh SHARDS VAL RUNS 25 xrds-x4
 # SHARD_FOLDERS in quotes, MINUTES those of x4 compact (the others take a share of them); MODEL: only these.
+# x1 learns from the noisy colour that shards hold: pack them with shards.py --noisy-every 1.
 # It may be stopped and started again: finished models are skipped, the others resumed. PYTHON chooses the interpreter.
 set -eu
 here=$(dirname "$0")
@@ -35,7 +36,7 @@ filter="--aux-kernels 5"
     model xrds-x4-small 80 xrds-x4-compact --groups 1 --output-side 1 $filter
     model xrds-x2-compact 15 xrds-x4-compact --scale 2 $filter
     model xrds-x8-compact 15 xrds-x4-compact --scale 8 --crop 16 $filter
-    model xrds-x1-compact 15 xrds-x4-compact --scale 1 --crop 48 $filter
+    model xrds-x1-compact 120 xrds-x4-compact --scale 1 --crop 64 --batch 2 --rate 4e-4 --tone 0.4 $filter
     model xrds-x4-compact-albedo 10 xrds-x4-compact --aux albedo $filter
     model xrds-x4-compact-plain 10 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
     case "$only" in *" xrds-x4 "*) model xrds-x4 100 "" --channels 64 --aux-channels 32 --blocks 5 --batch 16 --rate 3e-4 $filter ;; esac
