@@ -34,10 +34,20 @@ float element(const std::string& type, const std::byte* at) {
   return type == "F16" ? fromHalf(bits) : std::bit_cast<float>(uint32_t{bits} << 16);
 }
 
+// Of a list of whole numbers: others, such as 9e72, convert to nothing sensible.
+std::vector<uint64_t> sizesOf(const Json& list, const std::string& what) {
+  std::vector<uint64_t> sizes;
+  for (const Json& size : list) {
+    if (!size.is_number_unsigned()) throw Error(what + " has a shape or an offset that is no whole number.");
+    sizes.push_back(size.get<uint64_t>());
+  }
+  return sizes;
+}
+
 StoredTensor parseTensor(const Json& entry, std::span<const std::byte> bytes, const std::string& what) {
   const auto type = entry.at("dtype").get<std::string>();
-  const auto offsets = entry.at("data_offsets").get<std::vector<uint64_t>>();
-  StoredTensor tensor{entry.at("shape").get<std::vector<uint64_t>>(), {}};
+  const std::vector<uint64_t> offsets = sizesOf(entry.at("data_offsets"), what);
+  StoredTensor tensor{sizesOf(entry.at("shape"), what), {}};
   if (elementBytes(type) == 0) throw Error(what + " has element type " + type + ", expected F32, F16 or BF16.");
   uint64_t count = 1;
   for (const uint64_t side : tensor.shape) {

@@ -57,6 +57,10 @@ TEST(Safetensors, RefusesHostileHeaders) {
             std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"shape":[2],"data_offsets":[0,8]}})", 8).find("wrong or missing"), std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[-1],"data_offsets":[0,8]}})", 8), "accepted");
+  EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[9e72],"data_offsets":[0,8]}})", 8).find("no whole number"),
+            std::string::npos);
+  EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,"8"]}})", 8).find("no whole number"),
+            std::string::npos);
   EXPECT_NE(refusal(R"({"a":7})", 8).find("wrong or missing"), std::string::npos);
   EXPECT_NE(
       refusal(
