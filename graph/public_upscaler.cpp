@@ -20,8 +20,8 @@ namespace {
 // Three tightly packed floats a pixel.
 Image packed(const PixelView& view) {
   Image image(static_cast<int>(view.width), static_cast<int>(view.height), 3);
-  for (size_t p = 0; p < image.pixelCount(); ++p)
-    std::copy_n(view.pixels + p * view.stride, 3, image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * p));
+  for (uint32_t y = 0; y < view.height; ++y)
+    copyRow(view, 0, y, view.width, &image.pixels[size_t{3} * y * view.width], 3);
   return image;
 }
 

@@ -56,7 +56,8 @@ WindowMask spread(const WindowMask& mask, uint32_t windows) {
 
 std::vector<float> packed(const PixelView& image) {
   std::vector<float> pixels(size_t{3} * image.width * image.height);
-  for (size_t p = 0; p < pixels.size() / 3; ++p) std::copy_n(image.pixels + p * image.stride, 3, &pixels[3 * p]);
+  for (uint32_t y = 0; y < image.height; ++y)
+    copyRow(image, 0, y, image.width, &pixels[size_t{3} * y * image.width], 3);
   return pixels;
 }
 
