@@ -6,6 +6,7 @@
 #include "engine/environment.h"
 #include "engine/handles.h"
 #include "engine/kernel_family.h"
+#include "engine/llvmpipe.h"
 #include "engine/matrix_units.h"
 #include "engine/selection.h"
 #include "engine/vulkan_result.h"
@@ -57,7 +58,8 @@ void probe(Gpu::Handles& gpu) {
                 .maxAllocationBytes = gpu.maxAllocationBytes,
                 .maxSharedBytes = gpu.limits.maxComputeSharedMemorySize,
                 .maxGroupInvocations = gpu.limits.maxComputeWorkGroupInvocations,
-                .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes};
+                .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes,
+                .knowsUniforms = llvmpipeTraits(gpu.description.driver).knowsUniforms};
   gpu.pipelineCacheKey = hexadecimal(properties.properties.pipelineCacheUUID) + "-" +
                          hexadecimal(version11.driverUUID) + "-" + std::to_string(properties.properties.driverVersion);
   gpu.pipelineCacheFile = gpu.options.cacheFolder / ("pipelines-" + gpu.pipelineCacheKey + ".bin");
@@ -113,13 +115,27 @@ void loadPipelineCache(Gpu::Handles& gpu) {
   checkResult(gpu.vk.vkCreatePipelineCache(gpu.device, &info, nullptr, &gpu.pipelineCache), "vkCreatePipelineCache");
 }
 
+// The devices of an instance, which is opened anew with narrower vectors where a CPU driver does badly with wide ones:
+// its version is known only then.
+std::vector<FoundDevice> openDevices(std::unique_ptr<Instance>& instance, const DeviceOptions& options) {
+  instance = openInstance(options);
+  if (!instance) return {};
+  auto found = findDevices(*instance);
+  const auto suffers = [](const FoundDevice& each) { return !llvmpipeTraits(each.description.driver).wideVectors; };
+  if (std::none_of(found.begin(), found.end(), suffers) || !narrowCpuVectors()) return found;
+  instance.reset();
+  if (!options.cacheFolder.empty()) separateShaderCache(options.cacheFolder);
+  instance = openInstance(options);
+  return findDevices(*instance);
+}
+
 }  // namespace
 
 std::vector<DeviceDescription> listDevices() {
   widenCpuVectors();
+  std::unique_ptr<Instance> instance;
   std::vector<DeviceDescription> descriptions;
-  if (const auto instance = openInstance({}))
-    for (const auto& found : findDevices(*instance)) descriptions.push_back(found.description);
+  for (const auto& found : openDevices(instance, {})) descriptions.push_back(found.description);
   return descriptions;
 }
 
@@ -131,8 +147,7 @@ Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   const bool draws = !gpu.options.deviceExtensions.empty();
   if (!draws) widenCpuVectors();
   separateShaderCache(gpu.options.cacheFolder);
-  gpu.instance = openInstance(gpu.options);
-  const auto found = gpu.instance ? findDevices(*gpu.instance) : std::vector<FoundDevice>{};
+  const auto found = openDevices(gpu.instance, gpu.options);
   std::vector<DeviceDescription> descriptions;
   descriptions.reserve(found.size());
   for (const auto& device : found) descriptions.push_back(device.description);

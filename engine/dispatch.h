@@ -39,6 +39,9 @@ struct DeviceTraits {
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
   bool shaderInt64 = false;  // also in subgroup operations
+  /// Of a CPU device: what is equal in all lanes is a scalar to its compiler (engine/llvmpipe.h). Kernels read it as the
+  /// constant kKnowsUniformsConstant, beside those of their dispatch.
+  bool knowsUniforms = false;
 };
 
 enum class Access : uint8_t { read, write };
@@ -59,6 +62,7 @@ struct Binding {
 /// Every offset that is bound is a multiple of this, which satisfies any Vulkan device.
 inline constexpr uint64_t kBindingAlignment = 256;
 inline constexpr uint32_t kMaxPushConstantBytes = 128;
+inline constexpr uint32_t kKnowsUniformsConstant = 32;  // constant_id, behind those of any dispatch
 
 /// One kernel launch as plain data. Descriptor i of set 0 is bindings[i]; constant_id i is specialization[i]. Or a copy
 /// of the bytes of bindings[0] to as many of bindings[1], both `copied`; its program only names it.

@@ -31,7 +31,7 @@ constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
 
 // What this process has set itself; a value that differs from it is the user's.
 std::string ourWidth, ourShaderCache;
-bool ourShaderCacheIsInUsers = false;
+std::string usersShaderCache;  // in which ours lies; empty: in the engine's cache folder
 
 }  // namespace
 
@@ -52,17 +52,23 @@ void widenCpuVectors() {
   setVariable(kWidth, ourWidth);
 }
 
+bool narrowCpuVectors() {
+  if (ourWidth != "512" || variable(kWidth) != ourWidth) return false;
+  ourWidth = "256";
+  setVariable(kWidth, ourWidth);
+  return true;
+}
+
 void separateShaderCache(const std::filesystem::path& cacheFolder) {
   const std::string width = variable(kWidth), present = variable(kShaderCache);
-  const bool usersCache = !present.empty() && present != ourShaderCache;
+  if (present != ourShaderCache) usersShaderCache = present;
   // A user who chose both knows; a user who chose the folder alone did not expect another width in it.
-  if (width.empty() || (usersCache && width != ourWidth)) return;
-  if (present == ourShaderCache && ourShaderCacheIsInUsers) return;
-  const auto folder = (usersCache ? std::filesystem::path(present) : cacheFolder) / ("mesa-w" + width);
+  if (width.empty() || (!usersShaderCache.empty() && width != ourWidth)) return;
+  const auto folder =
+      (usersShaderCache.empty() ? cacheFolder : std::filesystem::path(usersShaderCache)) / ("mesa-w" + width);
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   ourShaderCache = folder.string();
-  ourShaderCacheIsInUsers = usersCache;
   if (ourShaderCache != present) setVariable(kShaderCache, ourShaderCache);
 }
 

@@ -47,9 +47,12 @@ VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipel
   checkResult(gpu.vk.vkCreateShaderModule(gpu.device, &moduleInfo, nullptr, &module), "vkCreateShaderModule");
 
   std::vector<VkSpecializationMapEntry> entries;
-  for (uint32_t id = 0; id < key.specialization.size(); ++id) entries.push_back({id, id * 4, 4});
-  const VkSpecializationInfo specialization{static_cast<uint32_t>(entries.size()), entries.data(),
-                                            key.specialization.size() * 4, key.specialization.data()};
+  std::vector<uint32_t> constants = key.specialization;
+  constants.push_back(gpu.traits.knowsUniforms);
+  for (uint32_t id = 0; id < constants.size(); ++id) entries.push_back({id, id * 4, 4});
+  entries.back().constantID = kKnowsUniformsConstant;
+  const VkSpecializationInfo specialization{static_cast<uint32_t>(entries.size()), entries.data(), constants.size() * 4,
+                                            constants.data()};
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;

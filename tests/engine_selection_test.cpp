@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "engine/kernel_family.h"
+#include "engine/llvmpipe.h"
 #include "engine/selection.h"
 #include "tests/harness.h"
 #include "xrds/error.h"
@@ -89,6 +90,19 @@ TEST(Device, TraitsAreWhatVulkanGuarantees) {
   if (const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); width && isCpu) {
     EXPECT_EQ(traits.subgroupSize, std::stoul(width) / 32);
   }
+}
+
+TEST(Llvmpipe, IsKnownByItsVersion) {
+  EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)").wideVectors);
+  EXPECT_FALSE(llvmpipeTraits("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)").knowsUniforms);
+  for (const char* driver : {"llvmpipe Mesa 25.0.7-2+deb13u1 (LLVM 19.1.7)", "llvmpipe Mesa 23.0.0 (LLVM 15.0.6)"}) {
+    EXPECT_FALSE(llvmpipeTraits(driver).wideVectors) << driver;
+    EXPECT_FALSE(llvmpipeTraits(driver).knowsUniforms) << driver;
+  }
+  EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").wideVectors);
+  EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").knowsUniforms);
+  EXPECT_TRUE(llvmpipeTraits("radv Mesa 25.0.7").wideVectors);
+  EXPECT_FALSE(llvmpipeTraits("SwiftShader driver").knowsUniforms);
 }
 
 TEST(KernelFamily, IsTheOneThatSuitsTheDevice) {

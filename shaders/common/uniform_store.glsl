@@ -7,6 +7,7 @@
 #ifndef XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #define XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #extension GL_EXT_shader_subgroup_extended_types_int64 : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/wide_storage.glsl"
 layout(binding = TARGET_BINDING, std430) writeonly buffer Target { uint64_t target[]; };
@@ -17,9 +18,34 @@ const uint kDigitBits = 2;
 const uint kDigitBits = 4;
 #endif
 layout(push_constant) uniform Push { PARAMS p; uint digit[1 << kDigitBits]; };  // digit[i] = i
+layout(constant_id = 32) const bool kKnowsUniforms = false;  // engine/dispatch.h: kKnowsUniformsConstant
+
+// The value of the lane, in all lanes. The lane is constant.
+#define HAND_OUT(type)                                   \
+  type handedOut(type value, const uint lane) {          \
+    if (kKnowsUniforms)                                  \
+      return subgroupBroadcast(value, lane);             \
+    else                                                 \
+      return subgroupShuffle(value, lane);               \
+  }
+HAND_OUT(float)
+HAND_OUT(vec4)
+HAND_OUT(uint64_t)
+
+// sum + x * w; such a driver also has fma() fused, where others take twice as long for it as it says.
+#define PLUS_PRODUCT(type)                                 \
+  type plusProduct(type sum, float x, type w) {            \
+    if (kKnowsUniforms)                                    \
+      return fma(type(x), w, sum);                         \
+    else                                                   \
+      return sum + x * w;                                  \
+  }
+PLUS_PRODUCT(float)
+PLUS_PRODUCT(vec4)
 
 // The value, which is the same in all lanes of the subgroup and below 16^digits.
 uint uniformOf(uint value, const uint digits) {
+  if (kKnowsUniforms) return subgroupBroadcastFirst(value);
   const uint mask = (1 << kDigitBits) - 1;
   uint sum = 0;
   [[unroll]] for (uint i = 0; i < 4 * digits; i += kDigitBits) sum += digit[value >> i & mask] << i;
@@ -31,18 +57,22 @@ uint uniformOf(uint value, const uint digits) {
   [[unroll]] for (uint chunk = 0; chunk < (count + kLanes * gl_WorkGroupSize.y - 1) / (kLanes * gl_WorkGroupSize.y);    \
                   chunk++) {                                                                                            \
     const uint begin = (chunk * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2)) * kLanes;                    \
-    const vec4 fetched = texelFetch(weights, int(first + min(begin + gl_LocalInvocationID.x, count - 1)));              \
-    [[unroll]] for (uint l = 0; l < kLanes; l++) tile[min(begin + l, count - 1)] = subgroupShuffle(fetched, l);         \
+    const uint own = min(begin + gl_LocalInvocationID.x, count - 1);                                                    \
+    const vec4 fetched = texelFetch(weights, int(first + own));                                                         \
+    if (kKnowsUniforms)                                                                                                 \
+      tile[own] = fetched;                                                                                              \
+    else                                                                                                                \
+      [[unroll]] for (uint l = 0; l < kLanes; l++) tile[min(begin + l, count - 1)] = handedOut(fetched, l);             \
   }                                                                                                                     \
   barrier()
 
 // Four channels of one lane, at a vec4 index of the target. Index and lane are uniform.
 void storeLane(uint at, WIDE4 channels, const uint lane) {
 #ifdef XRDS_F16
-  target[at] = subgroupShuffle(channels, lane);
+  target[at] = handedOut(channels, lane);
 #else
-  target[2 * at] = subgroupShuffle(channels.x, lane);
-  target[2 * at + 1] = subgroupShuffle(channels.y, lane);
+  target[2 * at] = handedOut(channels.x, lane);
+  target[2 * at + 1] = handedOut(channels.y, lane);
 #endif
 }
 

@@ -6,7 +6,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/activation.glsl"
 #include "shaders/conv3x3/conv3x3.h"
 layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size; y: subgroups side by side
@@ -19,7 +18,7 @@ layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
 const uint kTileQuads = kTile / 4;
 const uint kRegisters = (12 * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
-#define WEIGHT(texel) subgroupShuffle(w[(texel) / kLanes], (texel) % kLanes)
+#define WEIGHT(texel) handedOut(w[(texel) / kLanes], (texel) % kLanes)
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
@@ -80,10 +79,10 @@ void main() {
           const vec4 w2 = WEIGHT(texel + 2 * kTileQuads), w3 = WEIGHT(texel + 3 * kTileQuads);
           [[unroll]] for (uint i = 0; i < kRows; i++) {
             const vec4 v = x[i + ky][e];
-            product[i][e][n] += v.x * w0;
-            product[i][e][n] += v.y * w1;
-            product[i][e][n] += v.z * w2;
-            product[i][e][n] += v.w * w3;
+            product[i][e][n] = plusProduct(product[i][e][n], v.x, w0);
+            product[i][e][n] = plusProduct(product[i][e][n], v.y, w1);
+            product[i][e][n] = plusProduct(product[i][e][n], v.z, w2);
+            product[i][e][n] = plusProduct(product[i][e][n], v.w, w3);
           }
         }
     inputQuad++;

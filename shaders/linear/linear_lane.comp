@@ -50,20 +50,20 @@ void main() {
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
       const vec4 v = x[k];
       const uint at = 4 * k * kTileQuads + n;
-      a += v.x * tile[at];
-      b += v.x * tile[at + 1];
-      a += v.y * tile[at + kTileQuads];
-      b += v.y * tile[at + kTileQuads + 1];
-      a += v.z * tile[at + 2 * kTileQuads];
-      b += v.z * tile[at + 2 * kTileQuads + 1];
-      a += v.w * tile[at + 3 * kTileQuads];
-      b += v.w * tile[at + 3 * kTileQuads + 1];
+      a = plusProduct(a, v.x, tile[at]);
+      b = plusProduct(b, v.x, tile[at + 1]);
+      a = plusProduct(a, v.y, tile[at + kTileQuads]);
+      b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
+      a = plusProduct(a, v.z, tile[at + 2 * kTileQuads]);
+      b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
+      a = plusProduct(a, v.w, tile[at + 3 * kTileQuads]);
+      b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
     }
 #ifdef XRDS_F16
     // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
     // would compute one after the other, waiting for each addition, in three times the time.
     if (!kHasResidual)
-      target[firstTarget + n + laneOffset[0]] = subgroupShuffle(packUint2x32(floatBitsToUint(vec2(a.x, b.x))), 0);
+      target[firstTarget + n + laneOffset[0]] = handedOut(word64(floatBitsToUint(vec2(a.x, b.x))), 0);
 #endif
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
     const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(finished(b, token, quad + 1));

@@ -7,7 +7,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/window_attention/window_attention.h"
 layout(local_size_x_id = 0, local_size_y = 4) in;  // x = subgroup size
 #define PARAMS WindowAttentionParams
@@ -121,8 +120,8 @@ void main() {
     [[unroll]] for (uint i0 = 0; i0 < kQueries; i0 += kTile)
       [[unroll]] for (uint c = 0; c < kHeadChannels; c++)
         [[unroll]] for (uint j = 0; j < kKeys; j++) {
-          const float key = subgroupShuffle(held[c / 4 % kPartQuads][c % 4], c / 4 / kPartQuads * kKeys + j);
-          [[unroll]] for (uint i = 0; i < kTile; i++) weight[i0 + i][j] += q[i0 + i][c / 4][c % 4] * key;
+          const float key = handedOut(held[c / 4 % kPartQuads][c % 4], c / 4 / kPartQuads * kKeys + j);
+          [[unroll]] for (uint i = 0; i < kTile; i++) weight[i0 + i][j] = plusProduct(weight[i0 + i][j], q[i0 + i][c / 4][c % 4], key);
         }
 
     float kept[kQueries];
@@ -141,8 +140,8 @@ void main() {
       [[unroll]] for (uint c = 0; c < kQuads; c++) {
         [[unroll]] for (uint i = 0; i < kTile; i++) result[i0 + i][c] *= kept[i0 + i];
         [[unroll]] for (uint j = 0; j < kKeys; j++) {
-          const vec4 value = subgroupShuffle(held[c % kPartQuads], kLanes / 2 + c / kPartQuads * kKeys + j);
-          [[unroll]] for (uint i = 0; i < kTile; i++) result[i0 + i][c] += weight[i0 + i][j] * value;
+          const vec4 value = handedOut(held[c % kPartQuads], kLanes / 2 + c / kPartQuads * kKeys + j);
+          [[unroll]] for (uint i = 0; i < kTile; i++) result[i0 + i][c] = plusProduct(result[i0 + i][c], weight[i0 + i][j], value);
         }
       }
   }

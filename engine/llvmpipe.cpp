@@ -1,0 +1,16 @@
+#include "engine/llvmpipe.h"
+
+#include <cstdio>
+#include <string>
+#include <utility>
+
+namespace xrds {
+
+LlvmpipeTraits llvmpipeTraits(std::string_view driver) {
+  std::pair<int, int> mesa;
+  if (std::sscanf(std::string(driver).c_str(), "llvmpipe Mesa %d.%d", &mesa.first, &mesa.second) != 2) return {};
+  const bool recent = mesa >= std::pair(25, 1);
+  return {.wideVectors = recent || mesa <= std::pair(22, 3), .knowsUniforms = recent};
+}
+
+}  // namespace xrds

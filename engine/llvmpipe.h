@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string_view>
+
+namespace xrds {
+
+/// What is known of Mesa's Vulkan driver for CPUs. Tried: Mesa 22.3, 25.0 and 26.2.
+struct LlvmpipeTraits {
+  /// 512-bit vectors are no slower than 256-bit ones. Of Mesa 25.0, whose shuffles of 16 lanes go through memory, they
+  /// take seven times as long; versions that were not tried between 22.3 and 25.1 are taken for such.
+  bool wideVectors = true;
+  /// What is equal in all lanes is a scalar to the compiler, and fma() is one instruction (from Mesa 25.1 on).
+  bool knowsUniforms = false;
+};
+
+/// By DeviceDescription::driver, "llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)"; the defaults for any other driver.
+LlvmpipeTraits llvmpipeTraits(std::string_view driver);
+
+}  // namespace xrds
