@@ -52,6 +52,7 @@ void probe(Gpu::Handles& gpu) {
   gpu.maxAllocationBytes = version11.maxMemoryAllocationSize;
   gpu.traits = {.family = chosenFamily(gpu.description, gpu.options.kernelFamily),
                 .matrixUnits = gpu.description.matrixUnits,
+                .matrixSize = gpu.description.matrixSize,
                 .subgroupSize = version11.subgroupSize,
                 .maxStorageBufferRange = gpu.limits.maxStorageBufferRange,
                 .maxTexelBufferElements = gpu.limits.maxTexelBufferElements,

@@ -24,6 +24,7 @@ struct DeviceDescription {
   std::string apiVersion;    // "1.3.230"
   uint64_t memoryBytes = 0;  // of the largest device-local heap
   MatrixUnits matrixUnits = MatrixUnits::none;
+  MatrixSize matrixSize;                            // of their products
   KernelFamily kernelFamily = KernelFamily::plain;  // that suits the device
 };
 

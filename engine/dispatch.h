@@ -22,16 +22,22 @@ const char* nameOf(KernelFamily family);
 KernelFamily kernelFamilyOf(std::string_view name);
 
 /// How kernels reach a device's matrix units: through one of two extensions, or, for tests, by plain arithmetic on the
-/// same fragments. All multiply 16 x 16 matrices of 16-bit floats and add up in 32 bits.
+/// same fragments. All multiply matrices of 16-bit floats and add up in 32 bits.
 enum class MatrixUnits : uint8_t { none, software, nv, khr };
 
 /// "none", "software", "nv" or "khr".
 const char* nameOf(MatrixUnits units);
 
+/// The products that matrix units take: rows x depth by depth x columns, 8 or 16 each.
+struct MatrixSize {
+  uint32_t rows = 16, columns = 16, depth = 16;
+};
+
 /// The properties of a device that decide how work is dispatched: plain numbers, testable without a device.
 struct DeviceTraits {
   KernelFamily family = KernelFamily::plain;
   MatrixUnits matrixUnits = MatrixUnits::none;  // of the family `matrix`
+  MatrixSize matrixSize;                        // of their products
   uint32_t subgroupSize = 8;
   uint64_t maxStorageBufferRange = uint64_t{128} << 20;
   uint64_t maxTexelBufferElements = uint64_t{1} << 27;
@@ -39,8 +45,8 @@ struct DeviceTraits {
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
   bool shaderInt64 = false;  // also in subgroup operations
-  /// Of a CPU device: what is equal in all lanes is a scalar to its compiler (engine/llvmpipe.h). Kernels read it as the
-  /// constant kKnowsUniformsConstant, beside those of their dispatch.
+  /// Of a CPU device: what is equal in all lanes is a scalar to its compiler (engine/llvmpipe.h). Kernels read it as
+  /// the constant kKnowsUniformsConstant, beside those of their dispatch.
   bool knowsUniforms = false;
 };
 

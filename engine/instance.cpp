@@ -4,8 +4,10 @@
 #include <cstring>
 #include <mutex>
 #include <sstream>
+#include <tuple>
 
 #include "engine/kernel_family.h"
+#include "engine/llvmpipe.h"
 #include "engine/matrix_units.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
@@ -101,7 +103,8 @@ DeviceDescription describe(const Instance& instance, VkPhysicalDevice device) {
     description.uuid += "0123456789abcdef"[byte & 15];
   }
   description.driver = std::string(version12.driverName).append(" ").append(version12.driverInfo);
-  description.matrixUnits = findMatrixUnits(instance, device);
+  if (llvmpipeMultiplies(description.driver, version11.subgroupSize))
+    std::tie(description.matrixUnits, description.matrixSize) = findMatrixUnits(instance, device);
   description.kernelFamily = suitableFamily(description);
   description.apiVersion = versionText(properties.properties.apiVersion);
   for (uint32_t i = 0; i < memory.memoryHeapCount; ++i)

@@ -13,4 +13,8 @@ LlvmpipeTraits llvmpipeTraits(std::string_view driver) {
   return {.wideVectors = recent || mesa <= std::pair(22, 3), .knowsUniforms = recent};
 }
 
+bool llvmpipeMultiplies(std::string_view driver, uint32_t subgroupSize) {
+  return !driver.starts_with("llvmpipe") || subgroupSize == 8;
+}
+
 }  // namespace xrds

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 namespace xrds {
@@ -12,6 +13,10 @@ struct LlvmpipeTraits {
   /// What is equal in all lanes is a scalar to the compiler, and fma() is one instruction (from Mesa 25.1 on).
   bool knowsUniforms = false;
 };
+
+/// Whether its products of matrices work: Mesa 26.2 multiplies 8 x 8 of them in subgroups of 8 lanes, and crashes on
+/// them in wider ones. True of any other driver.
+bool llvmpipeMultiplies(std::string_view driver, uint32_t subgroupSize);
 
 /// By DeviceDescription::driver, "llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)"; the defaults for any other driver.
 LlvmpipeTraits llvmpipeTraits(std::string_view driver);

@@ -1,6 +1,6 @@
 #include "engine/matrix_units.h"
 
-#include <algorithm>
+#include <optional>
 
 #include "engine/vulkan_result.h"
 
@@ -51,29 +51,36 @@ std::vector<Properties> propertiesOf(const Instance& instance, VkPhysicalDevice 
   return properties;
 }
 
-template <class Properties>
-bool isSixteenCubed(const Properties& p) {
-  return p.MSize == 16 && p.NSize == 16 && p.KSize == 16;
+// The largest product among those that a kernel's fragments of 16 x 16 are made of.
+template <class Properties, class Fits>
+std::optional<MatrixSize> largestOf(const std::vector<Properties>& offered, const Fits& fits) {
+  const auto divides = [](uint32_t side) { return side == 8 || side == 16; };
+  std::optional<MatrixSize> best;
+  for (const Properties& p : offered)
+    if (fits(p) && divides(p.MSize) && divides(p.NSize) && divides(p.KSize) &&
+        (!best || p.MSize * p.NSize * p.KSize > best->rows * best->columns * best->depth))
+      best = {.rows = p.MSize, .columns = p.NSize, .depth = p.KSize};
+  return best;
 }
 
-bool offersNv(const Instance& instance, VkPhysicalDevice device) {
-  const auto all = propertiesOf<VkCooperativeMatrixPropertiesNV>(instance, device,
-                                                                 "vkGetPhysicalDeviceCooperativeMatrixPropertiesNV",
-                                                                 VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_NV);
-  return std::any_of(all.begin(), all.end(), [](const VkCooperativeMatrixPropertiesNV& p) {
-    return isSixteenCubed(p) && p.AType == VK_COMPONENT_TYPE_FLOAT16_NV && p.BType == VK_COMPONENT_TYPE_FLOAT16_NV &&
+std::optional<MatrixSize> sizeOfNv(const Instance& instance, VkPhysicalDevice device) {
+  const auto offered = propertiesOf<VkCooperativeMatrixPropertiesNV>(
+      instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesNV",
+      VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_NV);
+  return largestOf(offered, [](const VkCooperativeMatrixPropertiesNV& p) {
+    return p.AType == VK_COMPONENT_TYPE_FLOAT16_NV && p.BType == VK_COMPONENT_TYPE_FLOAT16_NV &&
            p.CType == VK_COMPONENT_TYPE_FLOAT32_NV && p.DType == VK_COMPONENT_TYPE_FLOAT32_NV &&
            p.scope == VK_SCOPE_SUBGROUP_NV;
   });
 }
 
 #ifdef XRDS_USES_KHR
-bool offersKhr(const Instance& instance, VkPhysicalDevice device) {
-  const auto all = propertiesOf<VkCooperativeMatrixPropertiesKHR>(instance, device,
-                                                                  "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR",
-                                                                  VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_KHR);
-  return std::any_of(all.begin(), all.end(), [](const VkCooperativeMatrixPropertiesKHR& p) {
-    return isSixteenCubed(p) && p.AType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.BType == VK_COMPONENT_TYPE_FLOAT16_KHR &&
+std::optional<MatrixSize> sizeOfKhr(const Instance& instance, VkPhysicalDevice device) {
+  const auto offered = propertiesOf<VkCooperativeMatrixPropertiesKHR>(
+      instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR",
+      VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_KHR);
+  return largestOf(offered, [](const VkCooperativeMatrixPropertiesKHR& p) {
+    return p.AType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.BType == VK_COMPONENT_TYPE_FLOAT16_KHR &&
            p.CType == VK_COMPONENT_TYPE_FLOAT32_KHR && p.ResultType == VK_COMPONENT_TYPE_FLOAT32_KHR &&
            p.scope == VK_SCOPE_SUBGROUP_KHR;
   });
@@ -82,18 +89,16 @@ bool offersKhr(const Instance& instance, VkPhysicalDevice device) {
 
 }  // namespace
 
-MatrixUnits findMatrixUnits(const Instance& instance, VkPhysicalDevice device) {
-  if (!hasFixedSubgroups(device)) return MatrixUnits::none;
+std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device) {
+  if (!hasFixedSubgroups(device)) return {};
   const MatrixFeatures features;
-  if (hasDeviceExtension(device, VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.nv) &&
-      offersNv(instance, device))
-    return MatrixUnits::nv;
+  if (hasDeviceExtension(device, VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.nv))
+    if (const auto size = sizeOfNv(instance, device)) return {MatrixUnits::nv, *size};
 #ifdef XRDS_USES_KHR
-  if (hasDeviceExtension(device, VK_KHR_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.khr) &&
-      offersKhr(instance, device))
-    return MatrixUnits::khr;
+  if (hasDeviceExtension(device, VK_KHR_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.khr))
+    if (const auto size = sizeOfKhr(instance, device)) return {MatrixUnits::khr, *size};
 #endif
-  return MatrixUnits::none;
+  return {};
 }
 
 const char* extensionOf(MatrixUnits units) {

@@ -1,13 +1,15 @@
 #pragma once
 
+#include <utility>
+
 #include "engine/device.h"
 #include "engine/instance.h"
 
 namespace xrds {
 
 /// The way to the matrix units of a device: the first extension with which a subgroup, of a fixed size, multiplies
-/// 16 x 16 matrices of 16-bit floats and adds up in 32 bits.
-MatrixUnits findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
+/// matrices of 16-bit floats and adds up in 32 bits, and the largest product that fragments of 16 x 16 are made of.
+std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
 
 /// "VK_NV_cooperative_matrix", say; null without an extension.
 const char* extensionOf(MatrixUnits units);

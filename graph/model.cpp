@@ -1,5 +1,6 @@
 #include "graph/model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "graph/halo.h"
 #include "graph/tile_choice.h"
 #include "xrds/error.h"

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/engine_programs.h"
 #include "tests/harness.h"
 #include "xrds/error.h"

@@ -101,6 +101,9 @@ TEST(Llvmpipe, IsKnownByItsVersion) {
   }
   EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").wideVectors);
   EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").knowsUniforms);
+  EXPECT_TRUE(llvmpipeMultiplies("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)", 8));
+  EXPECT_FALSE(llvmpipeMultiplies("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)", 16));
+  EXPECT_TRUE(llvmpipeMultiplies("NVIDIA 580.00", 32));
   EXPECT_TRUE(llvmpipeTraits("radv Mesa 25.0.7").wideVectors);
   EXPECT_FALSE(llvmpipeTraits("SwiftShader driver").knowsUniforms);
 }

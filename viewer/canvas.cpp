@@ -1,5 +1,6 @@
 #include "viewer/canvas.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "canvas.frag.h"

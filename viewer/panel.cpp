@@ -26,14 +26,35 @@ void setStyle(float scale) {
   style.ScaleAllSizes(scale);
 }
 
+// Dear ImGui changed how its renderer gets the render pass, and uploads the letters itself from 1.90 on.
+void startRenderer(ImGui_ImplVulkan_InitInfo& info, VkRenderPass renderPass, Gpu::Handles& gpu) {
+#if IMGUI_VERSION_NUM >= 19240
+  info.PipelineInfoMain.RenderPass = renderPass;
+#elif IMGUI_VERSION_NUM >= 19030
+  info.RenderPass = renderPass;
+#endif
+#if IMGUI_VERSION_NUM >= 19030
+  ImGui_ImplVulkan_Init(&info);
+#else
+  ImGui_ImplVulkan_Init(&info, renderPass);
+#endif
+#if IMGUI_VERSION_NUM < 19000
+  runOnce(gpu, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
+  ImGui_ImplVulkan_DestroyFontUploadObjects();
+#else
+  static_cast<void>(gpu);
+#endif
+}
+
 }  // namespace
 
 Panel::Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain)
     : gpu_(gpu.handles()), display_(display), swapchain_(swapchain) {
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+  constexpr uint32_t kTextures = 8;  // Dear ImGui has one, and a new one before the old is gone
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kTextures};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
-  pool.maxSets = 1;
+  pool.maxSets = kTextures;
   pool.poolSizeCount = 1;
   pool.pPoolSizes = &size;
   checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
@@ -72,11 +93,8 @@ void Panel::open() {
   info.DescriptorPool = pool_;
   info.MinImageCount = 2;
   info.ImageCount = std::max(swapchain_.imageCount(), 2u);
-  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
   info.CheckVkResultFn = [](VkResult result) { checkResult(result, "Dear ImGui"); };
-  ImGui_ImplVulkan_Init(&info, swapchain_.renderPass());
-  runOnce(gpu_, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
-  ImGui_ImplVulkan_DestroyFontUploadObjects();
+  startRenderer(info, swapchain_.renderPass(), gpu_);
 }
 
 void Panel::rescale() {

@@ -1,5 +1,6 @@
 #include "viewer/viewer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>

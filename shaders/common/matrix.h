@@ -4,7 +4,6 @@
 #include "shaders/common/shared.h"
 
 XRDS_SHARED_BEGIN
-const uint kMatrixInvocations = 256;   // of a workgroup
 const uint kMatrixRows = 8;            // of fragments of a workgroup: tokens or pixels, in sixteens
 const uint kLinearMatrixTexels = 4;    // of eight inputs, of a step of `linear`
 const uint kConv3x3MatrixTexels = 2;   // and of `conv3x3`
@@ -12,6 +11,8 @@ const uint kConv3x3MatrixStride = 18;  // pixels of a row of a workgroup, with t
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include <algorithm>
+
 namespace xrds {
 
 /// How a workgroup shares its 8 rows of `outputs` fragments among its subgroups.
@@ -19,18 +20,29 @@ struct MatrixShape {
   uint32_t subgroups = 0;          // 0: the device, the types or the channels are not for the matrix kernel
   uint32_t outputs = 0;            // columns of fragments of the workgroup
   uint32_t rows = 0, columns = 0;  // of fragments of a subgroup
+  uint32_t invocations = 0;        // of the workgroup
 };
+
+/// The specialization of its kernel.
+inline std::vector<uint32_t> matrixConstants(const MatrixShape& shape, MatrixSize size, uint32_t activation,
+                                             uint32_t hasResidual) {
+  return {shape.subgroups, shape.outputs, shape.rows,   shape.columns, activation,
+          hasResidual,     size.rows,     size.columns, size.depth,    shape.invocations};
+}
 
 /// For inputs and weights of halves alone: what is stored in fp32 stays exact.
 inline MatrixShape matrixShape(const DeviceTraits& device, DataType inputType, DataType weightType,
                                uint32_t inputChannels, uint32_t outputChannels) {
-  constexpr uint32_t kSoftwareSubgroup = 32, kLeastChannels = 16, kSharedBytes = 24576;  // of the larger kernel
+  constexpr uint32_t kSoftwareSubgroup = 32, kLeastChannels = 16, kStagedBytes = 15552;  // of the larger kernel
+  constexpr uint32_t kMostInvocations = 256, kMostSubgroups = 16;                        // of a workgroup
   if (device.family != KernelFamily::matrix || device.matrixUnits == MatrixUnits::none || inputType != DataType::f16 ||
       weightType != DataType::f16 || inputChannels < kLeastChannels || outputChannels < kLeastChannels ||
-      device.maxGroupInvocations < shader::kMatrixInvocations || device.maxSharedBytes < kSharedBytes)
+      device.maxGroupInvocations < kMostInvocations)
     return {};
   const uint32_t lanes = device.matrixUnits == MatrixUnits::software ? kSoftwareSubgroup : device.subgroupSize;
-  MatrixShape shape{.subgroups = shader::kMatrixInvocations / lanes, .outputs = 4};
+  MatrixShape shape{.subgroups = std::min(kMostInvocations / lanes, kMostSubgroups), .outputs = 4};
+  shape.invocations = shape.subgroups * lanes;
+  if (shape.subgroups * 16 * 16 * sizeof(float) + kStagedBytes > device.maxSharedBytes) return {};
   const uint32_t fragments = ceilDivide(outputChannels, 16);
   while (3 * (ceilDivide(fragments, shape.outputs) * shape.outputs - fragments) > fragments) shape.outputs /= 2;
   for (shape.rows = 2; shape.rows > 0; --shape.rows) {

@@ -196,7 +196,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(columns, subgroups), rowCount / tileRows};
   } else if (const MatrixShape tile = matrixShapeOf(op, device); tile.subgroups) {
     launch.program = matrixProgramName("conv3x3", device.matrixUnits, op.output.type);
-    launch.specialization = {tile.subgroups, tile.outputs, tile.rows, tile.columns, activation, hasResidual};
+    launch.specialization = matrixConstants(tile, device.matrixSize, activation, hasResidual);
     launch.groupCount = {ceilDivide(kernelOutputs(op), 16 * tile.outputs), ceilDivide(shape.width, 16),
                          ceilDivide(rowCount, shader::kMatrixRows)};
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {

@@ -35,7 +35,7 @@ vec4 inputAt(ivec2 pixel, uint quad) {
 
 void stagePixels(uvec2 corner, uint firstQuad) {
   const uint texels = (kMatrixRows + 2) * kConv3x3MatrixStride * kConv3x3MatrixTexels;
-  for (uint at = gl_LocalInvocationIndex; at < texels; at += kMatrixInvocations) {
+  for (uint at = gl_LocalInvocationIndex; at < texels; at += kInvocations) {
     const uint pixel = at / kConv3x3MatrixTexels, texel = at % kConv3x3MatrixTexels, quad = firstQuad + 2 * texel;
     const ivec2 position = ivec2(corner) + ivec2(pixel % kConv3x3MatrixStride, pixel / kConv3x3MatrixStride) - 1;
     left[pixel * kLeftStride + texel] = halves(inputAt(position, quad), inputAt(position, quad + 1));
@@ -45,7 +45,7 @@ void stagePixels(uvec2 corner, uint firstQuad) {
 // Of the taps (ky, 0..2), from that input and output quad on.
 void stageWeights(uint ky, uint firstInput, uint firstQuad) {
   const uint inputs = p.inputChannels * p.unshuffle * p.unshuffle, quads = p.outputChannels * p.shuffle * p.shuffle / 4;
-  for (uint at = gl_LocalInvocationIndex; at < 3 * kStep * kRowTexels; at += kMatrixInvocations) {
+  for (uint at = gl_LocalInvocationIndex; at < 3 * kStep * kRowTexels; at += kInvocations) {
     const uint row = at / kRowTexels, texel = at % kRowTexels, quad = firstQuad + 2 * texel;
     const uint from = ((3 * ky + row / kStep) * inputs + min(firstInput + row % kStep, inputs - 1)) * quads;
     right[row * kRightStride + texel] = halves(texelFetch(weights, int(from + min(quad, quads - 1))),
@@ -68,9 +68,9 @@ void main() {
   const uint firstQuad = gl_WorkGroupID.x * 4 * kOutputFragments, inputs = p.inputChannels * p.unshuffle * p.unshuffle;
   const uvec2 corner = uvec2(gl_WorkGroupID.y * 16, p.rowBegin + gl_WorkGroupID.z * kMatrixRows);
   const uint row = firstRow(subgroupIndex()), column = firstColumn(subgroupIndex());
-  Sum sum[kFragmentRows][kFragmentColumns];
+  SUMS(sum, kFragmentRows, kFragmentColumns);
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
-    [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) sum[r][c] = zeroSum();
+    [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) CLEAR_SUM(sum[r][c]);
 
   for (uint first = 0; first < inputs; first += kStep)
     for (uint ky = 0; ky < 3; ky++) {
@@ -80,12 +80,13 @@ void main() {
       barrier();
       [[unroll]] for (uint kx = 0; kx < 3; kx++)
         [[unroll]] for (uint k = 0; k < kConv3x3MatrixTexels; k += 2) {  // 16 inputs
-          Left x[kFragmentRows];
+          LEFT_FRAGMENTS(x, kFragmentRows);
           [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
-            x[r] = loadLeft(((row + r + ky) * kConv3x3MatrixStride + kx) * kLeftStride + k, kLeftStride);
+            LOAD_LEFT(x[r], ((row + r + ky) * kConv3x3MatrixStride + kx) * kLeftStride + k, kLeftStride);
           [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
-            const Right w = loadRight((kx * kStep + 8 * k) * kRightStride + 2 * (column + c), kRightStride);
-            [[unroll]] for (uint r = 0; r < kFragmentRows; r++) sum[r][c] = multiplyAdd(x[r], w, sum[r][c]);
+            RIGHT_FRAGMENT(w);
+            LOAD_RIGHT(w, (kx * kStep + 8 * k) * kRightStride + 2 * (column + c), kRightStride);
+            [[unroll]] for (uint r = 0; r < kFragmentRows; r++) MULTIPLY_ADD(x[r], w, sum[r][c]);
           }
         }
     }
@@ -93,9 +94,9 @@ void main() {
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
       barrier();
-      storeSum(sum[r][c]);
+      STORE_SUM(sum[r][c]);
       barrier();
-      for (uint i = gl_LocalInvocationIndex; i < kSubgroups * 64; i += kMatrixInvocations)
+      for (uint i = gl_LocalInvocationIndex; i < kSubgroups * 64; i += kInvocations)
         finish(corner + uvec2(i % 64 / 4, firstRow(i / 64) + r), firstQuad + 4 * (firstColumn(i / 64) + c) + i % 4,
                storedQuad(i));
     }

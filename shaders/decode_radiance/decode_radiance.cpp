@@ -1,5 +1,7 @@
 #include "shaders/decode_radiance/decode_radiance.h"
 
+#include <algorithm>
+
 namespace xrds {
 
 TensorShape outputShape(const DecodeRadiance& op) {

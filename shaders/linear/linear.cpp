@@ -105,7 +105,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
-    launch.specialization = {shape.subgroups, shape.outputs, shape.rows, shape.columns, activation, hasResidual};
+    launch.specialization = matrixConstants(shape, device.matrixSize, activation, hasResidual);
     launch.groupCount =
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {

@@ -22,8 +22,8 @@ layout(binding = 3, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { LinearParams p; };
 const uint kTokens = 16 * kMatrixRows, kRowTexels = 2 * kOutputFragments;
 const uint kWeightTexels = 8 * kLinearMatrixTexels * kRowTexels;
-const uint kSourceFetches = kTokens * kLinearMatrixTexels / kMatrixInvocations;
-const uint kWeightFetches = (kWeightTexels + kMatrixInvocations - 1) / kMatrixInvocations;
+const uint kSourceFetches = kTokens * kLinearMatrixTexels / kInvocations;
+const uint kWeightFetches = (kWeightTexels + kInvocations - 1) / kInvocations;
 
 uvec4 sourceTexel(uint token, uint quad) {
   const uint quads = p.inputChannels / 4, from = min(token, p.tokenEnd - 1) * p.source.stride + p.source.offset;
@@ -52,9 +52,9 @@ uint tokenTile() { return gl_WorkGroupID.z * gl_NumWorkGroups.y + gl_WorkGroupID
 void main() {
   const uint firstQuad = gl_WorkGroupID.x * 4 * kOutputFragments, firstToken = p.tokenBegin + tokenTile() * kTokens;
   const uint row = firstRow(subgroupIndex()), column = firstColumn(subgroupIndex());
-  Sum sum[kFragmentRows][kFragmentColumns];
+  SUMS(sum, kFragmentRows, kFragmentColumns);
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
-    [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) sum[r][c] = zeroSum();
+    [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) CLEAR_SUM(sum[r][c]);
 
   uvec4 nextX[kSourceFetches], nextW[kWeightFetches];
   const uint kStep = 8 * kLinearMatrixTexels;
@@ -62,33 +62,34 @@ void main() {
     if (first > 0) {  // what was fetched in the round before
       barrier();
       [[unroll]] for (uint i = 0; i < kSourceFetches; i++) {
-        const uint at = i * kMatrixInvocations + gl_LocalInvocationIndex;
+        const uint at = i * kInvocations + gl_LocalInvocationIndex;
         left[at / kLinearMatrixTexels * kLeftStride + at % kLinearMatrixTexels] = nextX[i];
       }
       [[unroll]] for (uint i = 0; i < kWeightFetches; i++) {
-        const uint at = i * kMatrixInvocations + gl_LocalInvocationIndex;
+        const uint at = i * kInvocations + gl_LocalInvocationIndex;
         if (at < kWeightTexels) right[at / kRowTexels * kRightStride + at % kRowTexels] = nextW[i];
       }
       barrier();
     }
     if (first < p.inputChannels) {
       [[unroll]] for (uint i = 0; i < kSourceFetches; i++) {
-        const uint at = i * kMatrixInvocations + gl_LocalInvocationIndex;
+        const uint at = i * kInvocations + gl_LocalInvocationIndex;
         nextX[i] = sourceTexel(firstToken + at / kLinearMatrixTexels, first / 4 + at % kLinearMatrixTexels * 2);
       }
       [[unroll]] for (uint i = 0; i < kWeightFetches; i++) {
-        const uint at = i * kMatrixInvocations + gl_LocalInvocationIndex;
+        const uint at = i * kInvocations + gl_LocalInvocationIndex;
         nextW[i] = weightTexel(first + at / kRowTexels, firstQuad + at % kRowTexels * 2);
       }
     }
     if (first > 0) {
       [[unroll]] for (uint k = 0; k < kLinearMatrixTexels; k += 2) {  // 16 inputs
-        Left x[kFragmentRows];
+        LEFT_FRAGMENTS(x, kFragmentRows);
         [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
-          x[r] = loadLeft(16 * (row + r) * kLeftStride + k, kLeftStride);
+          LOAD_LEFT(x[r], 16 * (row + r) * kLeftStride + k, kLeftStride);
         [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
-          const Right w = loadRight(8 * k * kRightStride + 2 * (column + c), kRightStride);
-          [[unroll]] for (uint r = 0; r < kFragmentRows; r++) sum[r][c] = multiplyAdd(x[r], w, sum[r][c]);
+          RIGHT_FRAGMENT(w);
+          LOAD_RIGHT(w, 8 * k * kRightStride + 2 * (column + c), kRightStride);
+          [[unroll]] for (uint r = 0; r < kFragmentRows; r++) MULTIPLY_ADD(x[r], w, sum[r][c]);
         }
       }
     }
@@ -97,9 +98,9 @@ void main() {
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
       barrier();
-      storeSum(sum[r][c]);
+      STORE_SUM(sum[r][c]);
       barrier();
-      for (uint i = gl_LocalInvocationIndex; i < kSubgroups * 64; i += kMatrixInvocations) {
+      for (uint i = gl_LocalInvocationIndex; i < kSubgroups * 64; i += kInvocations) {
         const uint token = 16 * (firstRow(i / 64) + r) + i % 64 / 4;
         finish(firstToken + token, firstQuad + 4 * (firstColumn(i / 64) + c) + i % 4, storedQuad(i));
       }

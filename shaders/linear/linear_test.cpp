@@ -114,7 +114,7 @@ TEST(MatrixShape, SharesTheFragmentsAmongTheSubgroups) {
   expectShape(64, 64, {4, 4, 2, 4});
   expectShape(16, 64, {16, 4, 2, 1});
   expectShape(16, 16, {});
-  expectShape(8, 64, {32, 4, 1, 1});
+  expectShape(8, 64, {16, 4, 2, 1});
 }
 
 TEST(Linear, ConvertsBetweenStorageTypes) {

@@ -1,5 +1,7 @@
 #include "shaders/pack_auxiliary/pack_auxiliary.h"
 
+#include <algorithm>
+
 #include "shaders/common/transfer.h"
 
 namespace xrds {

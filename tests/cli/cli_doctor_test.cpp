@@ -1,4 +1,5 @@
 // doctor: what it says of this device, of one that computes wrongly and of one that lacks something.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli/verdict.h"

@@ -1,4 +1,5 @@
 // What comes out of good and of doubtful frames: pixels, windows, attributes, alpha, repairs.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

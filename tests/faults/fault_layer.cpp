@@ -12,6 +12,12 @@
 
 #include "tests/faults/faults.h"
 
+#ifdef _WIN32
+#define XRDS_EXPORTED __declspec(dllexport)
+#else
+#define XRDS_EXPORTED __attribute__((visibility("default")))
+#endif
+
 namespace xrds::test {
 namespace {
 
@@ -169,7 +175,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceFunction(VkInstance instance, c
 }  // namespace
 }  // namespace xrds::test
 
-extern "C" VK_LAYER_EXPORT VKAPI_ATTR VkResult VKAPI_CALL
+extern "C" XRDS_EXPORTED VKAPI_ATTR VkResult VKAPI_CALL
 vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* version) {
   version->loaderLayerInterfaceVersion = 2;
   version->pfnGetInstanceProcAddr = &xrds::test::instanceFunction;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "viewer/tracer/built_in.h"
 #include "viewer/tracer/patterns.h"
 #include "viewer/tracer/shapes.h"

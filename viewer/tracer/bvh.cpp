@@ -1,5 +1,6 @@
 #include "viewer/tracer/bvh.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "xrds/error.h"

@@ -1,5 +1,6 @@
 #include "viewer/tracer/lights.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace xrds {

@@ -3,6 +3,7 @@
 #include <assimp/scene.h>
 #include <stb_image.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <map>
 #include <memory>

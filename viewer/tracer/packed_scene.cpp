@@ -1,5 +1,6 @@
 #include "viewer/tracer/packed_scene.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "engine/half.h"

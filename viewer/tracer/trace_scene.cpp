@@ -5,6 +5,7 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
