@@ -77,8 +77,7 @@ void openDevice(Gpu::Handles& gpu) {
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
   MatrixFeatures matrixFeatures;
   matrixFeatures.enable(gpu.traits.matrixUnits, features12);
-  std::vector<const char*> extensions;
-  if (const char* name = extensionOf(gpu.traits.matrixUnits)) extensions.push_back(name);
+  std::vector<const char*> extensions = extensionsOf(gpu.traits.matrixUnits);
   for (const std::string& name : gpu.options.deviceExtensions) extensions.push_back(name.c_str());
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
   const char* portability = "VK_KHR_portability_subset";

@@ -78,8 +78,9 @@ struct Dispatch {
   std::vector<Binding> bindings;
   std::vector<std::byte> pushConstants;
   std::array<uint32_t, 3> groupCount{1, 1, 1};
-  std::string label;          // the node's name in the graph
-  uint64_t multiplyAdds = 0;  // for the profile and for cutting submissions
+  bool fullSubgroups = false;  // subgroups of DeviceTraits::subgroupSize invocations, no fewer
+  std::string label;           // the node's name in the graph
+  uint64_t multiplyAdds = 0;   // for the profile and for cutting submissions
 
   bool isCopy() const { return !bindings.empty() && bindings[0].kind == BindingKind::copied; }
 };

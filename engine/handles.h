@@ -17,9 +17,10 @@ struct PipelineKey {
   std::vector<uint32_t> specialization;
   std::vector<std::pair<BindingKind, DataType>> bindings;  // the type, because CPU drivers compile a texel's format in
   uint32_t pushConstantBytes = 0;
+  bool fullSubgroups = false;
   bool operator<(const PipelineKey& other) const {
-    return std::tie(program, specialization, bindings, pushConstantBytes) <
-           std::tie(other.program, other.specialization, other.bindings, other.pushConstantBytes);
+    return std::tie(program, specialization, bindings, pushConstantBytes, fullSubgroups) <
+           std::tie(other.program, other.specialization, other.bindings, other.pushConstantBytes, other.fullSubgroups);
   }
 };
 

@@ -13,17 +13,17 @@ namespace xrds {
 namespace {
 
 // Kernels share their work among subgroups whose number they know.
-bool hasFixedSubgroups(VkPhysicalDevice device) {
+bool controlsSubgroups(VkPhysicalDevice device) {
+  if (!hasDeviceExtension(device, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) return false;
   VkPhysicalDeviceSubgroupSizeControlProperties sizes{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &sizes};
   vkGetPhysicalDeviceProperties2(device, &properties);
-  if (properties.properties.apiVersion < VK_API_VERSION_1_3 &&
-      !hasDeviceExtension(device, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME))
-    return true;
-  properties.pNext = &sizes;
-  vkGetPhysicalDeviceProperties2(device, &properties);
-  return sizes.minSubgroupSize == sizes.maxSubgroupSize;
+  MatrixFeatures features;
+  VkPhysicalDeviceFeatures2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features.subgroups};
+  vkGetPhysicalDeviceFeatures2(device, &all);
+  return features.subgroups.computeFullSubgroups && features.subgroups.subgroupSizeControl &&
+         sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT;
 }
 
 // Whether the device has the feature of the extension, and what it needs beside it.
@@ -90,7 +90,7 @@ std::optional<MatrixSize> sizeOfKhr(const Instance& instance, VkPhysicalDevice d
 }  // namespace
 
 std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device) {
-  if (!hasFixedSubgroups(device)) return {};
+  if (!controlsSubgroups(device)) return {};
   const MatrixFeatures features;
   if (hasDeviceExtension(device, VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.nv))
     if (const auto size = sizeOfNv(instance, device)) return {MatrixUnits::nv, *size};
@@ -101,14 +101,18 @@ std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkP
   return {};
 }
 
-const char* extensionOf(MatrixUnits units) {
-  if (units == MatrixUnits::nv) return VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME;
-  return units == MatrixUnits::khr ? "VK_KHR_cooperative_matrix" : nullptr;
+std::vector<const char*> extensionsOf(MatrixUnits units) {
+  if (units != MatrixUnits::nv && units != MatrixUnits::khr) return {};
+  return {units == MatrixUnits::nv ? VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME : "VK_KHR_cooperative_matrix",
+          VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME};
 }
 
 void MatrixFeatures::enable(MatrixUnits units, VkPhysicalDeviceVulkan12Features& features) {
-  if (!extensionOf(units)) return;
+  if (extensionsOf(units).empty()) return;
   features.shaderFloat16 = features.vulkanMemoryModel = VK_TRUE;
+  subgroups.subgroupSizeControl = subgroups.computeFullSubgroups = VK_TRUE;
+  subgroups.pNext = features.pNext;
+  features.pNext = &subgroups;
   const auto chain = [&features](auto& wanted) {
     wanted.cooperativeMatrix = VK_TRUE;
     wanted.pNext = features.pNext;

@@ -7,15 +7,18 @@
 
 namespace xrds {
 
-/// The way to the matrix units of a device: the first extension with which a subgroup, of a fixed size, multiplies
-/// matrices of 16-bit floats and adds up in 32 bits, and the largest product that fragments of 16 x 16 are made of.
+/// The way to the matrix units of a device that lets a pipeline fix its subgroups: the first extension with which one
+/// multiplies matrices of 16-bit floats and adds up in 32 bits, and the largest product that fragments of 16 x 16 are
+/// made of.
 std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
 
-/// "VK_NV_cooperative_matrix", say; null without an extension.
-const char* extensionOf(MatrixUnits units);
+/// The device extensions that the units need: "VK_NV_cooperative_matrix", say, and the control of subgroups.
+std::vector<const char*> extensionsOf(MatrixUnits units);
 
 /// What the units need of a device. enable() adds it to the features with which one is opened, which then point here.
 struct MatrixFeatures {
+  VkPhysicalDeviceSubgroupSizeControlFeatures subgroups{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES};
   VkPhysicalDeviceCooperativeMatrixFeaturesNV nv{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_COOPERATIVE_MATRIX_FEATURES_NV};
 #ifdef VK_KHR_cooperative_matrix
   VkPhysicalDeviceCooperativeMatrixFeaturesKHR khr{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_COOPERATIVE_MATRIX_FEATURES_KHR};

@@ -41,15 +41,17 @@ inline MatrixShape matrixShape(const DeviceTraits& device, DataType inputType, D
     return {};
   const uint32_t lanes = device.matrixUnits == MatrixUnits::software ? kSoftwareSubgroup : device.subgroupSize;
   MatrixShape shape{.subgroups = std::min(kMostInvocations / lanes, kMostSubgroups), .outputs = 4};
-  shape.invocations = shape.subgroups * lanes;
   if (shape.subgroups * 16 * 16 * sizeof(float) + kStagedBytes > device.maxSharedBytes) return {};
   const uint32_t fragments = ceilDivide(outputChannels, 16);
   while (3 * (ceilDivide(fragments, shape.outputs) * shape.outputs - fragments) > fragments) shape.outputs /= 2;
-  for (shape.rows = 2; shape.rows > 0; --shape.rows) {
-    const uint32_t rowGroups = shader::kMatrixRows / shape.rows, columnGroups = shape.subgroups / rowGroups;
-    if (shape.subgroups % rowGroups != 0 || columnGroups == 0 || shape.outputs % columnGroups != 0) continue;
-    shape.columns = shape.outputs / columnGroups;
-    return shape;
+  for (; shape.subgroups > 0; shape.subgroups /= 2) {
+    shape.invocations = shape.subgroups * lanes;
+    for (shape.rows = 2; shape.rows > 0; --shape.rows) {
+      const uint32_t rowGroups = shader::kMatrixRows / shape.rows, columnGroups = shape.subgroups / rowGroups;
+      if (shape.subgroups % rowGroups != 0 || columnGroups == 0 || shape.outputs % columnGroups != 0) continue;
+      shape.columns = shape.outputs / columnGroups;
+      return shape;
+    }
   }
   return {};
 }

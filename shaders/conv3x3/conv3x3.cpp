@@ -197,6 +197,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
   } else if (const MatrixShape tile = matrixShapeOf(op, device); tile.subgroups) {
     launch.program = matrixProgramName("conv3x3", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(tile, device.matrixSize, activation, hasResidual);
+    launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
     launch.groupCount = {ceilDivide(kernelOutputs(op), 16 * tile.outputs), ceilDivide(shape.width, 16),
                          ceilDivide(rowCount, shader::kMatrixRows)};
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {

@@ -106,6 +106,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(shape, device.matrixSize, activation, hasResidual);
+    launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
     launch.groupCount =
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {

@@ -113,7 +113,7 @@ TEST(MatrixShape, SharesTheFragmentsAmongTheSubgroups) {
   expectShape(32, 16, {8, 1, 1, 1});
   expectShape(64, 64, {4, 4, 2, 4});
   expectShape(16, 64, {16, 4, 2, 1});
-  expectShape(16, 16, {});
+  expectShape(16, 16, {8, 1, 1, 1});
   expectShape(8, 64, {16, 4, 2, 1});
 }
 
