@@ -7,7 +7,8 @@
 namespace xrds {
 namespace {
 
-constexpr const char* kTriedDrivers[] = {"llvmpipe Mesa 22.3", "SwiftShader driver"};
+constexpr const char* kTriedDrivers[] = {"llvmpipe Mesa 22.3", "llvmpipe Mesa 25.0", "llvmpipe Mesa 26.2",
+                                         "SwiftShader driver"};
 constexpr uint64_t kUsualTensorTexels = uint64_t{1} << 26;  // what GPUs of computers offer at the least
 
 const char* nameOf(const PrecisionExamination& precision) { return precision.fp16 ? "fp16" : "fp32"; }

@@ -15,7 +15,7 @@ from network import Network, multiply_accumulates
 
 CARD = """# {name}
 
-{channels} channels, {groups} groups of {blocks} block, scale {scale}, auxiliary inputs {aux}; base `{base}`, transfer `{transfer}`,
+{channels} channels, {groups} of {blocks} block, scale {scale}, auxiliary inputs {aux}; base `{base}`, transfer `{transfer}`,
 {fields}. {parameters:,} parameters, {giga:.1f} G multiply-accumulates for a 1024 x 1024 output (attention products not counted).
 Licence: MIT, weights included.
 
@@ -107,7 +107,7 @@ def main():
             + (f", plus {told['aux_loss']} times the robust loss of the filtered auxiliary images against the converged ones." if config.aux_kernels else "."))
     start = options.start if told["start"] != "None" else ""
     card = CARD.format(
-        name=options.model.stem, channels=config.channels, groups=config.groups, blocks=config.blocks, scale=config.scale,
+        name=options.model.stem, channels=config.channels, groups=f"{config.groups} group{'s' * (config.groups > 1)}", blocks=config.blocks, scale=config.scale,
         aux=" and ".join(config.aux_inputs) or "none", base=config.base, transfer=config.transfer, fields=fields_of(config),
         parameters=sum(p.numel() for p in network.parameters()), giga=multiply_accumulates(config, 1024, 1024) / 1e9,
         data=data, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,

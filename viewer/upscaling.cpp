@@ -242,7 +242,7 @@ void Upscaling::takeFrame(LoadedFrame frame) {
 
 std::string Upscaling::wantedModel(const Wanted& wanted) const {
   if (!wanted.model.empty()) return wanted.model;
-  if (live_) return "xrds-x4-nano";
+  if (live_) return "xrds-x4-mini";
   if (size_.inputs.empty()) return "xrds-x4-compact-plain";
   return defaultModel(size_.scale, size_.has("normal")).stem().string();
 }
