@@ -155,10 +155,21 @@ std::unique_ptr<Instance> openInstance(const DeviceOptions& options) {
   features.enabledValidationFeatureCount = 1;
   features.pEnabledValidationFeatures = enabled;
 
+  const void* wanted = &features;
+#ifdef VK_EXT_layer_settings  // newer layers do not look at what shaders access unless told
+  const VkBool32 on = VK_TRUE;
+  const auto enable = [&on](const char* name) {
+    return VkLayerSettingEXT{kValidationLayer, name, VK_LAYER_SETTING_TYPE_BOOL32_EXT, 1, &on};
+  };
+  const VkLayerSettingEXT values[] = {enable("validate_sync"), enable("syncval_shader_accesses_heuristic")};
+  const VkLayerSettingsCreateInfoEXT settings{VK_STRUCTURE_TYPE_LAYER_SETTINGS_CREATE_INFO_EXT, &features, 2, values};
+  wanted = &settings;
+#endif
+
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "xrds";
   application.apiVersion = VK_API_VERSION_1_2;
-  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, validation ? &features : nullptr};
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, validation ? wanted : nullptr};
   info.flags = flags;
   info.pApplicationInfo = &application;
   info.enabledLayerCount = validation ? 1 : 0;
