@@ -2,7 +2,7 @@
 // store a loop over the lanes that spills the stored vectors in every round (two thirds of the time of a linear layer of
 // 64 channels); a store at a uniform address, outside of control flow, is one move of the first lane's value. It takes for
 // uniform: constants, push constants at any index, and what is computed of these. So a number becomes uniform when its
-// digits are looked up in the push constants. Included after local_size; the kernel defines PARAMS and TARGET_BINDING,
+// digits are looked up in the push constants. Where kKnowsUniforms, a broadcast does instead. Included after local_size; the kernel defines PARAMS and TARGET_BINDING,
 // and SMALL_DIGITS if its parameters leave room for a table of 4 digits only instead of 16.
 #ifndef XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #define XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
@@ -32,7 +32,7 @@ HAND_OUT(float)
 HAND_OUT(vec4)
 HAND_OUT(uint64_t)
 
-// sum + x * w; such a driver also has fma() fused, where others take twice as long for it as it says.
+// sum + x * w. Where kKnowsUniforms, fma() is one instruction; of the other drivers it only makes compiling slower.
 #define PLUS_PRODUCT(type)                                 \
   type plusProduct(type sum, float x, type w) {            \
     if (kKnowsUniforms)                                    \
