@@ -4,6 +4,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shaders/common/power2.glsl"
 #include "shaders/filter_auxiliary/filter_auxiliary.h"
 layout(constant_id = 0) const int kQuads = 1;  // c / 4
 layout(constant_id = 1) const int kSide = 3;   // m
@@ -41,7 +42,7 @@ void main() {
       if (j >= 0 && j < kSide * kSide) {
         const int channel = kFirstLogit + j;
         if (j == 0 || channel % 4 == 0) logits[r] = texelFetch(network, logitTexels[r] + channel / 4);
-        const float weight = exp(boundedLogit(logits[r][channel % 4]));
+        const float weight = power2(kLog2E * boundedLogit(logits[r][channel % 4]));
         [[unroll]] for (int q = 0; q < kQuads; q++) sums[r * kQuads + q] += weight * values[q];
         totals[r] += weight;
       }

@@ -5,6 +5,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shaders/common/power2.glsl"
 #include "shaders/joint_bilateral/joint_bilateral.h"
 layout(constant_id = 0) const int kScale = 1;
 layout(constant_id = 1) const int kRun = 1;
@@ -21,16 +22,18 @@ layout(binding = 3) uniform samplerBuffer network;
 #define LANE_ID 5
 #include "shaders/common/image_kernel.glsl"
 
-// What a pixel looks like, in units of the standard deviations: two of them compare as exp(-|difference|^2 / 2).
+// What a pixel looks like, scaled so that two of them compare as 2^-|difference|^2.
 struct Guide {
   vec3 albedo, normal;
 };
 
+const float kScaleOfSquares = sqrt(0.5 * kLog2E);
+
 Guide guideAt(samplerBuffer image, int texel) {
   Guide guide;
-  guide.albedo = fetchThree(image, texel, kAlbedoOffset) / kSigmaAlbedo;
+  guide.albedo = fetchThree(image, texel, kAlbedoOffset) * (kScaleOfSquares / kSigmaAlbedo);
   guide.normal = vec3(0);
-  if (kNormalOffset >= 0) guide.normal = fetchThree(image, texel, kNormalOffset) / kSigmaNormal;
+  if (kNormalOffset >= 0) guide.normal = fetchThree(image, texel, kNormalOffset) * (kScaleOfSquares / kSigmaNormal);
   return guide;
 }
 
@@ -41,19 +44,20 @@ float likeness(Guide a, Guide b) {
     const vec3 normal = a.normal - b.normal;
     square += dot(normal, normal);
   }
-  return exp(-0.5 * square);
+  return power2(-square);
 }
 
 // exp(-(q - i)^2 / (2 sigma^2)) along one axis, for the pixel `inside` of its low-resolution pixel and i = step - 2.
 float nearness(int inside, int step) {
   const float distance = (float(inside) + 0.5) / float(kScale) - 0.5 - float(step - 2);
-  return exp(distance * distance * (-0.5 / (kSigmaSpace * kSigmaSpace)));
+  return power2(distance * distance * (-0.5 * kLog2E / (kSigmaSpace * kSigmaSpace)));
 }
 
 void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   const ivec2 centre = at / kScale;
+  const int insideRow = kRun == kScale ? 0 : at.y % kScale;
   const ivec2 size = ivec2(p.target.width, p.target.height) / kScale;
 
   Guide guides[kRun];
@@ -72,12 +76,12 @@ void main() {
     const vec3 value = texelFetch(source, texelAt(p.source, neighbour)).rgb;
     const float column = nearness(at.x % kScale, j % 5);
     [[unroll]] for (int r = 0; r < kRun; r++) {
-      float weight = column * nearness(at.y % kScale + r, j / 5) * (likeness(guides[r], mean) + kBilateralFloor);
+      float weight = column * nearness(insideRow + r, j / 5) * (likeness(guides[r], mean) + kBilateralFloor);
       if (kLearned) {
         const int channel = j + kFirstLogit;
         if (j == 0 || channel % 4 == 0)
           logits[r] = texelFetch(network, texelAt(p.network, at + ivec2(0, r)) + channel / 4);
-        weight *= exp(boundedLogit(logits[r][channel % 4]));
+        weight *= power2(kLog2E * boundedLogit(logits[r][channel % 4]));
       }
       sums[r] += weight * value;
       totals[r] += weight;

@@ -11,6 +11,7 @@
 layout(local_size_x_id = 0, local_size_y = 4) in;  // x = subgroup size
 #define PARAMS WindowAttentionParams
 #define TARGET_BINDING 4
+#include "shaders/common/power2.glsl"
 #include "shaders/common/uniform_store.glsl"
 layout(constant_id = 1) const uint kWindow = 8;
 layout(constant_id = 2) const uint kHeadChannels = 32;
@@ -40,17 +41,6 @@ uvec2 pixelOf(uvec2 corner, uint token) {
 
 uint texelOf(Slice slice, uvec2 pixel, uint head) {
   return (pixel.y * p.width + pixel.x) * slice.stride + slice.offset + head * kQuads;
-}
-
-// 2^x for x <= 0, relative error 2e-7; 0 below 2^-80, as products with less may be denormal, which makes some CPUs a hundred
-// times slower. A comparison, as max() costs four instructions; this one hands NaN on.
-float power2(float x) {
-  const bool vanishes = x < -80.0;
-  x = vanishes ? 0.0 : x;
-  const float whole = roundEven(x), f = x - whole;
-  const float fraction =
-      1.0 + f * (0.69314718 + f * (0.24022651 + f * (0.055503324 + f * (0.0096184374 + f * 0.0013398874))));
-  return vanishes ? 0.0 : intBitsToFloat(floatBitsToInt(fraction) + (int(whole) << 23));
 }
 
 // Reads something of each cache line of the window's rows, for all heads, in the order of the memory, which a CPU
@@ -91,7 +81,7 @@ void main() {
   [[unroll]] for (uint i = 0; i < kQueries; i++) {
     const uint from = texelOf(p.queries, pixelOf(corner, min(firstQuery + i, kTokens - 1)), head);
     [[unroll]] for (uint c = 0; c < kQuads; c++) {
-      q[i][c] = texelFetch(queries, int(from + c)) * (1.44269504 * inversesqrt(float(kHeadChannels)));
+      q[i][c] = texelFetch(queries, int(from + c)) * (kLog2E * inversesqrt(float(kHeadChannels)));
       result[i][c] = vec4(0);
     }
     highest[i] = -1e30;
