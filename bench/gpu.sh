@@ -4,15 +4,15 @@
 #     bench/gpu.sh OUT_FOLDER [SCENES]
 #
 # Writes operators.json and network.json with their texts, families.json and operators_FAMILY.json (kernel families
-# beside each other), peers_fp32.txt and peers_fp16.txt, machine.txt and report.html. SCENES is a folder of validation
-# renders for the image error. BUILD is the build's folder (default build/release), DEVICE the engine's device as
+# beside each other), bands.txt (frames in bands of rows and in one piece), peers_fp32.txt and peers_fp16.txt, machine.txt
+# and report.html. SCENES is a folder of validation renders for the image error. BUILD is the build's folder (default build/release), DEVICE the engine's device as
 # xrds --device takes it (default: the best one), FAMILIES the kernel families to compare (default plain,tile,matrix; what a
 # device does not run is reported as refused), PYTHON a Python with training/requirements.txt and PyTorch (default
 # python3), PEERS what bench/peers.py shall run (default: those on the GPU), SIZES the sides of the outputs (default
 # 256,512,1024,2048,4096), SIDE that of operators, families and peers (default 1024), CONFIGS the peers' networks (default
 # paper,compact,nano), RUNS the frames or rounds that count (default 5). A part that fails is named; the others still run.
 set -euo pipefail
-[ $# -eq 1 ] || [ $# -eq 2 ] || { sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -eq 1 ] || [ $# -eq 2 ] || { sed -n '2,14s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 out=$1 scenes=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
 build=${BUILD:-$here/../build/release}
@@ -55,6 +55,19 @@ families() {
     --size "$side" --runs "$runs" --family "$families" --json "$out/families.json"
 }
 
+# Bands keep memory low, with many small dispatches; one piece is the other way round.
+bands() {
+  for model in "$out/paper-size.safetensors" "$here/../models/xrds-x4-compact.safetensors"; do
+    for precision in fp32 fp16; do
+      for rows in 0 65536; do
+        echo "$(basename "$model" .safetensors), $precision, $([ $rows = 0 ] && echo bands || echo one piece)"
+        "$build/bench/xrds_bench_network" "${device[@]}" --model "$model" --size "$side" --runs "$runs" \
+          --precision $precision --band-rows $rows
+      done
+    done
+  done
+}
+
 # operators_of FAMILY
 operators_of() {
   "$build/bench/xrds_bench_operators" "${device[@]}" --family "$1" --network paper,compact --size "$side" \
@@ -78,6 +91,7 @@ part machine describe
 part operators operators
 part network network
 part families families
+part bands bands
 for family in ${families//,/ }; do
   part "operators_$family" operators_of "$family"
 done
