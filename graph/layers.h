@@ -38,6 +38,8 @@ class Layers {
     return graph.create(name, stored(name), {like.height, like.width, channels});
   }
 
+  /// Whether a frame with so much colour is made in one piece, unless the options say otherwise.
+  bool isSmall(uint32_t height, uint32_t width) const;
   /// The steps over the high-resolution image.
   Sweep sweep(uint32_t height, uint32_t width) const;
   /// Rows between two stages of a sweep at high resolution: enough for a convolution at any of its resolutions, and
