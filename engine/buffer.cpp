@@ -74,10 +74,11 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   buffer.mapped = static_cast<std::byte*>(mapped);
 }
 
-// A multiple of kBindingAlignment with one to spare behind what was asked for, and no power of two: llvmpipe
-// (Mesa 22.3) compiles every program that reads texels anew for buffers of 2^n bytes.
+// A multiple of kBindingAlignment with a round of sizes to spare behind what was asked for (byteSizeOfOneVariant() in
+// recording.cpp), and no power of two: llvmpipe (Mesa 22.3) compiles every program that reads texels anew for buffers
+// of 2^n bytes.
 uint64_t allocatedByteSize(uint64_t asked) {
-  const uint64_t needed = (asked + 2 * kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment;
+  const uint64_t needed = ceilDivide(asked, kBindingAlignment) * kBindingAlignment + kVariantBytes;
   return std::has_single_bit(needed) ? needed + kBindingAlignment : needed;
 }
 

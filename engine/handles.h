@@ -10,6 +10,8 @@
 
 namespace xrds {
 
+inline constexpr uint64_t kVariantBytes = 65536;  // byteSizeOfOneVariant() in recording.cpp
+
 /// What decides a compiled pipeline. Two dispatches with the same key share it.
 struct PipelineKey {
   explicit PipelineKey(const Dispatch& dispatch);

@@ -95,7 +95,8 @@ TensorView Layers::attention(const std::string& name, TensorView q, TensorView k
 
 bool Layers::isSmall(uint32_t height, uint32_t width) const {
   const uint64_t pixels = uint64_t{height} * width;
-  return options_.bandRows == 0 && pixels <= kWholeColourPixels && pixels * config.scale * config.scale <= kWholeOutputPixels;
+  return options_.bandRows == 0 && pixels <= kWholeColourPixels &&
+         pixels * config.scale * config.scale <= kWholeOutputPixels;
 }
 
 Sweep Layers::sweep(uint32_t height, uint32_t width) const {
