@@ -62,8 +62,8 @@ void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
 // from zero to something else (Mesa 22.3) or change (26.2): with every other frame size. A longer range, into the bytes
 // that every buffer has to spare, keeps them at 1.
 uint64_t byteSizeOfOneVariant(uint64_t byteSize) {
-  const uint64_t rounds = byteSize <= kBindingAlignment ? 0 : ceilDivide(byteSize - kBindingAlignment, kVariantBytes);
-  return rounds * kVariantBytes + kBindingAlignment;
+  const uint64_t more = std::max(byteSize, kBindingAlignment) - kBindingAlignment;
+  return (more + kVariantBytes - 1) / kVariantBytes * kVariantBytes + kBindingAlignment;
 }
 
 void keepToOneVariant(const Gpu::Handles& gpu, PlacedDispatch& placed) {
@@ -336,9 +336,9 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
     for (size_t i = 0; i < placed.ranges.size(); ++i)
       placed.ranges[i] = resolve(placed.ranges[i], placed.dispatch.bindings[i].kind);
     checkLimits(gpu.handles(), placed);
-    accesses.push_back(accessesOf(placed));
     if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu.handles(), placed);
     if (!placed.dispatch.isCopy()) keys.emplace_back(placed.dispatch);
+    accesses.push_back(accessesOf(placed));
   }
   const std::vector<const Dispatch*> fresh = notMade(gpu.handles(), dispatches);
   makePipelines(gpu.handles(), keys);
