@@ -74,11 +74,10 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   buffer.mapped = static_cast<std::byte*>(mapped);
 }
 
-// A multiple of kBindingAlignment with a round of sizes to spare behind what was asked for (byteSizeOfOneVariant() in
-// recording.cpp), and no power of two: llvmpipe (Mesa 22.3) compiles every program that reads texels anew for buffers
-// of 2^n bytes.
+// A multiple of kBindingAlignment with kSpareBytes behind what was asked for, and no power of two: llvmpipe (Mesa 22.3)
+// compiles every program that reads texels anew for buffers of 2^n bytes.
 uint64_t allocatedByteSize(uint64_t asked) {
-  const uint64_t needed = (asked + kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment + kVariantBytes;
+  const uint64_t needed = (asked + kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment + kSpareBytes;
   return std::has_single_bit(needed) ? needed + kBindingAlignment : needed;
 }
 

@@ -12,7 +12,7 @@ namespace xrds {
 namespace {
 
 /// Dispatches without workgroups: they compute nothing, but make such a driver compile. Its program must not depend on
-/// the memory that is bound, and does not: see byteSizeOfOneVariant() in recording.cpp.
+/// the memory that is bound, and does not: see kVariantTexels.
 class EmptyDispatches {
  public:
   explicit EmptyDispatches(Gpu& gpu) : gpu_(gpu.handles()), scratch_(gpu, kBindingAlignment) {}
@@ -46,7 +46,7 @@ VkBufferView EmptyDispatches::viewOf(DataType type) {
   VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
   info.buffer = scratch_.handles().buffer;
   info.format = texelFormatOf(type);
-  info.range = kBindingAlignment;
+  info.range = kVariantTexels * 4 * byteSize(type);
   checkResult(gpu_.vk.vkCreateBufferView(gpu_.device, &info, nullptr, &views_.emplace_back()), "vkCreateBufferView");
   return views_.back();
 }

@@ -58,20 +58,19 @@ void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
   XRDS_CHECK_EQ(placed.ranges[0].byteSize, placed.ranges[1].byteSize);
 }
 
-// llvmpipe takes bits 8 to 15 of a texel buffer's size for a mip level, and compiles a program anew whenever they turn
-// from zero to something else (Mesa 22.3) or change (26.2): with every other frame size. A longer range, into the bytes
-// that every buffer has to spare, keeps them at 1.
-uint64_t byteSizeOfOneVariant(uint64_t byteSize) {
-  const uint64_t more = std::max(byteSize, kBindingAlignment) - kBindingAlignment;
-  return (more + kVariantBytes - 1) / kVariantBytes * kVariantBytes + kBindingAlignment;
+// The texels of a range, and as many more as llvmpipe needs to take it for the same as all others (kVariantTexels).
+uint64_t texelsOfOneVariant(uint64_t texels) {
+  const uint64_t more = std::max(texels, kVariantTexels) - kVariantTexels;
+  return (more + kVariantStep - 1) / kVariantStep * kVariantStep + kVariantTexels;
 }
 
 void keepToOneVariant(const Gpu::Handles& gpu, PlacedDispatch& placed) {
   for (size_t i = 0; i < placed.ranges.size(); ++i) {
     const Binding& binding = placed.dispatch.bindings[i];
-    const uint64_t longer = byteSizeOfOneVariant(placed.ranges[i].byteSize);
-    const bool allowed = longer / (4 * byteSize(binding.type)) <= gpu.limits.maxTexelBufferElements;
-    if (binding.kind == BindingKind::texel && allowed) placed.ranges[i].byteSize = longer;
+    const uint64_t texelBytes = 4 * byteSize(binding.type);
+    const uint64_t texels = texelsOfOneVariant(placed.ranges[i].byteSize / texelBytes);
+    if (binding.kind == BindingKind::texel && texels <= gpu.limits.maxTexelBufferElements)
+      placed.ranges[i].byteSize = texels * texelBytes;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "graph/layers.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "graph/network.h"
 
@@ -109,6 +110,9 @@ Sweep Layers::sweep(uint32_t height, uint32_t width) const {
 std::vector<WindowBand> Layers::bands(const TensorView& image, bool shifted, uint32_t tensors) const {
   uint64_t rows = std::max(image.height / tensors, ceilDivide(kLeastBandPixels, image.width));
   if (isSmall(image.height, image.width)) rows = kWholeFrame;
+  // Of whole multiples of eight windows, whose tokens large workgroups share out evenly.
+  const uint32_t unit = config.window * (8 / std::gcd(image.width / config.window, 8u));
+  if (rows >= unit) rows = rows / unit * unit;
   if (options_.bandRows > 0) rows = options_.bandRows;
   return windowBands(image.height, config.window, shifted ? config.window / 2 : 0, rows);
 }

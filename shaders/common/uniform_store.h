@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <numeric>
 
 #include "engine/dispatch.h"
@@ -18,7 +20,13 @@ std::vector<std::byte> pushBytesWithDigits(const T& parameters) {
   return pushBytes(push);
 }
 
-/// Subgroups of a workgroup when `count` of them are shared out evenly: the largest divisor of it up to `limit`.
+/// Subgroups of a workgroup when `count` of them are shared out evenly: the largest power of two up to `limit` that
+/// divides it. Other divisors would be programs of their own, which every other frame size would compile.
+inline uint32_t subgroupShare(uint64_t count, uint32_t limit) {
+  return static_cast<uint32_t>(std::min<uint64_t>(std::bit_floor(limit), count & (~count + 1)));
+}
+
+/// The largest divisor of `count` up to `limit`.
 inline uint32_t evenShare(uint64_t count, uint32_t limit) {
   while (count % limit != 0) --limit;
   return limit;

@@ -48,7 +48,7 @@ Dispatch dispatch(const LayerNorm& op, const DeviceTraits& device) {
   Dispatch launch{.bindings = {readTexels(op.input), readWeights(DataType::f32), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params)};
   if (laneFits(op, device)) {
-    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = evenShare(subgroups, kMaxRows);
+    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
     launch.program = programName("layer_norm", KernelFamily::lane, op.output.type);
     launch.specialization = {device.subgroupSize, channels, rows};
     launch.pushConstants = pushBytesWithDigits(params);

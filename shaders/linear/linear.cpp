@@ -33,7 +33,7 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
   const uint32_t subgroups = ceilDivide(op.output.pixelCount(), device.subgroupSize);
   if (device.family != KernelFamily::lane || !device.shaderInt64 ||
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
-      subgroups / evenShare(subgroups, kMaxRows) > kMaxGroupCount)
+      subgroups / subgroupShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
   const auto largest = [&](uint32_t limit) -> uint32_t {
     for (uint32_t tile = std::min(limit, outputs) / 8 * 8; tile > 0; tile -= 8)
@@ -98,7 +98,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
       .pushConstants = pushBytes(params),
       .multiplyAdds = tokens * params.inputChannels * op.bias.size()};
   if (const uint32_t tile = laneTile(op, device)) {
-    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = evenShare(subgroups, kMaxRows);
+    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
     launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows};
     launch.pushConstants = pushBytesWithDigits(params);
