@@ -22,15 +22,18 @@ TEST_F(ViewerWindow, SwitchesSkippingAndShowsTheMap) {
   EXPECT_EQ(compared.exitCode, 0) << compared.output << compared.error;
 }
 
+// The time of the first picture may lead to other submissions and a network prepared anew, which has nothing to keep.
 TEST_F(ViewerWindow, KeepsWhatDidNotChangeInWatchedFiles) {
   writeHalfEvenFrame(folder / "first.exr", folder / "aux.exr", 70);
   writeHalfEvenFrame(folder / "second.exr", folder / "aux.exr", 70, 63);
-  const Ended ended = run("copy first.exr lr.exr\nawait 1\nwait\nprint\ncopy second.exr lr.exr\nawait 2\nwait\nprint\n",
-                          smallWindow({"--watch", "lr.exr", "aux.exr", "--skip", "safe"}));
+  const Ended ended =
+      run("copy first.exr lr.exr\nawait 1\nwait\nprint\ncopy second.exr lr.exr\nawait 2\nwait\nprint\n"
+          "copy first.exr lr.exr\nawait 3\nwait\nprint\n",
+          smallWindow({"--watch", "lr.exr", "aux.exr", "--skip", "safe"}));
   const std::vector<double> kept = valuesOf(ended.output, "kept");
-  ASSERT_EQ(kept.size(), 2u) << ended.output;
+  ASSERT_EQ(kept.size(), 3u) << ended.output;
   EXPECT_EQ(kept[0], 0);
-  EXPECT_GT(kept[1], 0.3);
+  EXPECT_GT(kept[2], 0.3);
 }
 
 TEST_F(ViewerWindow, TellsWhichModelsCannotSkip) {
