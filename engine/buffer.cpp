@@ -77,7 +77,7 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
 // A multiple of kBindingAlignment with kSpareBytes behind what was asked for, and no power of two: llvmpipe (Mesa 22.3)
 // compiles every program that reads texels anew for buffers of 2^n bytes.
 uint64_t allocatedByteSize(uint64_t asked) {
-  const uint64_t needed = (asked + kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment + kSpareBytes;
+  const uint64_t needed = alignUp(asked, kBindingAlignment) + kSpareBytes;
   return std::has_single_bit(needed) ? needed + kBindingAlignment : needed;
 }
 

@@ -60,8 +60,7 @@ void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
 
 // The texels of a range, and as many more as llvmpipe needs to take it for the same as all others (kVariantTexels).
 uint64_t texelsOfOneVariant(uint64_t texels) {
-  const uint64_t more = std::max(texels, kVariantTexels) - kVariantTexels;
-  return (more + kVariantStep - 1) / kVariantStep * kVariantStep + kVariantTexels;
+  return alignUp(std::max(texels, kVariantTexels) - kVariantTexels, kVariantStep) + kVariantTexels;
 }
 
 void keepToOneVariant(const Gpu::Handles& gpu, PlacedDispatch& placed) {

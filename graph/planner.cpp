@@ -4,14 +4,14 @@
 #include <numeric>
 #include <random>
 
+#include "engine/dispatch.h"
+
 namespace xrds {
 namespace {
 
 using Order = std::vector<uint32_t>;
 
 constexpr uint64_t kLongLife = 8;  // steps: more than most bands live
-
-uint64_t alignUp(uint64_t offset, uint64_t alignment) { return (offset + alignment - 1) / alignment * alignment; }
 
 // For each value those that live at the same time; values of no size left out.
 std::vector<Order> neighboursOf(std::span<const Lifetime> lifetimes) {

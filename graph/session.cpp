@@ -10,8 +10,6 @@
 namespace xrds {
 namespace {
 
-uint64_t alignUp(uint64_t size) { return (size + kBindingAlignment - 1) / kBindingAlignment * kBindingAlignment; }
-
 std::vector<std::byte> encode(std::span<const float> values, DataType type) {
   if (type == DataType::f32) {
     const auto bytes = std::as_bytes(values);
@@ -60,7 +58,7 @@ PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
       range->second = {packed.bytes.size(), bytes.size()};
       packed.keys.push_back(range->first);
       packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
-      packed.bytes.resize(alignUp(packed.bytes.size()));
+      packed.bytes.resize(alignUp(packed.bytes.size(), kBindingAlignment));
     }
     packed.ranges.push_back(range->second);
   }
@@ -91,7 +89,7 @@ std::vector<ValueId> ownStorage(const Graph& graph) {
 }  // namespace
 
 uint64_t arenaByteSize(const Graph& graph) {
-  return alignUp(planMemory(lifetimes(graph, inPlaceStorage(graph))).byteSize);
+  return alignUp(planMemory(lifetimes(graph, inPlaceStorage(graph))).byteSize, kBindingAlignment);
 }
 
 MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device) {
@@ -114,8 +112,8 @@ Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionO
   const PackedModel packed = packModel(graph_, gpu.traits());
   packedKeys_ = packed.keys;
   const Session* lender = options.lender;
-  const bool arenaFits = lender && lender->arena_->byteSize() >= alignUp(plan_.byteSize);
-  arena_ = arenaFits ? lender->arena_ : &ownArena_.emplace(gpu, alignUp(plan_.byteSize));
+  const bool arenaFits = lender && lender->arena_->byteSize() >= alignUp(plan_.byteSize, kBindingAlignment);
+  arena_ = arenaFits ? lender->arena_ : &ownArena_.emplace(gpu, alignUp(plan_.byteSize, kBindingAlignment));
   if (lender && lender->packedKeys_ == packedKeys_) {
     weights_ = lender->weights_;
   } else {
