@@ -4,13 +4,14 @@
 #     bench/gpu.sh OUT_FOLDER [SCENES]
 #
 # Writes operators.json and network.json with their texts, families.json and operators_FAMILY.json (kernel families
-# beside each other), bands.txt (frames in bands of rows and in one piece), peers_fp32.txt and peers_fp16.txt, machine.txt
-# and report.html. SCENES is a folder of validation renders for the image error. BUILD is the build's folder (default build/release), DEVICE the engine's device as
-# xrds --device takes it (default: the best one), FAMILIES the kernel families to compare (default plain,tile,matrix; what a
-# device does not run is reported as refused), PYTHON a Python with training/requirements.txt and PyTorch (default
-# python3), PEERS what bench/peers.py shall run (default: those on the GPU), SIZES the sides of the outputs (default
-# 256,512,1024,2048,4096), SIDE that of operators, families and peers (default 1024), CONFIGS the peers' networks (default
-# paper,compact,nano), RUNS the frames or rounds that count (default 5). A part that fails is named; the others still run.
+# beside each other), bands.txt (frames in bands of rows and in one piece), peers_fp32.txt and peers_fp16.txt,
+# machine.txt and report.html. SCENES is a folder of validation renders for the image error. BUILD is the build's folder
+# (default build/release), DEVICE the engine's device as xrds --device takes it (default: the best one), FAMILIES the
+# kernel families to compare (default plain,tile,matrix; what a device does not run is reported as refused), PYTHON a
+# Python with training/requirements.txt and PyTorch (default python3), PEERS what bench/peers.py shall run (default:
+# those on the GPU), SIZES the sides of the outputs (default 256,512,1024,2048,4096), SIDE that of operators, families
+# and peers (default 1024), CONFIGS the peers' networks (default paper,compact,nano), RUNS the frames or rounds that
+# count (default 5). A part that fails is named; the others still run.
 set -euo pipefail
 [ $# -eq 1 ] || [ $# -eq 2 ] || { sed -n '2,14s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 out=$1 scenes=${2:-}

@@ -14,8 +14,8 @@ using test::gpu;
 using test::twicePlus;
 
 constexpr uint32_t kQuads = 1000;
-constexpr uint64_t kRegion =
-    2097152;  // bytes, of which a tensor of kQuads takes 16000, and what is bound of it 1052672
+// Bytes, of which a tensor of kQuads takes 16000, and what is bound of it 1052672.
+constexpr uint64_t kRegion = 2097152;
 
 // A chain: region i + 1 = 2 region i + i, from region 0.
 std::vector<PlacedDispatch> chain(const Buffer& buffer, uint32_t length) {

@@ -2,8 +2,9 @@
 // store a loop over the lanes that spills the stored vectors in every round (two thirds of the time of a linear layer of
 // 64 channels); a store at a uniform address, outside of control flow, is one move of the first lane's value. It takes for
 // uniform: constants, push constants at any index, and what is computed of these. So a number becomes uniform when its
-// digits are looked up in the push constants. Where kKnowsUniforms, a broadcast does instead. Included after local_size; the kernel defines PARAMS and TARGET_BINDING,
-// and SMALL_DIGITS if its parameters leave room for a table of 4 digits only instead of 16.
+// digits are looked up in the push constants. Where kKnowsUniforms, a broadcast does instead. Included after local_size;
+// the kernel defines PARAMS and TARGET_BINDING, and SMALL_DIGITS if its parameters leave room for a table of 4 digits
+// only instead of 16.
 #ifndef XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #define XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #extension GL_EXT_shader_subgroup_extended_types_int64 : require

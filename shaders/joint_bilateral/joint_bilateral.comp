@@ -57,6 +57,7 @@ void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   const ivec2 centre = at / kScale;
+  // A run of kScale pixels begins with a low-resolution pixel: a constant, of which nearness() is one too.
   const int insideRow = kRun == kScale ? 0 : at.y % kScale;
   const ivec2 size = ivec2(p.target.width, p.target.height) / kScale;
 
