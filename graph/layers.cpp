@@ -96,25 +96,28 @@ TensorView Layers::attention(const std::string& name, TensorView q, TensorView k
 
 bool Layers::isSmall(uint32_t height, uint32_t width) const {
   const uint64_t pixels = uint64_t{height} * width;
-  return options_.bandRows == 0 && pixels <= kWholeColourPixels &&
-         pixels * config.scale * config.scale <= kWholeOutputPixels;
+  return pixels <= kWholeColourPixels && pixels * config.scale * config.scale <= kWholeOutputPixels;
 }
 
 Sweep Layers::sweep(uint32_t height, uint32_t width) const {
-  uint64_t rows = std::max(ceilDivide(height, kSweepSteps), ceilDivide(kLeastSweepPixels, width));
-  if (isSmall(height / config.scale, width / config.scale)) return {height, kWholeFrame};
-  if (options_.bandRows > 0) rows = uint64_t{options_.bandRows} * config.scale;
-  return {height, uint64_t{ceilDivide(rows, kSweepUnit)} * kSweepUnit};
+  const uint64_t asked = uint64_t{options_.bandRows} * config.scale;
+  if (asked == 0 && isSmall(height / config.scale, width / config.scale)) return {height, kWholeFrame};
+  const uint64_t rows =
+      asked > 0 ? asked : std::max(ceilDivide(height, kSweepSteps), ceilDivide(kLeastSweepPixels, width));
+  return {height, alignUp(rows, kSweepUnit)};
 }
 
 std::vector<WindowBand> Layers::bands(const TensorView& image, bool shifted, uint32_t tensors) const {
-  uint64_t rows = std::max(image.height / tensors, ceilDivide(kLeastBandPixels, image.width));
-  if (isSmall(image.height, image.width)) rows = kWholeFrame;
+  return windowBands(image.height, config.window, shifted ? config.window / 2 : 0, bandRows(image, tensors));
+}
+
+uint64_t Layers::bandRows(const TensorView& image, uint32_t tensors) const {
+  if (options_.bandRows > 0) return options_.bandRows;
+  if (isSmall(image.height, image.width)) return kWholeFrame;
+  const uint64_t rows = std::max(image.height / tensors, ceilDivide(kLeastBandPixels, image.width));
   // Of whole multiples of eight windows, whose tokens large workgroups share out evenly.
   const uint32_t unit = config.window * (8 / std::gcd(image.width / config.window, 8u));
-  if (rows >= unit) rows = rows / unit * unit;
-  if (options_.bandRows > 0) rows = options_.bandRows;
-  return windowBands(image.height, config.window, shifted ? config.window / 2 : 0, rows);
+  return rows < unit ? rows : rows / unit * unit;
 }
 
 }  // namespace xrds

@@ -38,8 +38,6 @@ class Layers {
     return graph.create(name, stored(name), {like.height, like.width, channels});
   }
 
-  /// Whether a frame with so much colour is made in one piece, unless the options say otherwise.
-  bool isSmall(uint32_t height, uint32_t width) const;
   /// The steps over the high-resolution image.
   Sweep sweep(uint32_t height, uint32_t width) const;
   /// Rows between two stages of a sweep at high resolution: enough for a convolution at any of its resolutions, and
@@ -52,6 +50,9 @@ class Layers {
   Graph& graph;
 
  private:
+  // Whether a frame with so much colour is made in one piece, unless the options say otherwise.
+  bool isSmall(uint32_t height, uint32_t width) const;
+  uint64_t bandRows(const TensorView& image, uint32_t tensors) const;
   DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
   TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
   std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
