@@ -95,7 +95,7 @@ TEST(TileRunner, ASmallerHaloIsNotExact) {
     ASSERT_TRUE(frame.run(runner, {2, 1, halo - config.window}, config));
     inexact += frame.output != whole;
   }
-  EXPECT_GE(inexact, 2);
+  EXPECT_GE(inexact, test::gpu().traits().knowsUniforms ? 2 : 3);
 }
 
 TEST(TileRunner, AWrappedFrameHasNoBeginning) {
