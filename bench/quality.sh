@@ -5,9 +5,10 @@
 #
 # A table a setting (x4_64_aux16.md: scale 4, colour at 64 spp, albedo and normal at 16), and two that gather the means:
 # auxiliary.md (scale 4 with albedo and normal of growing quality) and equal.md (equal average samples, Open Image
-# Denoise included). XRDS is the program (default build/release/cli/xrds). PEERS is a Python with
-# bench/oidn-requirements.txt (default python3); without it OIDN is left out. A model that is not there, a setting
-# without renders and OIDN, if it cannot run, are named and left out.
+# Denoise included); beside each table its LPIPS (x4_64_aux16.lpips.md). XRDS is the program (default
+# build/release/cli/xrds). PEERS is a Python with bench/oidn-requirements.txt and bench/lpips-requirements.txt (default
+# python3). A model that is not there, a setting without renders, and OIDN and LPIPS, if they cannot run, are named and
+# left out.
 set -euo pipefail
 [ $# -eq 2 ] || { sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 val=$1 out=$2
@@ -38,11 +39,16 @@ table() {
   fragment=$out/x$1_$2_aux$3
   [ "$fragment.md" -nt "$out/started" ] && return  # by an earlier setting of this run
   echo "scale $1, colour $2 spp, aux $3" >&2
+  rm -rf "$out/images"
   # shellcheck disable=SC2046 # the options are words
   "$xrds" bench quality "$val" --scale "$1" --colour "$2" --aux "$3" $(model_options "$1") "${@:4}" \
-    --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" && return
-  echo "left out: $(grep -v warning "$fragment.log" | tail -1)" >&2
-  return 1
+    --write "$out/images" --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" || {
+    echo "left out: $(grep -v warning "$fragment.log" | tail -1)" >&2
+    return 1
+  }
+  "$peers" "$here/lpips.py" "$val" "$out/images" > "$fragment.lpips.md" 2> "$fragment.log" ||
+    echo "left out: LPIPS, $(tail -1 "$fragment.log")" >&2
+  rm -r "$out/images"  # hundreds of MB
 }
 
 # gather FILE SETTING: appends the means of the last table, all but those of the methods that ignore the auxiliary images.
