@@ -11,11 +11,10 @@
 namespace xrds {
 
 // llvmpipe takes bits 8 to 15 of a texel buffer's size for a mip level, in bytes (Mesa 22.3) or in texels (26.2), and
-// compiles a program anew when they turn from zero to something else or change: with every other frame size. So on CPU
-// devices all that are bound have kVariantTexels and a multiple of kVariantStep texels, of which the last lie in the
-// bytes that every buffer has to spare.
-inline constexpr uint64_t kVariantTexels = 256, kVariantStep = 65536,
-                          kSpareBytes = 16 * (kVariantTexels + kVariantStep);
+// compiles a program anew when they turn from zero to something else or change, 26.2 also beyond 65536 texels: with
+// every other frame size. So on CPU devices all that are bound have kVariantTexels and a multiple of kVariantStep
+// texels, of which the last lie in the bytes that every buffer has to spare.
+inline constexpr uint64_t kVariantStep = 65536, kVariantTexels = kVariantStep + 256, kSpareBytes = 16 * kVariantTexels;
 
 /// What decides a compiled pipeline. Two dispatches with the same key share it.
 struct PipelineKey {
