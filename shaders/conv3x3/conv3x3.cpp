@@ -56,13 +56,6 @@ LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
   return {largestDivisor(outputs, step, 32), 3};
 }
 
-// Subgroups of a workgroup for that many along a row: the most that leave at most a sixteenth of them idle.
-uint32_t subgroupsOf(uint32_t columns) {
-  uint32_t subgroups = kMaxSubgroups;
-  while ((ceilDivide(columns, subgroups) * subgroups - columns) * 16 > columns) --subgroups;
-  return subgroups;
-}
-
 // A workgroup of the tile kernel: columns * rows * strips invocations, each four outputs of a strip of pixels.
 struct TileShape {
   uint32_t columns = 0, rows = 0, strips = 0;  // 0: the device takes the plain kernel
@@ -189,11 +182,12 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                   .multiplyAdds = uint64_t{rowCount} * shape.width * 9 * op.inputChannels * op.outputChannels};
   if (const auto [tile, maxRows] = laneTile(op, device); tile) {
     const uint32_t tileRows = evenShare(rowCount, maxRows), columns = ceilDivide(shape.width, 2 * device.subgroupSize);
-    const uint32_t subgroups = subgroupsOf(columns);
+    // None may be left over: it would repeat the last pixels, and add the residual twice where that is the output.
+    const uint32_t subgroups = subgroupShare(columns, kMaxSubgroups);
     launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
     launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, subgroups};
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
-    launch.groupCount = {kernelOutputs(op) / tile, ceilDivide(columns, subgroups), rowCount / tileRows};
+    launch.groupCount = {kernelOutputs(op) / tile, columns / subgroups, rowCount / tileRows};
   } else if (const MatrixShape tile = matrixShapeOf(op, device); tile.subgroups) {
     launch.program = matrixProgramName("conv3x3", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(tile, device.matrixSize, activation, hasResidual);

@@ -44,7 +44,7 @@ constexpr Case kCases[] = {
     {5, 70, 16, 16, Layout::straight, Activation::relu, true},
     {10, 64, 12, 28, Layout::straight, Activation::none, false, false, 4, 24, 4, 36, {3, 8}},
     {6, 36, 16, 48, Layout::unshuffled, Activation::gelu},
-    {2, 1180, 4, 8},
+    {2, 1180, 4, 8, Layout::straight, Activation::none, true, true},
     {7, 34, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}},
 };
 
