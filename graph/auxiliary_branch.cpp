@@ -64,16 +64,19 @@ class AuxiliaryBranch {
     const uint32_t ca = layers_.config.auxChannels;
     if (const RowRange inner = rows(step, 2 * i - 1); i > 0 && inner.begin < inner.end)
       layers_.conv(blockName(i) + "conv1", features(i - 1), ca, ca,
-                   {.into = advance(inner_[i], step, 2 * i - 1, 1), .activation = Activation::relu, .rows = inner});
+                   {.into = advance(inner_[i], step, 2 * i - 1, 1),
+                    .activation = Activation::relu,
+                    .rows = inner,
+                    .inFours = true});
     const RowRange made = rows(step, 2 * i);
     if (made.begin == made.end) return;
     const bool whole = i == layers_.config.groups && result_.h.exists();
     const TensorView into = whole ? result_.h : advance(features_[i], step, 2 * i, 1);
     if (i == 0)
-      layers_.conv("aux_conv", aux_, layers_.config.auxWidth(), ca, {.into = into, .rows = made});
+      layers_.conv("aux_conv", aux_, layers_.config.auxWidth(), ca, {.into = into, .rows = made, .inFours = true});
     else
       layers_.conv(blockName(i) + "conv2", inner_[i].view(), ca, ca,
-                   {.into = into, .residual = features(i - 1), .rows = made});
+                   {.into = into, .residual = features(i - 1), .rows = made, .inFours = true});
   }
 
   // D_i = deshuffle_i(H_i): n steps of pixel-unshuffle and convolution, the last one to C channels.
@@ -91,7 +94,8 @@ class AuxiliaryBranch {
                      {.into = into,
                       .activation = last ? Activation::none : Activation::relu,
                       .unshuffle = unshuffle,
-                      .rows = made});
+                      .rows = made,
+                      .inFours = true});
       }
       if (!last) x = rolling->view();
     }

@@ -7,6 +7,7 @@ namespace xrds {
 namespace {
 
 constexpr uint32_t kConv = 1;       // pixels to each side that a 3x3 convolution reads
+constexpr uint32_t kFour = 4;       // pixels of a row that are rounded together (Conv3x3::inFours)
 constexpr uint32_t kBaseReads = 2;  // low-resolution pixels to each side that the base images read
 
 uint32_t ceilTo(uint32_t value, uint32_t multiple) { return (value + multiple - 1) / multiple * multiple; }
@@ -22,7 +23,7 @@ class Reach {
     if (config_.groups > 0) {
       network = upscaled(lowResolution(deshuffled()));
       if (config_.auxSkip) network = std::max(network, auxFeatures(config_.groups));
-      if (config_.outputSide == 3) network += kConv;
+      if (config_.outputSide == 3) network = convInFours(network);
     }
     if (config_.auxKernels > 0) {
       const uint32_t filtered = std::max(network, config_.auxKernels / 2);
@@ -34,16 +35,24 @@ class Reach {
   }
 
  private:
+  uint32_t convInFours(uint32_t reach) const {
+    return config_.window % kFour == 0 ? ceilTo(reach + kConv, kFour) : reach + kConv;
+  }
+
   // H_i: one convolution, then two in each block.
-  static uint32_t auxFeatures(uint32_t i) { return kConv + 2 * i * kConv; }
+  uint32_t auxFeatures(uint32_t i) const {
+    uint32_t reach = 0;
+    for (uint32_t conv = 0; conv < 1 + 2 * i; ++conv) reach = convInFours(reach);
+    return reach;
+  }
 
   // D_i, at low resolution.
   std::vector<uint32_t> deshuffled() const {
     std::vector<uint32_t> d;
     for (uint32_t i = 0; i <= config_.groups && !config_.auxInputs.empty(); ++i) {
       uint32_t reach = auxFeatures(i);
-      for (uint32_t step = 0; step < config_.steps(); ++step) reach = ceilTo(reach, 2) / 2 + kConv;
-      d.push_back(config_.steps() == 0 ? reach + kConv : reach);
+      for (uint32_t step = 0; step < config_.steps(); ++step) reach = convInFours(ceilTo(reach, 2) / 2);
+      d.push_back(config_.steps() == 0 ? convInFours(reach) : reach);
     }
     return d;
   }
@@ -76,7 +85,7 @@ class Reach {
   // up_pre and the doublings, at high resolution.
   uint32_t upscaled(uint32_t reach) const {
     reach += kConv;
-    for (uint32_t step = 0; step < config_.steps(); ++step) reach = 2 * (reach + kConv);
+    for (uint32_t step = 0; step < config_.steps(); ++step) reach = 2 * convInFours(reach);
     return reach;
   }
 

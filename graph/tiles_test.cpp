@@ -64,15 +64,22 @@ TEST(CutFrame, RefusesAHaloOfPartsOfWindows) { EXPECT_THROW(cutFrame({64, 64}, 8
 // Counted by hand along the forward pass, in the notes behind each.
 TEST(ExactHalo, FollowsTheForwardPass) {
   const NetworkConfig nano{.channels = 16, .auxChannels = 8, .groups = 1, .blocks = 1, .headChannels = 16};
-  // lr_conv 1, conv 2, XM 8, STL 8, shifted 12, 16, conv 17, conv 18, fuse, body, up_pre 21; (2 (2 (21 + 1) + 1)) + 1
-  // pixels of the output: 91, 22.75 of the colour
-  EXPECT_EQ(exactHalo(nano), 24u);
+  // lr_conv 1, conv 2, XM 8, STL 8, shifted 12, 16, conv 17, conv 18, fuse, body, up_pre 21; from there on by fours:
+  // up.0 24, up.1 2 * 24 + 4, out 2 * 52 + 4 = 108 pixels of the output, 27 of the colour
+  EXPECT_EQ(exactHalo(nano), 32u);
   // lr_conv 1; group 1: 2, 8, 8, 12, 16, 17, 18; 2: 19, 24, 24, 28, 32, 33, 34; 3: 35, 40, 40, 44, 48, 49, 50; 53 in
-  // front of the doublings, 219 output pixels, 55; the base reads two more: 57
+  // front of the doublings, 56, 116, 236 output pixels, 59; the base reads two more: 61
   EXPECT_EQ(exactHalo({.channels = 32, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5}), 64u);
-  // No window: lr_conv 1, 2, three convolutions 5, 6; 9 in front of the doubling, 21 output pixels
+  // No window. aux_conv 4, deshuffle.0 4, the group's aux_conv 5, three convolutions 8, 9; 12 in front of the doubling,
+  // 16, 36 output pixels, 18
   EXPECT_EQ(exactHalo({.scale = 2, .groups = 1, .blocks = 1, .block = BlockKind::rdb, .cross = CrossKind::concat}),
-            16u);
+            24u);
+  // Windows that do not begin at multiples of four pixels, so no fours: aux_conv 1, deshuffle.0 2, 3, three
+  // convolutions 6, 7; 10 in front of the doubling, 22, 23 output pixels, 12
+  EXPECT_EQ(
+      exactHalo(
+          {.scale = 2, .groups = 1, .blocks = 1, .window = 6, .block = BlockKind::rdb, .cross = CrossKind::concat}),
+      12u);
   // No network: the base image reads two pixels
   EXPECT_EQ(exactHalo({.groups = 0}), 8u);
   EXPECT_EQ(boundedHalo({.groups = 0}), 8u);

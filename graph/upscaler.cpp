@@ -66,7 +66,7 @@ class Upscaler {
       layers_.conv("up_pre", u_, c, c, {.into = into, .activation = Activation::leakyRelu, .rows = made});
     else
       layers_.conv("up." + std::to_string(j - 1), doublings_[j - 1].view(), c, 4 * c,
-                   {.into = into, .shuffle = true, .rows = {made.begin / 2, made.end / 2}});
+                   {.into = into, .shuffle = true, .rows = {made.begin / 2, made.end / 2}, .inFours = true});
     if (j == config_.steps() && h_.exists()) copyRows(graph_, "aux_skip", h_, slice(all, c, h_.channels), made);
   }
 
@@ -80,7 +80,8 @@ class Upscaler {
     if (config_.outputSide == 1)
       layers_.conv1x1("out", upscaled, config_.outputWidth(), out, {}, made);
     else
-      layers_.conv("out", upscaled, upscaled.channels, config_.outputWidth(), {.into = out, .rows = made});
+      layers_.conv("out", upscaled, upscaled.channels, config_.outputWidth(),
+                   {.into = out, .rows = made, .inFours = true});
     const RowRange filtered = real(made);
     if (config_.auxKernels == 0 || filtered.begin == filtered.end) return;
     encoded_.aux = filtered_.advance(graph_, filtered, std::min(keep, filtered.begin));

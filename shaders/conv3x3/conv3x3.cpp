@@ -38,6 +38,7 @@ constexpr uint32_t kMaxSubgroups = 4;  // of a workgroup, side by side
 struct LaneTile {
   uint32_t outputs = 0;  // 0: the device takes the plain kernel
   uint32_t maxRows = 0;  // of a lane
+  uint32_t pixels = 0;   // of a row: Winograd's F(pixels, 3)
 };
 
 // The largest multiple of `step` that divides `channels` and is at most `limit`.
@@ -47,13 +48,17 @@ uint32_t largestDivisor(uint32_t channels, uint32_t step, uint32_t limit) {
   return divisor;
 }
 
+// fp16 weights are too coarse for F(4, 3): its transform adds two thirds to their rounding, that of F(2, 3) a third.
 LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
   const uint32_t outputs = kernelOutputs(op), step = outputShape(op).channels % 8 ? 4 : 8;
-  if (device.family != KernelFamily::lane || !device.shaderInt64 || (op.shuffleOutput && step == 4) ||
-      convolutionShape(op).width % 2 != 0 || device.subgroupSize * kMaxSubgroups > device.maxGroupInvocations)
+  const uint32_t width = convolutionShape(op).width;
+  if (device.family != KernelFamily::lane || !device.shaderInt64 || (op.shuffleOutput && step == 4) || width % 2 != 0 ||
+      device.subgroupSize * kMaxSubgroups > device.maxGroupInvocations)
     return {};
-  if (const uint32_t tile = largestDivisor(outputs, step, 16); tile >= 8 || outputs < 8) return {tile, 4};
-  return {largestDivisor(outputs, step, 32), 3};
+  uint32_t tile = largestDivisor(outputs, step, 16), rows = 4;
+  if (tile < 8 && outputs >= 8) tile = largestDivisor(outputs, step, 32), rows = 3;
+  if (op.inFours && width % 4 == 0 && op.weightType == DataType::f32) return {tile, 2, 4};
+  return {tile, rows, 2};
 }
 
 // A workgroup of the tile kernel: columns * rows * strips invocations, each four outputs of a strip of pixels.
@@ -86,11 +91,15 @@ class KernelWeights {
     const uint32_t i = weightChannel(input, op_.input.channels, op_.unshuffleInput, op_.inputChannels);
     return o < op_.outputChannels && i < op_.inputChannels ? static_cast<float>(weightAt(op_, o, i, tap)) : 0;
   }
-  // Element 0..3 of Winograd's F(2, 3) in place of the three weights of a row.
-  float transformedAt(uint32_t output, uint32_t input, uint32_t ky, uint32_t element) const {
-    const double a = at(output, input, ky * 3), b = at(output, input, ky * 3 + 1), c = at(output, input, ky * 3 + 2);
-    if (element == 0) return static_cast<float>(a);
-    return static_cast<float>(element == 3 ? c : (element == 1 ? a + b + c : a - b + c) / 2);
+  // Element 0 .. pixels + 1 of Winograd's F(pixels, 3) in place of the three weights of a row.
+  float transformedAt(uint32_t output, uint32_t input, uint32_t ky, uint32_t element, uint32_t pixels) const {
+    const double w[] = {at(output, input, ky * 3), at(output, input, ky * 3 + 1), at(output, input, ky * 3 + 2)};
+    if (element == 0) return static_cast<float>(w[0]);
+    if (element == pixels + 1) return static_cast<float>(w[2]);
+    const double sign = element % 2 ? 1 : -1;
+    if (pixels == 2) return static_cast<float>((w[0] + sign * w[1] + w[2]) / 2);
+    const double point = element <= 2 ? shader::kWinogradPoint : 1 / shader::kWinogradPoint, square = point * point;
+    return static_cast<float>((w[0] + sign * point * w[1] + square * w[2]) / (2 * (square * square - 1)));
   }
   float bias(uint32_t output) const {
     const uint32_t o = outputOf(output);
@@ -116,19 +125,22 @@ std::vector<float> packedForPlain(const Conv3x3& op) {
   return packed;
 }
 
-std::vector<float> packedForLanes(const Conv3x3& op, uint32_t tile, uint32_t lanes) {
+std::vector<float> packedForLanes(const Conv3x3& op, LaneTile tile, uint32_t lanes) {
   const KernelWeights weights(op);
+  const uint32_t taps = 3 * (tile.pixels + 2);  // [element][ky]
   const uint32_t inputs = kernelInputs(op), outputs = kernelOutputs(op);
-  const size_t stepPadding = size_t{ceilDivide(12 * tile, lanes)} * lanes * 4 - size_t{12 * 4 * tile};
+  const size_t stepPadding = 4 * (alignUp(taps * tile.outputs, lanes) - taps * tile.outputs);
   std::vector<float> packed;
-  for (uint32_t first = 0; first < outputs; first += tile) {
+  for (uint32_t first = 0; first < outputs; first += tile.outputs) {
+    const uint32_t end = first + tile.outputs;
     for (uint32_t k = 0; k < inputs; k += 4) {
-      for (uint32_t i = 0; i < 12; ++i)  // [element][ky]
+      for (uint32_t i = 0; i < taps; ++i)
         for (uint32_t c = k; c < k + 4; ++c)
-          for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weights.transformedAt(n, c, i % 3, i / 3));
+          for (uint32_t n = first; n < end; ++n)
+            packed.push_back(weights.transformedAt(n, c, i % 3, i / 3, tile.pixels));
       packed.resize(packed.size() + stepPadding);
     }
-    for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weights.bias(n));
+    for (uint32_t n = first; n < end; ++n) packed.push_back(weights.bias(n));
   }
   return packed;
 }
@@ -180,14 +192,15 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                                writeRows(op.output, {rows.begin * f, rows.end * f})},
                   .pushConstants = pushBytes(paramsOf(op, rows, residual)),
                   .multiplyAdds = uint64_t{rowCount} * shape.width * 9 * op.inputChannels * op.outputChannels};
-  if (const auto [tile, maxRows] = laneTile(op, device); tile) {
-    const uint32_t tileRows = evenShare(rowCount, maxRows), columns = ceilDivide(shape.width, 2 * device.subgroupSize);
+  if (const LaneTile tile = laneTile(op, device); tile.outputs) {
+    const uint32_t tileRows = evenShare(rowCount, tile.maxRows);
+    const uint32_t columns = ceilDivide(shape.width, tile.pixels * device.subgroupSize);
     // None may be left over: it would repeat the last pixels, and add the residual twice where that is the output.
     const uint32_t subgroups = subgroupShare(columns, kMaxSubgroups);
-    launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, tileRows, tile, activation, hasResidual, subgroups};
+    launch.program = programName(tile.pixels == 4 ? "conv3x3_wide" : "conv3x3", KernelFamily::lane, op.output.type);
+    launch.specialization = {device.subgroupSize, tileRows, tile.outputs, activation, hasResidual, subgroups};
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
-    launch.groupCount = {kernelOutputs(op) / tile, columns / subgroups, rowCount / tileRows};
+    launch.groupCount = {kernelOutputs(op) / tile.outputs, columns / subgroups, rowCount / tileRows};
   } else if (const MatrixShape tile = matrixShapeOf(op, device); tile.subgroups) {
     launch.program = matrixProgramName("conv3x3", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(tile, device.matrixSize, activation, hasResidual);
@@ -210,8 +223,8 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
 }
 
 std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device) {
-  const uint32_t tile = laneTile(op, device).outputs;
-  return tile ? packedForLanes(op, tile, device.subgroupSize) : packedForPlain(op);
+  const LaneTile tile = laneTile(op, device);
+  return tile.outputs ? packedForLanes(op, tile, device.subgroupSize) : packedForPlain(op);
 }
 
 void reference(const Conv3x3& op, HostMemory& memory) {

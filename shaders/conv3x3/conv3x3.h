@@ -14,6 +14,7 @@ struct Conv3x3Params {
 };
 const uint kConv3x3Pixels = 4;      // pixels of an invocation of the plain kernel, side by side
 const uint kConv3x3TilePixels = 8;  // and of the tile kernel
+const float kWinogradPoint = 1.5;   // of F(4, 3), beside its inverse, the negatives of both, zero and infinity
 XRDS_SHARED_END
 
 #ifdef __cplusplus
@@ -28,8 +29,10 @@ struct Conv3x3 {
   std::span<const float> weight, bias;             // OIHW [outputChannels][inputChannels][3][3], [outputChannels]
   uint32_t inputChannels = 0, outputChannels = 0;  // of the weight
   Activation activation = Activation::none;
-  bool unshuffleInput = false;          // convolves pixel_unshuffle(input, 2): input [2h, 2w, inputChannels / 4]
-  bool shuffleOutput = false;           // stores pixel_shuffle(result, 2): output [2h, 2w, outputChannels / 4]
+  bool unshuffleInput = false;  // convolves pixel_unshuffle(input, 2): input [2h, 2w, inputChannels / 4]
+  bool shuffleOutput = false;   // stores pixel_shuffle(result, 2): output [2h, 2w, outputChannels / 4]
+  // Rounding may depend on the aligned four pixels of a row that a result is of, and on what these read.
+  bool inFours = false;
   DataType weightType = DataType::f32;  // storage of the packed weights
   RowRange rows{};                      // of the convolution, before a shuffle
 };

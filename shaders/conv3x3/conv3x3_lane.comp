@@ -1,7 +1,7 @@
 // y = activation(x * w + b) + residual as in conv3x3.comp, for CPU devices.
-// A lane computes kRows rows of two pixels (lanes behind the last pair repeat it) by Winograd's F(2, 3) along x: four products where the sum over three taps
-// takes six. kTile outputs a workgroup (gl_WorkGroupID.x). The loop runs over channel quads of the input. Weights of a
-// step, [4][3 ky][4][kTile] after the transform, are spread over the lanes and handed to all of them by a shuffle with a
+// A lane computes kRows rows of kPixels pixels (lanes behind the last repeat it) by Winograd's F(kPixels, 3) along x.
+// kTile outputs a workgroup (gl_WorkGroupID.x). The loop runs over channel quads of the input. Weights of a step,
+// [kElements][3 ky][4][kTile] after the transform, are spread over the lanes and handed to all of them by a shuffle with a
 // constant lane; padded to whole subgroups; bias[kTile] last. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -16,8 +16,9 @@ layout(constant_id = 1) const uint kRows = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
+#include "shaders/conv3x3/winograd.glsl"
 const uint kTileQuads = kTile / 4;
-const uint kRegisters = (12 * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
+const uint kRegisters = (3 * kElements * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
 #define WEIGHT(texel) handedOut(w[(texel) / kLanes], (texel) % kLanes)
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
@@ -31,58 +32,55 @@ vec4 finished(vec4 sum, uint pixel, uint quad) {
 
 void main() {
   const uint columnOfLanes = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
-  const uint column = min(2 * (columnOfLanes * kLanes + gl_LocalInvocationID.x), p.width - 2);
+  const uint column = min(kPixels * (columnOfLanes * kLanes + gl_LocalInvocationID.x), p.width - kPixels);
   const uint row = p.rowBegin + gl_WorkGroupID.z * kRows;
   const uint steps = p.inputChannels / 4 * p.unshuffle * p.unshuffle;
   const uint firstWeight = gl_WorkGroupID.x * (steps * kRegisters * kLanes + kTileQuads);
 
-  int rowTexel[kRows + 2], columnTexel[4];
-  bool hasRow[kRows + 2], hasColumn[4];
+  int rowTexel[kRows + 2], columnTexel[kElements];
+  bool hasRow[kRows + 2], hasColumn[kElements];
   [[unroll]] for (uint i = 0; i < kRows + 2; i++) {
     const int y = int(row + i) - 1, inside = clamp(y, 0, int(p.height) - 1);
     hasRow[i] = y == inside;
     rowTexel[i] = int(inside * p.unshuffle * p.width * p.unshuffle * p.source.stride + p.source.offset);
   }
-  [[unroll]] for (uint i = 0; i < 4; i++) {
+  [[unroll]] for (uint i = 0; i < kElements; i++) {
     const int x = int(column + i) - 1, inside = clamp(x, 0, int(p.width) - 1);
     hasColumn[i] = x == inside;
     columnTexel[i] = int(inside * p.unshuffle * p.source.stride);
   }
 
-  // The pixels are products 0 + 1 + 2 and 1 - 2 - 3: a bias in product 1 reaches both.
-  vec4 product[kRows][4][kTileQuads];
-  [[unroll]] for (uint n = 0; n < kTileQuads; n++) {
-    const vec4 bias = texelFetch(weights, int(firstWeight + steps * kRegisters * kLanes + n));
-    [[unroll]] for (uint i = 0; i < kRows; i++)
-      [[unroll]] for (uint e = 0; e < 4; e++) product[i][e][n] = e == 1 ? bias : vec4(0);
-  }
+  vec4 product[kRows][kTileQuads][kElements];
+  [[unroll]] for (uint i = 0; i < kRows; i++)
+    [[unroll]] for (uint n = 0; n < kTileQuads; n++)
+      [[unroll]] for (uint e = 0; e < kElements; e++) product[i][n][e] = vec4(0);
   uint inputQuad = 0, inputPart = 0;
   [[dont_unroll]] for (uint step = 0; step < steps; step++) {
     vec4 w[kRegisters];
     [[unroll]] for (uint j = 0; j < kRegisters; j++)
       w[j] = texelFetch(weights, int(firstWeight + (step * kRegisters + j) * kLanes + gl_LocalInvocationID.x));
     const int shift = int((inputPart / 2 * p.width * p.unshuffle + inputPart % 2) * p.source.stride + inputQuad);
-    vec4 x[kRows + 2][4];
+    vec4 x[kRows + 2][kElements];
     [[unroll]] for (uint i = 0; i < kRows + 2; i++) {
-      vec4 d[4];
-      [[unroll]] for (uint j = 0; j < 4; j++) {
+      vec4 d[kElements];
+      [[unroll]] for (uint j = 0; j < kElements; j++) {
         const vec4 v = texelFetch(source, rowTexel[i] + columnTexel[j] + shift);
         d[j] = hasRow[i] && hasColumn[j] ? v : vec4(0);
       }
-      x[i] = vec4[](d[0] - d[2], d[1] + d[2], d[2] - d[1], d[1] - d[3]);
+      x[i] = transformed(d);
     }
     [[unroll]] for (uint n = 0; n < kTileQuads; n++)
-      [[unroll]] for (uint e = 0; e < 4; e++)
+      [[unroll]] for (uint e = 0; e < kElements; e++)
         [[unroll]] for (uint ky = 0; ky < 3; ky++) {
           const uint texel = (e * 3 + ky) * 4 * kTileQuads + n;
           const vec4 w0 = WEIGHT(texel), w1 = WEIGHT(texel + kTileQuads);
           const vec4 w2 = WEIGHT(texel + 2 * kTileQuads), w3 = WEIGHT(texel + 3 * kTileQuads);
           [[unroll]] for (uint i = 0; i < kRows; i++) {
             const vec4 v = x[i + ky][e];
-            product[i][e][n] = plusProduct(product[i][e][n], v.x, w0);
-            product[i][e][n] = plusProduct(product[i][e][n], v.y, w1);
-            product[i][e][n] = plusProduct(product[i][e][n], v.z, w2);
-            product[i][e][n] = plusProduct(product[i][e][n], v.w, w3);
+            product[i][n][e] = plusProduct(product[i][n][e], v.x, w0);
+            product[i][n][e] = plusProduct(product[i][n][e], v.y, w1);
+            product[i][n][e] = plusProduct(product[i][n][e], v.z, w2);
+            product[i][n][e] = plusProduct(product[i][n][e], v.w, w3);
           }
         }
     inputQuad++;
@@ -92,17 +90,19 @@ void main() {
     }
   }
 
+  vec4 bias[kTileQuads];
+  [[unroll]] for (uint n = 0; n < kTileQuads; n++)
+    bias[n] = texelFetch(weights, int(firstWeight + steps * kRegisters * kLanes + n));
   const uint targetQuads = p.outputChannels / 4, firstQuad = uniformOf(gl_WorkGroupID.x, 2) * kTileQuads;
-  const uvec2 corner = uvec2(2 * kLanes * uniformOf(columnOfLanes, 4), p.rowBegin + uniformOf(gl_WorkGroupID.z, 4) * kRows);
+  const uvec2 corner = uvec2(kPixels * kLanes * uniformOf(columnOfLanes, 4), p.rowBegin + uniformOf(gl_WorkGroupID.z, 4) * kRows);
   const uint targetStart = p.target.offset - p.storeOrigin;
   uint laneOffset[kLanes];  // of a lane's first pixel in the target
   [[unroll]] for (uint l = 0; l < kLanes; l++)
-    laneOffset[l] = (min(corner.x + 2 * l, p.width - 2) - corner.x) * p.shuffle * p.target.stride;
+    laneOffset[l] = (min(corner.x + kPixels * l, p.width - kPixels) - corner.x) * p.shuffle * p.target.stride;
   [[unroll]] for (uint i = 0; i < kRows; i++)
-    [[unroll]] for (uint h = 0; h < 2; h++)
+    [[unroll]] for (uint h = 0; h < kPixels; h++)
       [[unroll]] for (uint n = 0; n < kTileQuads; n++) {
-        const vec4 sum = h == 0 ? product[i][0][n] + product[i][1][n] + product[i][2][n]
-                                : product[i][1][n] - product[i][2][n] - product[i][3][n];
+        const vec4 sum = resultOf(product[i][n], h) + bias[n];
         // Of a shuffled output, the pixel of four that the channels belong to; a division would be done lane by lane.
         const uint part = uint(firstQuad + n >= targetQuads) + uint(firstQuad + n >= 2 * targetQuads) +
                           uint(firstQuad + n >= 3 * targetQuads);

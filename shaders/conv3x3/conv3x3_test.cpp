@@ -19,7 +19,13 @@ struct Case {
   bool residual = false, inPlace = false;
   uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
   RowRange rows{};
+  bool inFours = false;
 };
+
+constexpr Case inFours(Case c) {
+  c.inFours = true;
+  return c;
+}
 
 // Odd ones first: one pixel, channels of padding, slices, rows that start inside an aligned block, then the layouts and
 // widths of the network.
@@ -46,6 +52,13 @@ constexpr Case kCases[] = {
     {6, 36, 16, 48, Layout::unshuffled, Activation::gelu},
     {2, 1180, 4, 8, Layout::straight, Activation::none, true, true},
     {7, 34, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}},
+    // By fours: one of them, groups that end within a subgroup and behind it, none left over, the layouts.
+    inFours({3, 4, 8, 8}),
+    inFours({5, 140, 16, 16, Layout::straight, Activation::relu, true}),
+    inFours({10, 64, 12, 28, Layout::straight, Activation::none, false, false, 4, 24, 4, 36, {3, 8}}),
+    inFours({2, 1180, 4, 8, Layout::straight, Activation::none, true, true}),
+    inFours({6, 36, 16, 48, Layout::unshuffled, Activation::gelu}),
+    inFours({7, 36, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}}),
 };
 
 std::vector<float> halves(std::vector<float> numbers) {
@@ -69,6 +82,7 @@ Conv3x3 operatorOf(const Case& c, DataType stored, std::span<const float> weight
       .activation = c.activation,
       .unshuffleInput = unshuffled,
       .shuffleOutput = shuffled,
+      .inFours = c.inFours,
       .rows = c.rows};
   if (c.residual) op.residual = op.output;
   if (c.residual && !c.inPlace) op.residual = view(2, stored, op.output.height, op.output.width, op.output.channels);
@@ -78,11 +92,11 @@ Conv3x3 operatorOf(const Case& c, DataType stored, std::span<const float> weight
 class Conv3x3Cases : public testing::TestWithParam<std::tuple<Case, KernelFamily, DataType>> {};
 
 TEST_P(Conv3x3Cases, MatchesReference) {
-  const auto& [c, family, stored] = GetParam();  // weights are stored as the tensors are
+  const auto& [c, family, stored] = GetParam();  // weights are stored as the tensors are, but for kernels by fours
   const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs * 9, 1));
   const auto bias = halves(test::randomNumbers(c.outputs, 2));
   Conv3x3 op = operatorOf(c, stored, weight, bias);
-  op.weightType = stored;
+  op.weightType = c.inFours && family == KernelFamily::lane ? DataType::f32 : stored;
   const DeviceTraits traits = test::traitsOf(family);
   if (c.layout == Layout::shuffled) {  // the harness takes rows of the output
     test::KernelCase kernel{.dispatch = dispatch(op, traits),
@@ -133,6 +147,21 @@ TEST(Conv3x3, WritesBesideWhatItReads) {
       const DeviceTraits traits = test::traitsOf(family);
       test::expectMatchesReference(op, traits, test::toleranceOf(stored));
     }
+}
+
+TEST(Conv3x3, ComputesByFoursWhereItMayWithFullWeights) {
+  const std::vector<float> weight(8 * 8 * 9), bias(8);
+  const auto programOf = [&](uint32_t width, bool inFours, DataType weights) {
+    Conv3x3 op = operatorOf({4, width, 8, 8}, DataType::f32, weight, bias);
+    op.inFours = inFours;
+    op.weightType = weights;
+    return dispatch(op, test::traitsOf(KernelFamily::lane)).program;
+  };
+  for (const uint32_t width : {4u, 36u, 1024u})
+    EXPECT_EQ(programOf(width, true, DataType::f32), "conv3x3_wide_lane_f32");
+  EXPECT_EQ(programOf(38, true, DataType::f32), "conv3x3_lane_f32");
+  EXPECT_EQ(programOf(36, false, DataType::f32), "conv3x3_lane_f32");
+  EXPECT_EQ(programOf(36, true, DataType::f16), "conv3x3_lane_f32");
 }
 
 TEST(Conv3x3, TakesTheTilesThatFitTheDevice) {
