@@ -36,7 +36,8 @@ struct Bench {
 NetworkConfig configOf(const std::string& network) {
   if (network == "paper") return {};
   if (network == "bicubic") return {.auxInputs = {}, .groups = 0, .base = BaseImage::bicubic};
-  return {.channels = 32, .auxChannels = 16, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5};
+  return {
+      .channels = 32, .auxChannels = 16, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5, .outputSide = 1};
 }
 
 ModelWeights modelOf(const std::string& network) {

@@ -30,7 +30,7 @@ import numpy
 CONFIGS = {
     "paper": dict(channels=64, aux_channels=32, groups=3, blocks=5, head_channels=32),
     "compact": dict(channels=32, aux_channels=16, groups=3, blocks=1, head_channels=32, kernels=5, aux_skip=True,
-                    aux_kernels=5),
+                    aux_kernels=5, output_side=1),
     "small": dict(channels=32, aux_channels=16, groups=1, blocks=1, head_channels=32, kernels=5, aux_skip=True,
                   aux_kernels=5, output_side=1),
     "nano": dict(channels=16, aux_channels=8, groups=1, blocks=1, head_channels=16, aux_skip=True),

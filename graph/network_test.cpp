@@ -62,7 +62,7 @@ MemoryNeeds needsOf(const NetworkConfig& config, FrameShape frame, const GraphOp
 
 // As the model xrds-x4-compact.
 const NetworkConfig kCompact{
-    .channels = 32, .auxChannels = 16, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5};
+    .channels = 32, .auxChannels = 16, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5, .outputSide = 1};
 
 TEST(Network, PlanIsSmallAndTight) {
   const auto expectPlan = [](const NetworkConfig& config, Precision precision, uint64_t most) {

@@ -187,3 +187,9 @@ def test_weights_start_from_another_scale(tmp_path):
     pointwise = Network(NetworkConfig(**{**SMALL.__dict__, "output_side": 1}))
     train.start_from(pointwise, path)
     assert torch.allclose(pointwise.out.weight[:, :, 0, 0], source.out.weight.sum((2, 3)), atol=2e-3)       # float16 in the file
+    back = Network(SMALL)
+    weights.save_model(path, pointwise)
+    train.start_from(back, path)
+    centre = back.out.weight[:, :, 1, 1].clone()
+    assert torch.allclose(centre, pointwise.out.weight[:, :, 0, 0], atol=2e-3)
+    assert back.out.weight.abs().sum() == centre.abs().sum()

@@ -147,8 +147,8 @@ def start_from(network, path):
         if parts[0] == "up" and int(parts[1]) >= other.steps:
             parts[1] = str(other.steps - 1)
         found = source.get(".".join(parts))
-        if name == "out.weight" and found is not None and found.shape[2] > tensor.shape[2]:     # 3 x 3 to 1 x 1
-            found = found.sum((2, 3), keepdim=True)
+        if name == "out.weight" and found is not None and found.shape[2] != tensor.shape[2]:    # 3 x 3 to 1 x 1, or back
+            found = found.sum((2, 3), keepdim=True) if tensor.shape[2] == 1 else torch.nn.functional.pad(found, (1, 1, 1, 1))
         if found is not None and found.shape == tensor.shape:
             tensor.copy_(found)
             taken += 1
