@@ -28,19 +28,20 @@ def colour(image):
 
 
 def auxiliaries(image, albedo_bits=5, normal_step=1 / 64):
-    """Noisy albedo (to `albedo_bits` of half's ten) and normal (on a grid) to store: half of their bytes."""
+    """Noisy albedo (to `albedo_bits` of half's ten), normal (on a grid) and depth to store: half of their bytes."""
     kept = {name: exr.rounded(image[name], albedo_bits) for name in passes.ALBEDO}
     kept.update((name, exr.on_grid(image[name], normal_step)) for name in passes.NORMAL)
+    kept.update((name, exr.rounded(image[name], albedo_bits)) for name in passes.DEPTH)
     return kept
 
 
 def noisy(image):
-    """A full-resolution render of few samples: its colour, albedo and normal."""
+    """A full-resolution render of few samples: its colour, albedo, normal and depth."""
     return {**passes.colour(image, 8), **auxiliaries(image)}
 
 
 def reference(image):
-    """Reference to store: colour to eight bits (0.2 %), albedo and normal finer than the noisy ones."""
+    """Reference to store: colour to eight bits (0.2 %), albedo, normal and depth finer than the noisy ones."""
     return {**passes.colour(image, 8), **auxiliaries(image, 7, 1 / 128)}
 
 
