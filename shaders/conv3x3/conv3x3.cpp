@@ -197,7 +197,8 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     const uint32_t columns = ceilDivide(shape.width, tile.pixels * device.subgroupSize);
     // None may be left over: it would repeat the last pixels, and add the residual twice where that is the output.
     const uint32_t subgroups = subgroupShare(columns, kMaxSubgroups);
-    launch.program = programName(tile.pixels == 4 ? "conv3x3_wide" : "conv3x3", KernelFamily::lane, op.output.type);
+    launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
+    if (tile.pixels == 4) launch.program.insert(launch.program.rfind('_'), "4");  // conv3x3_lane4_f32
     launch.specialization = {device.subgroupSize, tileRows, tile.outputs, activation, hasResidual, subgroups};
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     launch.groupCount = {kernelOutputs(op) / tile.outputs, columns / subgroups, rowCount / tileRows};
