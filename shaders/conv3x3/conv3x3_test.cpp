@@ -157,8 +157,7 @@ TEST(Conv3x3, ComputesByFoursWhereItMayWithFullWeights) {
     op.weightType = weights;
     return dispatch(op, test::traitsOf(KernelFamily::lane)).program;
   };
-  for (const uint32_t width : {4u, 36u, 1024u})
-    EXPECT_EQ(programOf(width, true, DataType::f32), "conv3x3_lane4_f32");
+  for (const uint32_t width : {4u, 36u, 1024u}) EXPECT_EQ(programOf(width, true, DataType::f32), "conv3x3_lane4_f32");
   EXPECT_EQ(programOf(38, true, DataType::f32), "conv3x3_lane_f32");
   EXPECT_EQ(programOf(36, false, DataType::f32), "conv3x3_lane_f32");
   EXPECT_EQ(programOf(36, true, DataType::f16), "conv3x3_lane_f32");
