@@ -46,9 +46,14 @@ table() {
     echo "left out: $(grep -v warning "$fragment.log" | tail -1)" >&2
     return 1
   }
-  "$peers" "$here/lpips.py" "$val" "$out/images" > "$fragment.lpips.md" 2> "$fragment.log" ||
-    echo "left out: LPIPS, $(tail -1 "$fragment.log")" >&2
+  lpips "$out/images" "$fragment"
   rm -r "$out/images"  # hundreds of MB
+}
+
+# lpips IMAGES FRAGMENT: writes FRAGMENT.lpips.md.
+lpips() {
+  "$peers" "$here/lpips.py" "$val" "$1" > "$2.lpips.md" 2> "$2.log" ||
+    echo "left out: LPIPS of $1, $(tail -1 "$2.log")" >&2
 }
 
 # gather FILE SETTING: appends the means of the last table, all but those of the methods that ignore the auxiliary images.
@@ -94,6 +99,9 @@ for setting in "2 16 4 1" "4 32 8 2" "8 64 16 4"; do
   table 1 "$average" "$average" "${also[@]}" && gather "$out/equal.md" "$average: x1, $average spp"
   table 2 "$colour2" "$aux" && gather "$out/equal.md" "$average: x2, $colour2 spp, aux $aux"
   table 4 "$colour4" "$aux" && gather "$out/equal.md" "$average: x4, $colour4 spp, aux $aux"
+done
+for kind in "$out"/oidn_images/*; do
+  [ ! -e "$kind" ] || lpips "$kind" "$out/oidn_$(basename "$kind")"
 done
 rm "$out/started"
 echo "$out: auxiliary.md, equal.md and a .md and .json for every setting" >&2
