@@ -52,8 +52,8 @@ table() {
 
 # lpips IMAGES FRAGMENT: writes FRAGMENT.lpips.md.
 lpips() {
-  "$peers" "$here/lpips.py" "$val" "$1" > "$2.lpips.md" 2> "$2.log" ||
-    echo "left out: LPIPS of $1, $(tail -1 "$2.log")" >&2
+  "$peers" "$here/lpips.py" "$val" "$1" > "$2.lpips.md" 2> "$2.lpips.log" ||
+    echo "left out: LPIPS of $1, $(tail -1 "$2.lpips.log")" >&2
 }
 
 # gather FILE SETTING: appends the means of the last table, all but those of the methods that ignore the auxiliary images.

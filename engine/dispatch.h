@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstring>
 #include <span>
 #include <string>
@@ -94,7 +95,10 @@ std::vector<std::byte> pushBytes(const T& parameters) {
 }
 
 /// The least multiple that is not below the size.
-constexpr uint64_t alignUp(uint64_t size, uint64_t multiple) { return (size + multiple - 1) / multiple * multiple; }
+template <std::unsigned_integral T>
+constexpr T alignUp(T size, std::type_identity_t<T> multiple) {
+  return (size + multiple - 1) / multiple * multiple;
+}
 constexpr uint32_t ceilDivide(uint64_t a, uint64_t b) { return static_cast<uint32_t>((a + b - 1) / b); }
 
 /// Reads all of the tensor behind the view, as vec4 texels.

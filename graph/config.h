@@ -46,6 +46,8 @@ struct NetworkConfig {
   uint32_t steps() const;                        // n = log2 s
   int auxOffset(const std::string& name) const;  // first channel of that input; -1: the model has none
   bool demodulates() const { return base == BaseImage::demodulated || base == BaseImage::guided; }
+  /// Whether tiles, which begin at windows, begin at multiples of four pixels too: Conv3x3::inFours.
+  bool mayRoundInFours() const { return window % 4 == 0; }
 };
 
 /// Reads the fields of network.md from a model file's metadata. Throws Error that names a missing or bad field, or a

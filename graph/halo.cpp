@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine/dispatch.h"
+
 namespace xrds {
 namespace {
 
 constexpr uint32_t kConv = 1;       // pixels to each side that a 3x3 convolution reads
 constexpr uint32_t kFour = 4;       // pixels of a row that are rounded together (Conv3x3::inFours)
 constexpr uint32_t kBaseReads = 2;  // low-resolution pixels to each side that the base images read
-
-uint32_t ceilTo(uint32_t value, uint32_t multiple) { return (value + multiple - 1) / multiple * multiple; }
 
 /// The forward pass on distances: each value is the first pixel, counted from the edge of a crop, at which a tensor
 /// equals the whole frame's, in pixels of that tensor. A window is right where all of it is.
@@ -27,7 +27,7 @@ class Reach {
     }
     if (config_.auxKernels > 0) {
       const uint32_t filtered = std::max(network, config_.auxKernels / 2);
-      x = ceilTo(filtered, config_.scale) / config_.scale;
+      x = ceilDivide(filtered, config_.scale);
       network = filtered;
     }
     const bool baseReads = config_.base != BaseImage::none;
@@ -36,7 +36,7 @@ class Reach {
 
  private:
   uint32_t convInFours(uint32_t reach) const {
-    return config_.window % kFour == 0 ? ceilTo(reach + kConv, kFour) : reach + kConv;
+    return config_.mayRoundInFours() ? alignUp(reach + kConv, kFour) : reach + kConv;
   }
 
   // H_i: one convolution, then two in each block.
@@ -51,7 +51,7 @@ class Reach {
     std::vector<uint32_t> d;
     for (uint32_t i = 0; i <= config_.groups && !config_.auxInputs.empty(); ++i) {
       uint32_t reach = auxFeatures(i);
-      for (uint32_t step = 0; step < config_.steps(); ++step) reach = convInFours(ceilTo(reach, 2) / 2);
+      for (uint32_t step = 0; step < config_.steps(); ++step) reach = convInFours(ceilDivide(reach, 2));
       d.push_back(config_.steps() == 0 ? convInFours(reach) : reach);
     }
     return d;
@@ -59,7 +59,7 @@ class Reach {
 
   uint32_t attention(uint32_t reach, bool shifted) const {
     const uint32_t shift = shifted ? config_.window / 2 : 0;
-    return reach <= shift ? shift : ceilTo(reach - shift, config_.window) + shift;
+    return reach <= shift ? shift : alignUp(reach - shift, config_.window) + shift;
   }
 
   // F_N, then fuse and body_conv.
@@ -96,7 +96,7 @@ class Reach {
 
 uint32_t exactHalo(const NetworkConfig& config) {
   const uint32_t output = Reach(config).output();
-  return ceilTo(ceilTo(output, config.scale) / config.scale, config.window);
+  return alignUp(ceilDivide(output, config.scale), config.window);
 }
 
 uint32_t boundedHalo(const NetworkConfig& config) { return std::min(2 * config.window, exactHalo(config)); }

@@ -3,8 +3,6 @@
 namespace xrds {
 namespace {
 
-uint32_t roundUp(uint32_t value, uint32_t multiple) { return ceilDivide(value, multiple) * multiple; }
-
 TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
                     RowRange rows) {
   if (config.base == BaseImage::none) return {};
@@ -31,8 +29,8 @@ TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& p
 }  // namespace
 
 Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const GraphOptions& options, Graph& graph) {
-  const uint32_t s = config.scale, auxChannels = roundUp(config.auxWidth(), 4);
-  const uint32_t height = roundUp(frame.height, config.window), width = roundUp(frame.width, config.window);
+  const uint32_t s = config.scale, auxChannels = alignUp(config.auxWidth(), 4);
+  const uint32_t height = alignUp(frame.height, config.window), width = alignUp(frame.width, config.window);
   const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
   graph.colour = graph.create("colour", DataType::f32, {frame.height, frame.width, 4});
   graph.exposure = graph.create("exposure", DataType::f32, {1, 1, 4});

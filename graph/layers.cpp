@@ -32,7 +32,7 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   op.activation = options.activation;
   op.unshuffleInput = options.unshuffle;
   op.shuffleOutput = options.shuffle;
-  op.inFours = options.inFours && config.window % 4 == 0;  // tiles begin at windows
+  op.inFours = options.inFours && config.mayRoundInFours();
   op.weightType = storedWeights(name);
   op.rows = options.rows;
   graph.nodes.push_back({name, op});

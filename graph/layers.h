@@ -51,7 +51,7 @@ class Layers {
   Graph& graph;
 
  private:
-  // Whether a frame with so much colour is made in one piece, unless the options say otherwise.
+  // Whether a frame with so much colour is made in one piece where no rows of a band are asked for.
   bool isSmall(uint32_t height, uint32_t width) const;
   uint64_t bandRows(const TensorView& image, uint32_t tensors) const;
   DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }

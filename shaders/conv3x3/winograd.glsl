@@ -1,7 +1,7 @@
 // Winograd's minimal filtering F(kPixels, 3) along a row: kPixels results side by side of kPixels + 2 inputs and 3 weights
 // take kElements products instead of 3 kPixels. Weights come transformed (conv3x3.cpp). F(4, 3) interpolates at 0, 3/2,
 // -3/2, 2/3, -2/3 and infinity: a third less rounding than with the customary 0, 1, -1, 2, -2.
-#ifdef XRDS_WIDE
+#ifdef XRDS_LANE4
 const uint kPixels = 4;
 #else
 const uint kPixels = 2;
@@ -9,7 +9,7 @@ const uint kPixels = 2;
 const uint kElements = kPixels + 2;
 
 vec4[kElements] transformed(vec4 d[kElements]) {
-#ifdef XRDS_WIDE
+#ifdef XRDS_LANE4
   const float a = kWinogradPoint, b = 1 / a;
   const vec4 evenA = d[4] - b * b * d[2], oddA = a * (d[3] - b * b * d[1]);
   const vec4 evenB = d[4] - a * a * d[2], oddB = b * (d[3] - a * a * d[1]);
@@ -22,7 +22,7 @@ vec4[kElements] transformed(vec4 d[kElements]) {
 
 // Result h of the products.
 vec4 resultOf(vec4 m[kElements], uint h) {
-#ifdef XRDS_WIDE
+#ifdef XRDS_LANE4
   const float a = kWinogradPoint, b = 1 / a;
   switch (h) {
     case 0: return m[0] + (m[1] + m[2]) + (m[3] + m[4]);
