@@ -37,19 +37,24 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
   AovRequest needed = request;
   needed.albedoNeeded = contains(inputs_, "albedo");
   needed.normalNeeded = contains(inputs_, "normal");
+  needed.depthNeeded = contains(inputs_, "depth");
   aovs_ = findAovs(colorFile_, auxFile_, needed);
   warnings_ = aovs_.notes;
   if (!auxPath.empty() && !twoFiles)
     warnings_.push_back("The model takes no auxiliary images; '" + auxPath.string() + "' is not used.");
-  for (const auto& layer : {aovs_.albedo, aovs_.normal})
-    if (layer) fit(auxFile_.parts[layer->part]);
+  for (const std::string& input : inputs_) fit(input);
 }
 
-void Frame::fit(const ExrPart& auxiliaryPart) {
-  const FrameFit found = fitFrame(colorPart(), auxiliaryPart);
+const ExrSelection& Frame::layerOf(const std::string& input) const {
+  return *(input == "albedo" ? aovs_.albedo : input == "normal" ? aovs_.normal : aovs_.depth);
+}
+
+void Frame::fit(const std::string& input) {
+  const FrameFit found = fitFrame(colorPart(), auxFile_.parts[layerOf(input).part]);
   if (fit_ && found.scale != fit_->scale)
-    throw Error("The albedo layer has " + std::to_string(fit_->scale) + " times the colour's size, the normal layer " +
-                std::to_string(found.scale) + " times: choose layers of one size with --albedo and --normal.");
+    throw Error("The " + inputs_.front() + " layer has " + std::to_string(fit_->scale) +
+                " times the colour's size, the " + input + " layer " + std::to_string(found.scale) +
+                " times: choose layers of one size with --" + inputs_.front() + " and --" + input + ".");
   fit_ = found;
 }
 
@@ -71,29 +76,43 @@ void Frame::load() {
   }
   for (const std::string& input : inputs_) auxiliary_.push_back(loadAuxiliary(input));
   std::vector<NamedLayer> layers;
-  for (size_t i = 0; i < inputs_.size(); ++i) layers.push_back({inputs_[i], &auxiliary_[i]});
+  for (size_t i = 0; i < inputs_.size(); ++i)
+    if (inputs_[i] != "depth") layers.push_back({inputs_[i], &auxiliary_[i]});
   const auto edges = layers.empty() ? std::vector<std::string>{} : checkEdges(colour_, layers);
   warnings_.insert(warnings_.end(), edges.begin(), edges.end());
 }
 
 Image Frame::loadAuxiliary(const std::string& input) {
-  const bool albedo = input == "albedo";
-  const ExrSelection& layer = albedo ? *aovs_.albedo : *aovs_.normal;
+  const ExrSelection& layer = layerOf(input);
   const Window& stored = auxFile_.parts[layer.part].dataWindow;
   const Window wanted = scaledWindow(colorPart().dataWindow, fit_->scale);
   if (!covers(stored, wanted))
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");
   Image image = placedInWindow(readLayer(auxFile_, layer), stored, wanted);
-  addCounted(warnings_, repairNonFinite(image).nonFinitePixels, layer, kFilled);
-  const auto suspicions = albedo ? checkAlbedo({nameOf(layer), &image}) : checkNormal({nameOf(layer), &image});
+  if (input != "depth") addCounted(warnings_, repairNonFinite(image).nonFinitePixels, layer, kFilled);
+  const auto check = input == "albedo" ? checkAlbedo : input == "normal" ? checkNormal : checkDepth;
+  const auto suspicions = check({nameOf(layer), &image});
   warnings_.insert(warnings_.end(), suspicions.begin(), suspicions.end());
+  if (input == "depth") {
+    image.channels = 3;
+    image.pixels = relativeDepth(image.pixels);
+  }
   return image;
+}
+
+bool hasDepth(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request) {
+  try {
+    const Frame frame(colorPath, auxPath, request, {"albedo", "depth"});
+    return true;
+  } catch (const Error&) {
+    return !request.depth.empty();
+  }
 }
 
 void requireKnownInputs(const Model& model, const std::string& modelName) {
   for (const std::string& input : model.auxiliaryInputs())
-    if (input != "albedo" && input != "normal")
+    if (input != "albedo" && input != "normal" && input != "depth")
       throw Error("Model '" + modelName + "' needs the auxiliary image '" + printable(input) +
                   "', which this program cannot find in an EXR file: use the library.");
 }
@@ -101,6 +120,16 @@ void requireKnownInputs(const Model& model, const std::string& modelName) {
 PixelView viewOf(const Image& image) {
   return {image.pixels.data(), static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height),
           static_cast<uint32_t>(image.channels)};
+}
+
+std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
+  std::vector<PixelView> views;
+  for (const std::string& input : model.auxiliaryInputs()) {
+    const auto found = std::find(frame.inputs().begin(), frame.inputs().end(), input);
+    if (found == frame.inputs().end()) throw Error("The model takes the image '" + input + "', which is not there.");
+    views.push_back(viewOf(frame.auxiliary()[static_cast<size_t>(found - frame.inputs().begin())]));
+  }
+  return views;
 }
 
 std::vector<PixelView> viewsOf(const std::vector<Image>& images) {

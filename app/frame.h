@@ -16,9 +16,9 @@ namespace xrds {
 /// The layers of a frame to upscale, found in one or two EXR files, with what the output must keep.
 class Frame {
  public:
-  /// Reads headers only. An empty auxPath means the colour's file. `auxiliaryInputs` are those of the model, "albedo"
-  /// or "normal"; with none the auxiliary file is not looked at. Throws Error if the layers are not found or the sizes
-  /// are no whole multiple of each other.
+  /// Reads headers only. An empty auxPath means the colour's file. `auxiliaryInputs` are those of the model, "albedo",
+  /// "normal" or "depth"; with none the auxiliary file is not looked at. Throws Error if the layers are not found or
+  /// the sizes are no whole multiple of each other.
   Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
         const std::vector<std::string>& auxiliaryInputs);
 
@@ -38,12 +38,14 @@ class Frame {
 
   const Image& colour() const { return colour_; }
   const std::optional<Image>& alpha() const { return alpha_; }
-  const std::vector<Image>& auxiliary() const { return auxiliary_; }  // one for each of inputs()
+  /// One for each of inputs(), of three channels; of depth the relative depth.
+  const std::vector<Image>& auxiliary() const { return auxiliary_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   const ExrPart& colorPart() const { return colorFile_.parts[aovs_.color.part]; }
-  void fit(const ExrPart& auxiliaryPart);
+  void fit(const std::string& input);
+  const ExrSelection& layerOf(const std::string& input) const;
   Image loadAuxiliary(const std::string& input);
 
   ExrFile colorFile_, auxFile_;
@@ -56,11 +58,17 @@ class Frame {
   std::vector<std::string> warnings_;
 };
 
-/// Throws Error unless a Frame can find every auxiliary input of this model: albedo and normal.
+/// Whether the files hold a depth that goes with their albedo, or a layer was named for it. Throws nothing.
+bool hasDepth(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request);
+
+/// Throws Error unless a Frame can find every auxiliary input of this model: albedo, normal, depth.
 void requireKnownInputs(const Model& model, const std::string& modelName);
 
 /// The pixels as the library takes them.
 PixelView viewOf(const Image& image);
 std::vector<PixelView> viewsOf(const std::vector<Image>& images);
+
+/// The auxiliary images that the model takes, in its order. Throws Error if the frame was not read for one of them.
+std::vector<PixelView> inputsOf(const Model& model, const Frame& frame);
 
 }  // namespace xrds

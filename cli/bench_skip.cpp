@@ -87,7 +87,7 @@ SkipMeasurement measureScene(Device& device, const Model& model, const SceneFile
   const Frame& frame = scene.frame;
   Upscaler full(device, model, frame.width(), frame.height(), options.upscaler(0));
   Upscaler skipping(device, model, frame.width(), frame.height(), options.upscaler(parseSkip(options.skip)));
-  const auto auxiliary = viewsOf(frame.auxiliary());
+  const auto auxiliary = inputsOf(model, frame);
   const auto seconds = [&](Upscaler& upscaler, Image& result) {
     const double start = secondsNow(options.cpuTime);
     upscaler.run(viewOf(frame.colour()), auxiliary, result.pixels, [](double) { return !interrupted(); });

@@ -85,7 +85,7 @@ class Runner {
     Image result(frame_.colour().width * scale, frame_.colour().height * scale, 3);
     Upscaler upscaler(device_, model_, frame_.width(), frame_.height(),
                       {.fp16 = options_.precision == "fp16", .tiles = tiles});
-    const auto auxiliary = viewsOf(frame_.auxiliary());
+    const auto auxiliary = inputsOf(model_, frame_);
     upscaler.run(viewOf(frame_.colour()), auxiliary, result.pixels, [](double) { return !interrupted(); });
     stopIfInterrupted();
     exposure = upscaler.exposure();

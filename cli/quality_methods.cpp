@@ -11,16 +11,6 @@
 namespace xrds {
 namespace {
 
-// The model's inputs among the images of the frame, in the model's order.
-std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
-  std::vector<PixelView> views;
-  for (const std::string& input : model.auxiliaryInputs()) {
-    const auto& has = frame.inputs();
-    views.push_back(viewOf(frame.auxiliary().at(std::find(has.begin(), has.end(), input) - has.begin())));
-  }
-  return views;
-}
-
 double deviceSeconds(const Upscaler& upscaler) {
   const auto rows = upscaler.profile();
   return 1e-6 * std::accumulate(rows.begin(), rows.end(), 0.0,

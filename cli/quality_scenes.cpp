@@ -100,7 +100,9 @@ SceneList findScenes(const fs::path& folder, const QualitySetting& setting,
 }
 
 Scene loadScene(const SceneFiles& files, const QualitySetting& setting) {
-  Scene scene{Frame(files.colour, files.aux, {}, {"albedo", "normal"}), {}, {}};
+  std::vector<std::string> inputs{"albedo", "normal"};
+  if (hasDepth(files.colour, files.aux, {})) inputs.emplace_back("depth");
+  Scene scene{Frame(files.colour, files.aux, {}, inputs), {}, {}};
   if (scene.frame.scale() != setting.scale)
     throw Error("'" + files.aux.string() + "' has " + std::to_string(scene.frame.scale()) + " times the size of '" +
                 files.colour.string() + "', expected " + std::to_string(setting.scale) + " times.");

@@ -53,7 +53,8 @@ struct SceneList {
 SceneList findScenes(const std::filesystem::path& folder, const QualitySetting& setting,
                      const std::vector<FinishedImages>& finished);
 
-/// One scene's pixels: `frame` with albedo and normal, `reference` of scale times its colour's size.
+/// One scene's pixels: `frame` with albedo, normal and, where there is one, depth, `reference` of scale times its
+/// colour's size.
 struct Scene {
   Frame frame;
   Image reference;

@@ -101,7 +101,8 @@ fs::path modelFile(const UpscaleOptions& options) {
     throw;
   }
   const bool hasNormal = !options.layers.normal.empty() || hasAov(file, AovRole::kNormal);
-  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal); });
+  const bool depth = hasDepth(options.color, options.aux, options.layers);
+  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal, depth); });
   if (!hasNormal)
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
   return model;
@@ -147,18 +148,22 @@ bool isConstant(const Image& image) {
 
 // A layer that is the same everywhere tells nothing: the model that does without it is taken, where one is shipped.
 void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
+  const auto scale = static_cast<int>(opened.model.scale());
   const auto constant = [&](const char* input) {
     const auto found = std::find(frame.inputs().begin(), frame.inputs().end(), input);
     return found != frame.inputs().end() && isConstant(frame.auxiliary()[found - frame.inputs().begin()]);
   };
-  const bool albedo = constant("albedo");
-  if (!albedo && !constant("normal")) return;
-  const fs::path file = shippedVariant(static_cast<int>(opened.model.scale()), albedo ? "plain" : "albedo");
+  const std::string input = constant("albedo")   ? "albedo"
+                            : constant("normal") ? "normal"
+                            : constant("depth")  ? "depth"
+                                                 : "";
+  if (input.empty()) return;
+  const fs::path file = input == "depth" ? defaultModel(scale, true, false)
+                                         : shippedVariant(scale, input == "albedo" ? "plain" : "albedo");
   if (file.empty()) return;
   opened = {file, stage(ExitCode::model, [&] { return Model(file); })};
   frame = openFrame(options, opened);
-  printWarnings({std::string("The ") + (albedo ? "albedo" : "normal") + " is the same everywhere; taking model " +
-                 opened.name() + "."});
+  printWarnings({"The " + input + " is the same everywhere; taking model " + opened.name() + "."});
 }
 
 void runCheck(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
@@ -177,7 +182,7 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
   const Timer timer;
   {
     ProgressBar bar(options.quiet);
-    const auto auxiliary = viewsOf(frame.auxiliary());
+    const auto auxiliary = inputsOf(model, frame);
     upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels,
                  [&](double share) { return bar.update(share); });
   }
@@ -284,7 +289,8 @@ void addUpscale(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("upscale", "Upscale one frame");
   verb->add_option("COLOR", options->color, "EXR file with the low-resolution colour, many samples a pixel")
       ->required();
-  verb->add_option("AUX", options->aux, "EXR file with full-resolution albedo and normal (default: they are in COLOR)");
+  verb->add_option("AUX", options->aux,
+                   "EXR file with full-resolution albedo, normal and depth (default: they are in COLOR)");
   verb->add_option("-o,--output", options->output, "EXR file to write: R, G, B (and A), 32-bit float, ZIP")
       ->required()
       ->type_name("EXR");
@@ -324,6 +330,8 @@ void addUpscale(CLI::App& app) {
   verb->add_option("--color", options->layers.color, "Layer to take as colour")->type_name("LAYER");
   verb->add_option("--albedo", options->layers.albedo, "Layer to take as albedo")->type_name("LAYER");
   verb->add_option("--normal", options->layers.normal, "Layer to take as normal")->type_name("LAYER");
+  verb->add_option("--depth", options->layers.depth, "Layer to take as depth, distances in any unit")
+      ->type_name("LAYER");
   verb->add_option("--reference", options->reference, "EXR file to compare with: prints metrics beside the baselines")
       ->type_name("EXR");
   verb->add_option("--preview", options->preview, "PNG file to write as well, with the sRGB curve")->type_name("PNG");
@@ -338,8 +346,8 @@ void addUpscale(CLI::App& app) {
   verb->footer(
       "The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
       "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
-      "RenderMan, LuxCore and plain names; --color, --albedo and --normal choose others. The scale follows from\n"
-      "the two sizes.\n\nExamples:\n"
+      "RenderMan, LuxCore and plain names; --color, --albedo, --normal and --depth choose others. The scale follows\n"
+      "from the two sizes. Depth is taken where there is some and a model for it is shipped.\n\nExamples:\n"
       "  xrds upscale color.exr aux.exr -o out.exr\n"
       "  xrds upscale color.exr aux.exr -o out.exr --model my.safetensors --precision fp16 --preview out.png\n"
       "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'");

@@ -115,7 +115,8 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
   if (found.empty()) {
     throw Error("no " + toString(role) + " in '" + file.path.string() + "': expected " +
                 (name.empty() ? "a layer of a known name" : "a layer '" + name + "'") +
-                " with three floating-point channels, found none" + remedy);
+                (role == AovRole::kDepth ? " with one floating-point channel" : " with three floating-point channels") +
+                ", found none" + remedy);
   }
   if (found.size() > 1) {
     std::string list;
@@ -191,6 +192,9 @@ Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest
   }
   if (request.normalNeeded) {
     result.normal = choose(auxFile, AovRole::kNormal, request.normal, &color).selection;
+  }
+  if (request.depthNeeded) {
+    result.depth = choose(auxFile, AovRole::kDepth, request.depth, &color).selection;
   }
   noteChoice(result, colorFile, color, request.color);
   return result;

@@ -19,22 +19,25 @@ struct AovRequest {
   std::string normal;
   bool albedoNeeded = true;
   bool normalNeeded = true;
+  std::string depth{};
+  bool depthNeeded = false;
 };
 
-/// The layers to read: colour and alpha from the colour file, albedo and normal from the auxiliary file.
+/// The layers to read: colour and alpha from the colour file, albedo, normal and depth from the auxiliary file.
 struct Aovs {
   ExrSelection color;
   std::optional<ExrSelection> alpha;   ///< One channel beside the colour, where there is one.
   std::optional<ExrSelection> albedo;  ///< Nothing when it is not needed.
   std::optional<ExrSelection> normal;  ///< Nothing when it is not needed.
+  std::optional<ExrSelection> depth;   ///< One channel; nothing when it is not needed.
   std::vector<std::string> notes;      ///< Choices a user may want to know of, one sentence each.
 };
 
-/// Finds colour in `colorFile`, albedo and normal in `auxFile`, which may be the same file with parts of different
-/// sizes. Where names are equally good, colour comes from the smallest part and the others from the largest, and from
-/// the view layer of the colour. Cycles' "Noisy Image" goes before "Combined", which is denoised when both are there.
-/// Views other than the default one are left alone. Throws Error, listing what the file holds, when a needed layer is
-/// absent or several fit equally well.
+/// Finds colour in `colorFile`, albedo, normal and depth in `auxFile`, which may be the same file with parts of
+/// different sizes. Where names are equally good, colour comes from the smallest part and the others from the largest,
+/// and from the view layer of the colour. Cycles' "Noisy Image" goes before "Combined", which is denoised when both are
+/// there. Views other than the default one are left alone. Throws Error, listing what the file holds, when a needed
+/// layer is absent or several fit equally well.
 [[nodiscard]] Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request = {});
 
 /// Whether the file holds a layer that goes by one of the role's known names.

@@ -106,12 +106,35 @@ AovCandidate candidateOf(const ExrFile& file, std::size_t number, const ExrLayer
   return candidate;
 }
 
+// Layers of one channel, as "ViewLayer.Depth.Z", and channels without a layer's name, as "Z".
+std::vector<AovCandidate> depthCandidates(const ExrFile& file, std::size_t number) {
+  std::vector<AovCandidate> result;
+  for (const ExrLayer& layer : file.parts[number].layers) {
+    for (const ExrChannel& channel : layer.channels) {
+      if (findChannel(layer, plainName(channel.suffix)) != &channel) {
+        continue;
+      }
+      if (!layer.name.empty() && layer.channels.size() == 1) {
+        result.push_back(candidateOf(file, number, layer, {channel.name}, layer.name));
+      } else if (layer.name.empty() && aovRank(AovRole::kDepth, channel.suffix)) {
+        result.push_back(candidateOf(file, number, layer, {channel.name}, channel.name));
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role) {
   std::vector<AovCandidate> result;
   for (std::size_t number = 0; number < file.parts.size(); ++number) {
     if (file.parts[number].deep) {
+      continue;
+    }
+    if (role == AovRole::kDepth) {
+      const auto depths = depthCandidates(file, number);
+      result.insert(result.end(), depths.begin(), depths.end());
       continue;
     }
     for (const ExrLayer& layer : file.parts[number].layers) {

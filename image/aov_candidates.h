@@ -11,7 +11,7 @@
 
 namespace xrds {
 
-/// A layer that could serve a role because it has the three channels for it, whatever its name.
+/// A layer that could serve a role because it has the channels for it, three or, for depth, one, whatever its name.
 struct AovCandidate {
   ExrSelection selection;
   std::string prefix;        ///< What stands before the layer's own name: Cycles' view layer.
@@ -23,7 +23,8 @@ struct AovCandidate {
 };
 
 /// The layers of a file that have R, G, B (for normals and albedo also X, Y, Z), in upper or lower case and any order,
-/// as floating-point numbers, one a pixel. Deep parts offer none.
+/// as floating-point numbers, one a pixel; for depth those of a single channel, and the channels Z and depth of the
+/// unnamed layer. Deep parts offer none.
 [[nodiscard]] std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role);
 
 }  // namespace xrds

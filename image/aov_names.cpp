@@ -59,12 +59,20 @@ constexpr RankedName kNormalNames[] = {
     {"geometry_normal", 7},  // unshaded normals, when there is nothing better
 };
 
+constexpr RankedName kDepthNames[] = {
+    {"denoising_depth", 0},  // Cycles, through mirrors and glass as the other denoising passes
+    {"depth", 1},            // Cycles, LuxCore, plain word
+    {"z", 2},                // Arnold, RenderMan, Karma and most others
+};
+
 std::span<const RankedName> namesOf(AovRole role) {
   switch (role) {
     case AovRole::kColor:
       return kColorNames;
     case AovRole::kAlbedo:
       return kAlbedoNames;
+    case AovRole::kDepth:
+      return kDepthNames;
     default:
       return kNormalNames;
   }
@@ -78,6 +86,8 @@ std::string toString(AovRole role) {
       return "colour";
     case AovRole::kAlbedo:
       return "albedo";
+    case AovRole::kDepth:
+      return "depth";
     default:
       return "normal";
   }

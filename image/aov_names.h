@@ -7,9 +7,9 @@
 namespace xrds {
 
 /// What a layer is to the upscaler.
-enum class AovRole { kColor, kAlbedo, kNormal };
+enum class AovRole { kColor, kAlbedo, kNormal, kDepth };
 
-/// The role in words: "colour", "albedo" or "normal".
+/// The role in words: "colour", "albedo", "normal" or "depth".
 [[nodiscard]] std::string toString(AovRole role);
 
 /// How well a layer's own name (what follows its last dot, any case; spaces and hyphens count as underscores) fits a

@@ -238,6 +238,26 @@ TEST(Aov, OnePartForEachPassAndView) {
   EXPECT_EQ(findAov(file, AovRole::kColor, "Combined").part, 0U);
 }
 
+TEST(Aov, FindsDepthAmongLayersOfOneChannel) {
+  const auto depthOf = [](const Names& channels, const std::string& name = "") {
+    return findAov(fileWith({partWith(channels)}), AovRole::kDepth, name).channelNames;
+  };
+  EXPECT_EQ(depthOf(kCycles), Names{"ViewLayer.Denoising Depth.Z"});
+  EXPECT_EQ(depthOf(kCycles, "Depth"), Names{"ViewLayer.Depth.Z"});
+  EXPECT_EQ(depthOf(kRoot + Names{"A", "Z"}), Names{"Z"});
+  EXPECT_EQ(depthOf(kRoot + Names{"depth.V", "mist.V"}), Names{"depth.V"});
+  EXPECT_EQ(depthOf(kRoot + Names{"mist.V"}, "mist"), Names{"mist.V"});
+  EXPECT_NE(refusal([&] { depthOf(kRoot + triple("N", "XYZ") + Names{"mist.V"}); }).find("no depth"),
+            std::string::npos);
+}
+
+TEST(Aov, DepthIsLookedForWhereItIsNeeded) {
+  const ExrFile file = fileWith({partWith(kCycles)});
+  EXPECT_FALSE(findAovs(file, file).depth.has_value());
+  EXPECT_EQ(findAovs(file, file, {"", "", "", true, true, "", true}).depth.value().channelNames,
+            Names{"ViewLayer.Denoising Depth.Z"});
+}
+
 TEST(Aov, PartNamesNameUnnamedLayers) {
   const ExrFile file = fileWith({partWith(kRoot, kHigh, "diffuse"), partWith(kRoot, kHigh, "N"),
                                  partWith(kRoot, kHigh, "denoise_albedo"), partWith(kRoot + Names{"A"}, kLow, "RGBA")});

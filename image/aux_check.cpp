@@ -118,6 +118,10 @@ std::vector<std::string> checkNormal(const NamedLayer& normal) {
   return warnings;
 }
 
+std::vector<std::string> checkDepth(const NamedLayer& depth) {
+  return checkEmptiness(depth, statisticsOf(*depth.image));
+}
+
 bool looksEncoded(const Image& normal) {
   constexpr float kNegative = -1e-3F;
   constexpr double kTolerance = 0.1;

@@ -37,6 +37,9 @@ struct NamedLayer {
 /// stored as n / 2 + 1 / 2.
 [[nodiscard]] std::vector<std::string> checkNormal(const NamedLayer& normal);
 
+/// What is suspicious about a layer of distances: nothing but zeros, one value everywhere.
+[[nodiscard]] std::vector<std::string> checkDepth(const NamedLayer& depth);
+
 /// Whether a layer of three channels looks like unit normals stored as n / 2 + 1 / 2: no negative value, and 2 v - 1
 /// has unit length for most of the pixels that are not black while v has not.
 [[nodiscard]] bool looksEncoded(const Image& normal);

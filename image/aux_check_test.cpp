@@ -102,6 +102,15 @@ TEST(AuxCheck, WarnsOfBadNormals) {
   EXPECT_NE(checkNormal({"N", &positions}).at(0).find("beyond [-1, 1]"), std::string::npos);
 }
 
+TEST(AuxCheck, WarnsOfDepthThatTellsNothing) {
+  const Image blank(8, 8, 1, 0), even(8, 8, 1, 5);
+  Image sloping = even;
+  sloping.pixels[3] = 6;
+  EXPECT_NE(checkDepth({"Z", &blank}).at(0).find("nothing but zeros"), std::string::npos);
+  EXPECT_NE(checkDepth({"Z", &even}).at(0).find("one value everywhere"), std::string::npos);
+  EXPECT_TRUE(checkDepth({"Z", &sloping}).empty());
+}
+
 TEST(EdgeCheck, AcceptsSharedEdgesAndFlatColor) {
   const Image color = step(32, 24, 11, 0.1F, 0.9F);
   const Image albedo = step(128, 96, 44, 0.2F, 0.6F);

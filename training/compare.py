@@ -42,8 +42,7 @@ def main():
     colour = images.read_exr(options.colour, "colour")[None].to(dtype)
     aux = None
     if kinds:
-        found = images.read_exr(options.aux, *kinds)
-        aux = torch.cat(found if len(kinds) > 1 else [found])[None].to(dtype)
+        aux = images.read_auxiliary(options.aux, kinds)[None].to(dtype)
     with torch.no_grad():
         result, _, exposure = pipeline.upscale(network, colour, aux, options.exposure)
     print(f"exposure {exposure:.6g}")

@@ -58,7 +58,7 @@ class Scene:
 
 
 class Scenes:
-    """The scenes of shard folders that have colour of the model's scale; refresh() adds those of new shards."""
+    """The scenes of shard folders that have colour of the model's scale and its auxiliary images; refresh() adds those of new shards."""
 
     def __init__(self, folders, config, device="cpu"):
         self.folders, self.config, self.device = [pathlib.Path(folder) for folder in folders], config, device
@@ -70,6 +70,8 @@ class Scenes:
             if path not in self.read:
                 self.read.add(path)
                 for _, decoded in shards.read_shard(path):
+                    if "depth" in self.config.aux_inputs and any(len(aux) < 9 for aux in decoded["aux"].values()):
+                        continue
                     scene = Scene(decoded, self.config, self.device)
                     if scene.colours:
                         self.scenes.append(scene)

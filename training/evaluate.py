@@ -19,7 +19,8 @@ from network import NetworkConfig
 
 
 def cases_of(folder, scale, spp, aux_spp):
-    """Yields (name, colour [3, h, w], aux [6, H, W], reference [3, H, W]) for the scenes that have the files.
+    """Yields (name, colour [3, h, w], aux [9, H, W], reference [3, H, W]) for the scenes that have the files; aux holds albedo,
+    normal and relative depth, [6, H, W] where the file has no depth.
 
     aux_spp: samples per pixel of the auxiliary render, 0 for the converged one. Colour of scale 1 is that of the auxiliary render.
     """
@@ -30,12 +31,12 @@ def cases_of(folder, scale, spp, aux_spp):
         colour = folder / f"{name}_{prefix}{spp}.exr"
         aux = folder / f"{name}_aux{aux_spp}.exr" if aux_spp else reference
         if colour.exists() and aux.exists():
-            yield (name, images.read_exr(colour, "colour"), torch.cat(images.read_exr(aux, "albedo", "normal")),
+            yield (name, images.read_exr(colour, "colour"), images.read_auxiliary(aux),
                    images.read_exr(reference, "colour"))
 
 
 def methods_of(scale, model_paths):
-    """{name: function(colour [1, 3, h, w], aux [1, 6, H, W]) -> radiance [1, 3, H, W]}"""
+    """{name: function(colour [1, 3, h, w], aux [1, 6 or 9, H, W]) -> radiance [1, 3, H, W]}"""
     def untrained(base):
         config = NetworkConfig(scale=scale, base=base)
         return lambda colour, aux: pipeline.baseline(colour, aux, config)

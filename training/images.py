@@ -1,14 +1,20 @@
-"""OpenEXR images as float32 tensors [3, height, width]; channel names of Cycles, and the plain names R, G, B."""
+"""OpenEXR images as float32 tensors [channels, height, width]; channel names of Cycles, and the plain names R, G, B."""
 import numpy
 import OpenEXR
 import torch
+
+import pipeline
 
 # For each image the endings of its channel names, in order of preference; {} is R, G, B or X, Y, Z.
 LAYERS = {
     "colour": ("Combined.{rgb}", "{rgb}", "beauty.{rgb}"),
     "albedo": ("Denoising Albedo.{rgb}", "albedo.{rgb}", "Albedo.{rgb}"),
     "normal": ("Denoising Normal.{xyz}", "normal.{xyz}", "Normal.{xyz}", "normal.{rgb}", "N.{xyz}"),
+    "depth": ("Denoising Depth.Z", "Depth.Z", "depth.Z"),
 }
+
+
+KINDS = ("albedo", "normal", "depth")
 
 
 def channels_of(path):
@@ -17,21 +23,38 @@ def channels_of(path):
         return {name: numpy.asarray(channel.pixels, numpy.float32) for name, channel in file.channels().items()}
 
 
+def holds(channels, kind):
+    """The names of the image's channels; nothing if the file has none."""
+    for pattern in LAYERS[kind]:
+        endings = list(dict.fromkeys(pattern.format(rgb=a, xyz=b) for a, b in zip("RGB", "XYZ")))
+        for prefix in sorted({name[:-len(endings[0])] for name in channels if name.endswith(endings[0])}, key=len):
+            names = [prefix + ending for ending in endings]
+            if prefix[-1:] in ("", ".") and all(name in channels for name in names):
+                return names
+    return []
+
+
 def read_exr(path, *kinds):
-    """The images named in `kinds` (colour, albedo, normal), a tensor for one kind, else a tuple."""
+    """The images named in `kinds` (colour, albedo, normal [3, height, width], depth [1, height, width]), a tensor for one kind,
+    else a tuple. Raises ValueError if there is none."""
     channels = channels_of(path)
 
     def find(kind):
-        for pattern in LAYERS[kind]:
-            endings = [pattern.format(rgb=a, xyz=b) for a, b in zip("RGB", "XYZ")]
-            for prefix in sorted({name[:-len(endings[0])] for name in channels if name.endswith(endings[0])}, key=len):
-                names = [prefix + ending for ending in endings]
-                if prefix[-1:] in ("", ".") and all(name in channels for name in names):
-                    return torch.from_numpy(numpy.stack([channels[name] for name in names]))
-        raise ValueError(f"{path} has no {kind}; its channels are {', '.join(sorted(channels))}")
+        names = holds(channels, kind)
+        if not names:
+            raise ValueError(f"{path} has no {kind}; its channels are {', '.join(sorted(channels))}")
+        return torch.from_numpy(numpy.stack([channels[name] for name in names]))
 
     found = tuple(find(kind) for kind in kinds)
     return found[0] if len(found) == 1 else found
+
+
+def read_auxiliary(path, kinds=KINDS):
+    """[3 k, H, W]: albedo, normal and relative depth, or those of `kinds`; without depth where the file has none."""
+    channels = channels_of(path)
+    kinds = [kind for kind in kinds if kind != "depth" or holds(channels, kind)]
+    found = zip(kinds, read_exr(path, *kinds) if len(kinds) > 1 else [read_exr(path, *kinds)])
+    return torch.cat([pipeline.relative_depth(image) if kind == "depth" else image for kind, image in found])
 
 
 def write_exr(path, image):

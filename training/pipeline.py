@@ -12,6 +12,8 @@ ALBEDO_MAX = 4.0
 TRANSFORMED_MAX = 11.0
 SIGMA_SPACE, SIGMA_NORMAL, SIGMA_ALBEDO = 0.75, 0.2, 0.5
 LOGIT_MAX = 8.0
+DEPTH_SCALES = (0.25, 1.0, 4.0)     # distances, over the median, that become one half
+DEPTH_MAX = 1e8                     # what is as far is background
 REC709 = (0.2126, 0.7152, 0.0722)
 
 
@@ -20,6 +22,22 @@ def auto_exposure(colour):
     luminance = sum(weight * channel for weight, channel in zip(REC709, colour.double()))
     luminance = luminance[torch.isfinite(luminance) & (luminance > 1e-8)]
     return 0.18 / math.exp(luminance.log().mean().item()) if luminance.numel() else 1.0
+
+
+def relative_depth(depth):
+    """Distances [1, H, W] in any unit -> [3, H, W]: d / (d + c m) for c of DEPTH_SCALES and the (lower) median m of the image.
+
+    Distances that are 0, negative, not finite or at least 1e8 are background: they become 1 and do not count for the median.
+    """
+    seen = (depth > 0) & (depth < DEPTH_MAX)
+    median = depth[seen].median() if seen.any() else 1.0
+    depth = torch.where(seen, depth, torch.ones_like(depth))
+    return torch.cat([torch.where(seen, depth / (depth + scale * median), torch.ones_like(depth)) for scale in DEPTH_SCALES])
+
+
+def depth_planes(relative):
+    """The three planes out of the middle one [..., 1, H, W], d / (d + m)."""
+    return torch.cat([relative / (relative + scale * (1 - relative)) for scale in DEPTH_SCALES], -3)
 
 
 def transform(x, transfer):
@@ -61,9 +79,12 @@ def network_aux(aux, config):
 
 
 def own_aux(image, config):
-    """The auxiliary inputs of a model out of albedo and normal [..., 6, H, W], in the model's order, the albedo clamped."""
-    parts = [image[..., :3, :, :].clamp(0, ALBEDO_MAX) if kind == "albedo" else image[..., 3:, :, :] for kind in config.aux_inputs]
-    return torch.cat(parts, -3) if parts else image[..., :0, :, :]
+    """The auxiliary inputs of a model out of albedo, normal and relative depth [..., 9, H, W] or the first two [..., 6, H, W], in the
+    model's order, the albedo clamped."""
+    parts = {"albedo": image[..., :3, :, :].clamp(0, ALBEDO_MAX), "normal": image[..., 3:6, :, :]}
+    if image.shape[-3] > 6:
+        parts["depth"] = image[..., 6:9, :, :]
+    return torch.cat([parts[kind] for kind in config.aux_inputs], -3) if config.aux_inputs else image[..., :0, :, :]
 
 
 def guides_of(aux, config):

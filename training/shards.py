@@ -5,7 +5,7 @@
 Packs the scenes of folders of OpenEXR files (layout in README.md) that no shard of SHARD_FOLDER holds yet into
 scenes-NNN.npz. A 256 x 256 scene with everything takes about half a megabyte:
 colour as half floats with fewer bits, converged albedo and normal on a fine grid, noisy ones as their difference from
-those on a coarser grid. Every array is stored as the differences along its rows, low bytes before high bytes.
+those on a coarser grid; of depth, where there is any, the relative depth. Every array is stored as the differences along its rows, low bytes before high bytes.
 """
 import argparse
 import pathlib
@@ -20,6 +20,7 @@ import pipeline
 
 REFERENCE_BITS, LOW_BITS, NOISY_BITS = 6, 5, 3      # kept of half's ten
 CONVERGED_STEP = torch.tensor([1 / 128] * 3 + [1 / 64] * 3).view(6, 1, 1)      # albedo, normal
+DEPTH_STEP = 1 / 256
 NOISY_STEP = {1: 1 / 16, 4: 1 / 24}                 # others: 1 / 40
 RADIANCE_MAX = 6e4
 NOISY_COLOUR_SPP = (4, 1, 16)       # full-resolution noisy colour: one count of a scene, in turn
@@ -64,6 +65,12 @@ def unpacked(planes):
     return np.cumsum(difference, axis=-1, dtype=np.int16)
 
 
+def depth_of(path):
+    """The middle plane [1, H, W] of pipeline.relative_depth; None if the file has no depth."""
+    depth = images.read_auxiliary(path)[6:]
+    return depth[1:2] if len(depth) else None
+
+
 def encode(folder, scene, turn, noisy_every=3):
     """{array name: uint8 array} of one scene. turn: every third (`noisy_every`th) keeps the full-resolution noisy colour of one sample
     count, the next third the 4 spp colour of scale 2."""
@@ -72,10 +79,17 @@ def encode(folder, scene, turn, noisy_every=3):
     converged = grid_codes(torch.cat([albedo.clamp(0, pipeline.ALBEDO_MAX), normal]), CONVERGED_STEP)
     arrays = {"target": half_codes(target, REFERENCE_BITS), "aux": converged}
     counts = [kind for kind in kinds if re.fullmatch(r"aux\d+", kind)]
+    depths = {kind: depth for kind in counts + ["gt"] if (depth := depth_of(kinds[kind])) is not None}
+    if depths:      # a reference without depth takes that of the most samples
+        best = max(depths, key=lambda kind: (kind == "gt", len(kind), kind))
+        arrays["depth"] = grid_codes(depths[best], DEPTH_STEP)
     for kind in counts:
         albedo, normal = images.read_exr(kinds[kind], "albedo", "normal")
         difference = torch.cat([albedo.clamp(0, pipeline.ALBEDO_MAX), normal]) - torch.from_numpy(converged).float() * CONVERGED_STEP
         arrays[kind] = grid_codes(difference, noisy_step(int(kind[3:])))
+        if kind in depths:
+            difference = depths[kind] - torch.from_numpy(arrays["depth"]).float() * DEPTH_STEP
+            arrays[kind.replace("aux", "depth")] = grid_codes(difference, noisy_step(int(kind[3:])) / 4)
     if turn % noisy_every == 0:
         chosen = f"aux{NOISY_COLOUR_SPP[turn // noisy_every % 3]}"
         chosen = chosen if chosen in counts else counts[0]
@@ -88,18 +102,27 @@ def encode(folder, scene, turn, noisy_every=3):
     return {name: packed(codes) for name, codes in arrays.items()}
 
 
+def with_depth(aux, relative):
+    """Albedo and normal [6, H, W] and the planes of the relative depth [1, H, W] or None, float16."""
+    return (aux if relative is None else torch.cat([aux, pipeline.depth_planes(relative.clamp(0, 1))])).half()
+
+
 def decode(arrays):
-    """What encode made -> {"target", "colour": {(scale, spp): [3, h, w]}, "aux": {spp, 0 converged: [6, H, W]}}, float16."""
+    """What encode made -> {"target", "colour": {(scale, spp): [3, h, w]}, "aux": {spp, 0 converged: [9, H, W], [6, H, W] without
+    depth}}, float16."""
     scene = {"colour": {}, "aux": {}}
     half = lambda name: torch.from_numpy(unpacked(arrays[name])).view(torch.float16)
     grid = lambda name, step: torch.from_numpy(unpacked(arrays[name])).float() * step
     converged = grid("aux", CONVERGED_STEP)
+    relative = grid("depth", DEPTH_STEP) if "depth" in arrays else None
     for name in arrays:
         if match := re.fullmatch(r"aux(\d+)", name):
-            scene["aux"][int(match[1])] = (converged + grid(name, noisy_step(int(match[1])))).half()
+            noisy = converged + grid(name, noisy_step(int(match[1])))
+            depth = name.replace("aux", "depth")
+            scene["aux"][int(match[1])] = with_depth(noisy, relative + grid(depth, noisy_step(int(match[1])) / 4) if depth in arrays else None)
         elif match := re.fullmatch(r"(?:x(\d+))?lr(\d+)", name):
             scene["colour"][int(match[1] or 4), int(match[2])] = half(name)
-    scene["target"], scene["aux"][0] = half("target"), converged.half()
+    scene["target"], scene["aux"][0] = half("target"), with_depth(converged, relative)
     return scene
 
 

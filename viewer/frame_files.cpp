@@ -78,6 +78,7 @@ std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& lay
   std::vector<std::string> inputs;
   if (!layers.albedo.empty() || hasAov(file, AovRole::kAlbedo)) inputs.emplace_back("albedo");
   if (!layers.normal.empty() || hasAov(file, AovRole::kNormal)) inputs.emplace_back("normal");
+  if (hasDepth(files.colour, files.auxiliary, layers)) inputs.emplace_back("depth");
   return inputs;
 }
 

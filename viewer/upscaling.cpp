@@ -36,7 +36,7 @@ std::vector<fs::path> filesOf(const FrameFiles& files) {
 }
 
 bool samePixels(const AovRequest& a, const AovRequest& b) {
-  return a.color == b.color && a.albedo == b.albedo && a.normal == b.normal;
+  return a.color == b.color && a.albedo == b.albedo && a.normal == b.normal && a.depth == b.depth;
 }
 
 }  // namespace
@@ -244,7 +244,7 @@ std::string Upscaling::wantedModel(const Wanted& wanted) const {
   if (!wanted.model.empty()) return wanted.model;
   if (live_) return "xrds-x4-mini";
   if (size_.inputs.empty()) return "xrds-x4-compact-plain";
-  return defaultModel(size_.scale, size_.has("normal")).stem().string();
+  return defaultModel(size_.scale, size_.has("normal"), size_.has("depth")).stem().string();
 }
 
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where

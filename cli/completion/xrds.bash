@@ -24,7 +24,7 @@ _xrds() {
     --aux) mapfile -t COMPREPLY < <(compgen -W "converged" -- "$current"); return ;;
     --exposure) mapfile -t COMPREPLY < <(compgen -W "auto" -- "$current"); return ;;
     --model) mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current"); return ;;
-    --color | --albedo | --normal | --layer | --reference-layer | --device | --size | --memory | --halo | --columns | --rows | --heat-max | --min-psnr | --scale | --colour | --runs) return ;;
+    --color | --albedo | --normal | --depth | --layer | --reference-layer | --device | --size | --memory | --halo | --columns | --rows | --heat-max | --min-psnr | --scale | --colour | --runs) return ;;
   esac
   if [[ $current == -* ]]; then
     local options

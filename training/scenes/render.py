@@ -30,6 +30,7 @@ def arguments():
     parser.add_argument("--family", choices=families.NAMES, help="only this one")
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--auxiliaries-again", action="store_true", help="of finished scenes the noisy full-resolution renders alone, anew")
     parser.add_argument("--preview", type=int, default=0, metavar="SAMPLES", help="only sNNNN_preview.exr, always anew")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
@@ -74,18 +75,25 @@ def render(ask, seed, scene):
     for scale, samples in storage.LOW:
         low = passes.render(scene, full // scale, full // scale, samples, 7 * seed + 10 * scale + samples)
         total += storage.write(ask.out, seed, storage.low_kind(scale, samples), storage.colour(low))
-    for samples in storage.AUX:
-        aux = passes.render(scene, full, full, samples, 7 * seed + 1000 + samples)
-        total += storage.write(ask.out, seed, f"aux{samples}", storage.noisy(aux))
+    total += render_auxiliaries(ask, seed, scene)
     reference = passes.render(scene, full, full, storage.REFERENCE, 7 * seed + 2000, threshold=0.03)
     return total + storage.write(ask.out, seed, "gt", storage.reference(reference))
+
+
+def render_auxiliaries(ask, seed, scene):
+    """The noisy full-resolution renders; returns their bytes."""
+    total = 0
+    for samples in storage.AUX:
+        aux = passes.render(scene, ask.size, ask.size, samples, 7 * seed + 1000 + samples)
+        total += storage.write(ask.out, seed, f"aux{samples}", storage.noisy(aux))
+    return total
 
 
 def main():
     ask = arguments()
     first, end = (int(part) for part in ask.seeds.split(":"))
     for seed in range(first, end, ask.stride):
-        if storage.finished(ask.out, seed) and not ask.preview:
+        if storage.finished(ask.out, seed) != ask.auxiliaries_again and not ask.preview:
             continue
         begin = time.monotonic()
         name = ask.family or families.NAMES[seed % len(families.NAMES)]
@@ -98,6 +106,8 @@ def main():
         if ask.preview:
             image = passes.render(scene, ask.size, ask.size, ask.preview, seed)
             byte_size = storage.write(ask.out, seed, "preview", storage.reference(image))
+        elif ask.auxiliaries_again:
+            byte_size = render_auxiliaries(ask, seed, scene)
         else:
             byte_size = render(ask, seed, scene)
         print(f"s{seed} {name}: built in {built - begin:.0f} s, rendered in {time.monotonic() - built:.0f} s, "
