@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <map>
+#include <mutex>
 #include <thread>
 
 #include "engine/handles.h"
@@ -108,7 +110,7 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 
 /// Programs to compile, of which each thread takes the next one.
 struct Programs {
-  std::span<const Dispatch* const> dispatches;
+  std::vector<const Dispatch*> dispatches{};
   std::atomic<size_t> next = 0;
 
   const Dispatch* take() {
@@ -138,22 +140,32 @@ void compileOnAnother(Gpu& gpu, Programs& programs) {
 
 }  // namespace
 
-// A queue compiles one program at a time, so further devices lend their queues. What they compile reaches the first
-// device through the driver's disk cache, which an instance completes before it is destroyed.
-void compileBeforeDispatch(Gpu& gpu, std::span<const Dispatch* const> dispatches) {
-  constexpr double kSecondsIfCached = 0.2;  // a program comes from the disk cache in 1 to 3 ms
-  constexpr size_t kMostDevices = 8;        // each takes 30 ms to open
+// Of programs in the disk cache, which come from it in 1 to 3 ms, each is compiled as soon as its pipeline is made: the
+// queue then works beside the threads that make the others. Once that has taken time, they are not cached. A queue
+// compiles one program at a time, so further devices lend their queues; what they compile reaches the first device
+// through the driver's disk cache, which an instance completes before it is destroyed.
+void makeCompiledPipelines(Gpu& gpu, std::span<const Dispatch* const> dispatches) {
+  constexpr double kSecondsIfCached = 0.2;
+  constexpr size_t kMostDevices = 8;  // each takes 30 ms to open
   if (dispatches.empty()) return;
-  const auto start = std::chrono::steady_clock::now();
-  Programs programs{dispatches};
+  std::map<PipelineKey, const Dispatch*> waiting;
+  std::vector<PipelineKey> keys;
+  for (const Dispatch* dispatch : dispatches) waiting.emplace(keys.emplace_back(*dispatch), dispatch);
   EmptyDispatches empty(gpu);
-  while (secondsSince(start) < kSecondsIfCached) {
-    const Dispatch* dispatch = programs.take();
-    if (!dispatch) return;
-    empty.run(*dispatch);
-  }
-  const size_t left = dispatches.size() - std::min<size_t>(programs.next, dispatches.size());
-  const size_t wanted = std::min<size_t>({kMostDevices, std::thread::hardware_concurrency(), left});
+  std::mutex access;  // to all of these
+  double seconds = 0;
+  makePipelines(gpu.handles(), keys, [&](const PipelineKey& key) {
+    const std::lock_guard lock(access);
+    if (seconds > kSecondsIfCached) return;
+    const auto start = std::chrono::steady_clock::now();
+    empty.run(*waiting.at(key));
+    waiting.erase(key);
+    seconds += secondsSince(start);
+  });
+
+  Programs programs;
+  for (const auto& [key, dispatch] : waiting) programs.dispatches.push_back(dispatch);
+  const size_t wanted = std::min<size_t>({kMostDevices, std::thread::hardware_concurrency(), waiting.size()});
   std::vector<Gpu> more = openMore(gpu, wanted > 1 ? wanted - 1 : 0);
   Threads threads;
   for (Gpu& other : more) threads.running.emplace_back([&] { compileOnAnother(other, programs); });

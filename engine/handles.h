@@ -109,13 +109,14 @@ VkFormat texelFormatOf(DataType type);
 void recordDispatch(const Gpu::Handles& gpu, VkCommandBuffer commands, const Dispatch& dispatch, VkDescriptorSet set,
                     std::array<uint32_t, 3> groupCount);
 
-/// Makes the pipelines of the keys that the device has not made yet, in parallel if there are many. Throws the failure
-/// of the first that cannot be made, whichever thread met it.
-void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys);
+/// Makes the pipelines of the keys that the device has not made yet, in parallel if there are many, and calls `made`
+/// after each, in the thread that made it. Throws the failure of the first that fails, whichever thread met it.
+void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys,
+                   const std::function<void(const PipelineKey&)>& made = {});
 
-/// Compiles programs before their first dispatch, where the driver would otherwise do it one after the other: on CPU
-/// devices. The pipelines must have been made.
-void compileBeforeDispatch(Gpu& gpu, std::span<const Dispatch* const> dispatches);
+/// Makes the pipelines of dispatches and compiles their programs, where the driver would otherwise do it at the first
+/// dispatch, one after the other: on CPU devices. Throws as makePipelines does.
+void makeCompiledPipelines(Gpu& gpu, std::span<const Dispatch* const> dispatches);
 
 /// Writes the pipeline cache to its file if it has grown. Failing to write is no error: it is only a cache.
 void savePipelineCache(Gpu::Handles& gpu) noexcept;

@@ -116,7 +116,8 @@ void recordDispatch(const Gpu::Handles& gpu, VkCommandBuffer commands, const Dis
   gpu.vk.vkCmdDispatch(commands, groupCount[0], groupCount[1], groupCount[2]);
 }
 
-void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys) {
+void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys,
+                   const std::function<void(const PipelineKey&)>& made) {
   std::vector<std::pair<const PipelineKey, Pipeline>*> missing;
   for (const PipelineKey& key : keys)
     if (const auto [place, isNew] = gpu.pipelines.try_emplace(key); isNew) missing.push_back(&*place);
@@ -130,6 +131,7 @@ void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys) {
     for (size_t i = next++; i < missing.size(); i = next++) {
       try {
         compile(gpu, missing[i]->first, missing[i]->second);
+        if (made) made(missing[i]->first);
       } catch (...) {
         failures[i] = std::current_exception();
       }

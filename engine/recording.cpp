@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "engine/handles.h"
@@ -87,13 +88,19 @@ std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
 
 // One dispatch for each pipeline that is still to be made.
 std::vector<const Dispatch*> notMade(const Gpu::Handles& gpu, std::span<const PlacedDispatch> dispatches) {
-  std::map<PipelineKey, const Dispatch*> found;
-  for (const PlacedDispatch& placed : dispatches)
-    if (const PipelineKey key(placed.dispatch); !placed.dispatch.isCopy() && !gpu.pipelines.contains(key))
-      found.try_emplace(key, &placed.dispatch);
+  std::set<PipelineKey> found;
   std::vector<const Dispatch*> fresh;
-  for (const auto& [key, dispatch] : found) fresh.push_back(dispatch);
+  for (const PlacedDispatch& placed : dispatches)
+    if (const PipelineKey key(placed.dispatch);
+        !placed.dispatch.isCopy() && !gpu.pipelines.contains(key) && found.insert(key).second)
+      fresh.push_back(&placed.dispatch);
   return fresh;
+}
+
+std::vector<PipelineKey> keysOf(std::span<const Dispatch* const> dispatches) {
+  std::vector<PipelineKey> keys;
+  for (const Dispatch* dispatch : dispatches) keys.emplace_back(*dispatch);
+  return keys;
 }
 
 std::vector<Submission> cut(std::span<const PlacedDispatch> dispatches, uint64_t multiplyAddsPerSubmission) {
@@ -327,7 +334,6 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
     : handles_(std::make_unique<Handles>(gpu.handles())) {
   XRDS_CHECK_LT(0u, asked.size());
   std::vector<PlacedDispatch> dispatches(asked.begin(), asked.end());
-  std::vector<PipelineKey> keys;
   std::vector<std::vector<RangeAccess>> accesses;
   for (PlacedDispatch& placed : dispatches) {
     XRDS_CHECK_EQ(placed.ranges.size(), placed.dispatch.bindings.size());
@@ -335,12 +341,13 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
       placed.ranges[i] = resolve(placed.ranges[i], placed.dispatch.bindings[i].kind);
     checkLimits(gpu.handles(), placed);
     if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu.handles(), placed);
-    if (!placed.dispatch.isCopy()) keys.emplace_back(placed.dispatch);
     accesses.push_back(accessesOf(placed));
   }
   const std::vector<const Dispatch*> fresh = notMade(gpu.handles(), dispatches);
-  makePipelines(gpu.handles(), keys);
-  if (gpu.description().kind == DeviceKind::cpu) compileBeforeDispatch(gpu, fresh);
+  if (gpu.description().kind == DeviceKind::cpu)
+    makeCompiledPipelines(gpu, fresh);
+  else
+    makePipelines(gpu.handles(), keysOf(fresh));
   handles_->barriers = barriersBefore(accesses);
   handles_->submissions = cut(dispatches, options.multiplyAddsPerSubmission);
   handles_->makePools(dispatches, options.timestamps);

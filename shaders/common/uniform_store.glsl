@@ -12,6 +12,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/wide_storage.glsl"
 layout(binding = TARGET_BINDING, std430) writeonly buffer Target { WIDE4 target[]; };
+layout(binding = TARGET_BINDING, std430) writeonly buffer TargetOfEights { WIDE8 target8[]; };  // the same
 const uint kLanes = gl_WorkGroupSize.x;  // the subgroup size
 #ifdef SMALL_DIGITS
 const uint kDigitBits = 2;
@@ -32,6 +33,7 @@ layout(constant_id = 32) const bool kKnowsUniforms = false;  // engine/dispatch.
 HAND_OUT(float)
 HAND_OUT(vec4)
 HAND_OUT(WIDE4)
+HAND_OUT(WIDE8)
 
 // sum + x * w. Where kKnowsUniforms, fma() is one instruction; of the other drivers it only makes compiling slower.
 #define PLUS_PRODUCT(type)                                 \
@@ -70,5 +72,8 @@ uint uniformOf(uint value, const uint digits) {
 // Four channels of one lane, at a vec4 index of the target. Index and lane are uniform. One store, which drivers are
 // faster to prepare than two of half of them.
 void storeLane(uint at, WIDE4 channels, const uint lane) { target[at] = handedOut(channels, lane); }
+
+// Eight channels, at an index of eights.
+void storeLane8(uint at, WIDE8 channels, const uint lane) { target8[at] = handedOut(channels, lane); }
 
 #endif

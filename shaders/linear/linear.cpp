@@ -100,7 +100,8 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   if (const uint32_t tile = laneTile(op, device)) {
     const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows};
+    const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin) % 2 == 0;
+    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows, inEights};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {

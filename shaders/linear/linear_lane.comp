@@ -16,6 +16,7 @@ layout(constant_id = 1) const uint kInputs = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
+layout(constant_id = 6) const bool kStoresEights = false;  // the slice of the target begins and steps in eights
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
@@ -67,9 +68,13 @@ void main() {
 #endif
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
     const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(finished(b, token, quad + 1));
-    [[unroll]] for (uint l = 0; l < kLanes; l++) {
-      storeLane(firstTarget + n + laneOffset[l], first, l);
-      storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
-    }
+    const WIDE8 both = WIDE8(first, second);
+    [[unroll]] for (uint l = 0; l < kLanes; l++)
+      if (kStoresEights) {
+        storeLane8((firstTarget + n + laneOffset[l]) / 2, both, l);
+      } else {
+        storeLane(firstTarget + n + laneOffset[l], first, l);
+        storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
+      }
   }
 }
