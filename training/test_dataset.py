@@ -215,6 +215,10 @@ def test_weights_start_from_another_scale(tmp_path):
     albedo_alone = Network(NetworkConfig(**{**SMALL.__dict__, "aux_inputs": ("albedo",)}))
     train.start_from(albedo_alone, path)
     assert same(albedo_alone.aux_conv.weight, source.aux_conv.weight[:, :3])
+    deeper = Network(NetworkConfig(**{**SMALL.__dict__, "aux_inputs": ("albedo", "normal", "depth")}))
+    train.start_from(deeper, path)
+    weight = torch.cat([source.aux_conv.weight, torch.zeros(4, 3, 3, 3)], 1)        # a further input changes nothing at first
+    assert torch.allclose(deeper.aux_conv.weight, weight, atol=2e-3)
     pointwise = Network(NetworkConfig(**{**SMALL.__dict__, "output_side": 1}))
     train.start_from(pointwise, path)
     assert torch.allclose(pointwise.out.weight[:, :, 0, 0], source.out.weight.sum((2, 3)), atol=2e-3)       # float16 in the file

@@ -154,6 +154,8 @@ def start_from(network, path):
             taken += 1
         elif found is not None and parts[0] in ("out", "fuse", "aux_conv"):     # fewer inputs or outputs: the leading ones are the same
             common = tuple(slice(min(a, b)) for a, b in zip(found.shape, tensor.shape))
+            if name == "aux_conv.weight":
+                tensor.zero_()      # a further auxiliary input changes nothing at first
             tensor[common] = found[common]
     return taken
 

@@ -13,14 +13,15 @@ Part partOf(int width, int height, std::vector<Layer> layers) {
   return {windowOf(width, height), windowOf(width, height), std::move(layers)};
 }
 
-// A full-resolution render: colour, a little off by `error`, albedo and normal.
-void writeFull(const std::filesystem::path& path, float error) {
+// A full-resolution render: colour, a little off by `error`, albedo, normal and, if asked for, depth.
+void writeFull(const std::filesystem::path& path, float error, bool withDepth = false) {
   const Layer colour = colourLayer("", 40);
-  writeParts(path, {partOf(40, 32,
-                           {{"ViewLayer.Combined", "RGB",
+  std::vector<Layer> layers{{"ViewLayer.Combined", "RGB",
                              [&](int x, int y, int c) { return colour.pixels(x, y, c) + error * float((x + y) % 2); }},
                             albedoLayer("ViewLayer.Denoising Albedo", 40),
-                            normalLayer("ViewLayer.Denoising Normal", 40)})});
+                            normalLayer("ViewLayer.Denoising Normal", 40)};
+  if (withDepth) layers.push_back({"ViewLayer.Denoising Depth", "Z", [](int x, int, int) { return 1.F + float(x); }});
+  writeParts(path, {partOf(40, 32, layers)});
 }
 
 /// Scenes s1 and s2, whole for scales 1 and 4, and s3 without a colour of 64 samples; finished images of s1 and s2.
@@ -44,6 +45,20 @@ struct SceneFolder {
     return runXrds(all);
   }
 };
+
+TEST(CliBenchQuality, ModelsThatTakeDepthNeedItOfEveryScene) {
+  const SceneFolder scenes;
+  const std::vector<std::string> both{"--model", scenes.model, "--model", goldenModel("s4_depth")};
+  writeFull(scenes.folder / "s1_aux16.exr", 0.1F, true);
+  const Ended one = scenes.run(both);
+  ASSERT_EQ(one.exitCode, 0) << one.error;
+  EXPECT_TRUE(contains(one.error, "s4_depth.model is left out: scene s2 has no depth")) << one.error;
+  EXPECT_FALSE(contains(one.output, "s4_depth.model")) << one.output;
+  EXPECT_TRUE(contains(one.output, "s4_guided.model")) << one.output;
+  writeFull(scenes.folder / "s2_aux16.exr", 0.1F, true);
+  const Ended all = scenes.run(both);
+  EXPECT_TRUE(contains(all.output, "s4_depth.model")) << all.output << all.error;
+}
 
 TEST(CliBenchQuality, ComparesModelsBaselinesAndFinishedImages) {
   const SceneFolder scenes;
