@@ -56,6 +56,17 @@ TensorView Layers::linear(const std::string& name, TensorView x, uint32_t output
                     .activation = activation});
 }
 
+TensorView Layers::normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
+                                Activation activation) {
+  if (!options_.normsInLinear) return linear(name, layerNorm(norm, x), outputs, {}, {}, activation);
+  return addLinear(name, outputs,
+                   {.input = x,
+                    .output = create(name, x, outputs),
+                    .weight = weight(name + ".weight", {outputs, x.channels}),
+                    .norm = {weight(norm + ".weight", {x.channels}), weight(norm + ".bias", {x.channels})},
+                    .activation = activation});
+}
+
 // In NHWC a 1x1 convolution is a linear map of each pixel; only the weight's shape in the file differs.
 TensorView Layers::conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
                            TensorView residual, RowRange rows) {

@@ -27,7 +27,9 @@ class Layers {
                     TensorView residual = {}, Activation activation = Activation::none);
   TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into, TensorView residual = {},
                      RowRange rows = {});
-  TensorView layerNorm(const std::string& name, TensorView x);
+  /// A linear layer of LN(x).
+  TensorView normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
+                          Activation activation = Activation::none);
   /// Attention of the band's rows, of which the views are images of their own.
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
                        const WindowBand& band);
@@ -55,6 +57,7 @@ class Layers {
   bool isSmall(uint32_t height, uint32_t width) const;
   uint64_t bandRows(const TensorView& image, uint32_t tensors) const;
   DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
+  TensorView layerNorm(const std::string& name, TensorView x);
   TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
   std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
     return weights_(name, std::span(shape.begin(), shape.size()));

@@ -28,31 +28,33 @@ class LowResolutionBranch {
   // Tensors of C channels that a chain holds at once: LN(t) and q, k, v of a Swin layer; LN(f2), f2 and four of MLP_4.
   static constexpr uint32_t kSelfAttentionTensors = 4, kCrossModuleTensors = 6;
 
-  TensorView selfAttention(const std::string& name, TensorView x, TensorView residual, bool shifted,
+  // x + WMSA(LN(x)).
+  TensorView selfAttention(const std::string& norm, const std::string& name, TensorView x, bool shifted,
                            const WindowBand& band) {
     const uint32_t c = x.channels;
-    const TensorView qkv = layers_.linear(name + ".qkv", x, 3 * c);
+    const TensorView qkv = layers_.normedLinear(norm, name + ".qkv", x, 3 * c);
     const TensorView heads =
         layers_.attention(name, slice(qkv, 0, c), slice(qkv, c, c), slice(qkv, 2 * c, c), shifted, band);
-    return layers_.linear(name + ".proj", heads, c, {}, residual);
+    return layers_.linear(name + ".proj", heads, c, {}, x);
   }
 
-  TensorView mlp(const std::string& name, TensorView x, uint32_t ratio, TensorView residual, TensorView into) {
-    const TensorView hidden = layers_.linear(name + ".fc1", x, ratio * x.channels, {}, {}, Activation::gelu);
-    return layers_.linear(name + ".fc2", hidden, x.channels, into, residual);
+  // x + MLP_ratio(LN(x)).
+  TensorView mlp(const std::string& norm, const std::string& name, TensorView x, uint32_t ratio, TensorView into) {
+    const TensorView hidden = layers_.normedLinear(norm, name + ".fc1", x, ratio * x.channels, Activation::gelu);
+    return layers_.linear(name + ".fc2", hidden, x.channels, into, x);
   }
 
   // XM: f1 = f + WMSA(LN(f)); f2 = f1 + WMCA(LN(f1), LN(e)); f2 + MLP_4(LN(f2)).
   void crossModule(const std::string& name, TensorView f, TensorView e, TensorView into, const WindowBand& band) {
     const uint32_t c = config_.channels;
-    f = selfAttention(name + "self_attn", layers_.layerNorm(name + "norm1", f), f, false, band);
+    f = selfAttention(name + "norm1", name + "self_attn", f, false, band);
     if (e.exists()) {
-      const TensorView q = layers_.linear(name + "cross_attn.q", layers_.layerNorm(name + "norm2", f), c);
-      const TensorView kv = layers_.linear(name + "cross_attn.kv", layers_.layerNorm(name + "norm_aux", e), 2 * c);
+      const TensorView q = layers_.normedLinear(name + "norm2", name + "cross_attn.q", f, c);
+      const TensorView kv = layers_.normedLinear(name + "norm_aux", name + "cross_attn.kv", e, 2 * c);
       const TensorView heads = layers_.attention(name + "cross_attn", q, slice(kv, 0, c), slice(kv, c, c), false, band);
       f = layers_.linear(name + "cross_attn.proj", heads, c, {}, f);
     }
-    mlp(name + "mlp", layers_.layerNorm(name + "norm3", f), 4, f, into);
+    mlp(name + "norm3", name + "mlp", f, 4, into);
   }
 
   // Rows of a convolution to C channels, as an image of their own.
@@ -82,9 +84,8 @@ class LowResolutionBranch {
 
   // STL: u = t + WMSA(LN(t)); u + MLP_2(LN(u)).
   TensorView swinLayer(const std::string& name, TensorView t, bool shifted, const WindowBand& band, TensorView into) {
-    const TensorView normal = layers_.layerNorm(name + "norm1", t);
-    const TensorView u = selfAttention(name + "attn", normal, t, shifted, band);
-    return mlp(name + "mlp", layers_.layerNorm(name + "norm2", u), 2, u, into);
+    const TensorView u = selfAttention(name + "norm1", name + "attn", t, shifted, band);
+    return mlp(name + "norm2", name + "mlp", u, 2, into);
   }
 
   // The layer, and behind it the 1x1 convolution `grow` to C channels if that is named, from t to `into`.

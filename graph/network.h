@@ -32,7 +32,12 @@ struct GraphOptions {
   /// Low-resolution rows of the bands, of whole windows, in which wide tensors are computed; 0: chosen by the frame's
   /// size, small frames in one piece. Bands take less memory and give the same output bit for bit.
   uint32_t bandRows = 0;
+  /// Layer norms are made by the linear layers behind them, as the lane and the plain kernels can.
+  bool normsInLinear = false;
 };
+
+/// Whether a device gains by GraphOptions::normsInLinear.
+inline bool takesNormsInLinear(const DeviceTraits& device) { return device.family == KernelFamily::lane; }
 
 /// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).
 /// In fp16 what the weights show to be beyond a half is stored in fp32 (findPromotions).

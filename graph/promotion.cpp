@@ -93,6 +93,7 @@ class MomentFlow {
 
   void follow(const Linear& op) {
     const uint32_t inputs = op.input.channels;
+    XRDS_CHECK_EQ(op.norm.weight.size(), 0u);  // graphs are looked at with norms of their own
     for (uint32_t o = 0; o < op.bias.size(); ++o) {
       Moment sum{op.bias[o], 0};
       for (uint32_t i = 0; i < inputs; ++i) {
@@ -102,6 +103,11 @@ class MomentFlow {
       at(op.output, o) = finished(sum, op.activation, op.residual, o);
     }
     checkWeights(op.weight, inputs);
+    const auto gain = gains_.find(op.input.value);
+    if (gain == gains_.end()) return;
+    std::vector<float> normed(op.weight.begin(), op.weight.end());  // as a layer that makes the norm stores them
+    for (size_t i = 0; i < normed.size(); ++i) normed[i] *= gain->second[i % inputs];
+    checkWeights(normed, inputs);
   }
 
   void follow(const Conv3x3& op) {
@@ -123,6 +129,7 @@ class MomentFlow {
   }
 
   void follow(const LayerNorm& op) {
+    gains_[op.output.value] = op.weight;
     const double centre = mean(op.input, [](Moment m) { return m.mean; });
     const double spread = std::sqrt(
         op.epsilon + mean(op.input, [&](Moment m) { return m.variance + (m.mean - centre) * (m.mean - centre); }));
@@ -185,6 +192,7 @@ class MomentFlow {
   const Graph& graph_;
   const Node* node_ = nullptr;
   std::map<ValueId, Channels> moments_;
+  std::map<ValueId, std::span<const float>> gains_;  // of the norms that made the values
   std::map<std::pair<std::string, bool>, std::string> found_;
 };
 

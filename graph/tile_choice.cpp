@@ -92,7 +92,8 @@ class Planner {
 
  private:
   Graph graphOf(FrameShape crop) const {
-    return buildGraph(model_.config(), crop, model_.lookup(), {.precision = precision_, .autoExposure = false});
+    return buildGraph(model_.config(), crop, model_.lookup(),
+                      {.precision = precision_, .autoExposure = false, .normsInLinear = takesNormsInLinear(traits_)});
   }
 
   const ModelWeights& model_;

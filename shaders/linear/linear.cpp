@@ -1,6 +1,7 @@
 #include "shaders/linear/linear.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "shaders/common/groups.h"
 #include "shaders/common/matrix.h"
@@ -20,11 +21,21 @@ constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kerne
 uint32_t inputChannels(const Linear& op) { return op.input.channels; }
 uint32_t outputChannels(const Linear& op) { return ceilDivide(op.bias.size(), 4) * 4; }
 
-// Of output n and input k; that of outputs above N is 0.
+bool normalizes(const Linear& op) { return !op.norm.weight.empty(); }
+
+// Of output n and input k, that of the norm included; that of outputs above N is 0.
 float weightAt(const Linear& op, size_t n, uint32_t k) {
-  return n < op.bias.size() ? op.weight[n * inputChannels(op) + k] : 0;
+  if (n >= op.bias.size()) return 0;
+  const float weight = op.weight[n * inputChannels(op) + k];
+  return normalizes(op) ? weight * op.norm.weight[k] : weight;
 }
-float biasAt(const Linear& op, size_t n) { return n < op.bias.size() ? op.bias[n] : 0; }
+float biasAt(const Linear& op, size_t n) {
+  if (n >= op.bias.size()) return 0;
+  double sum = op.bias[n];
+  for (uint32_t k = 0; k < op.norm.bias.size(); ++k)
+    sum += double{op.weight[n * inputChannels(op) + k]} * op.norm.bias[k];
+  return static_cast<float>(sum);
+}
 
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of 8; 0: there is
 // none.
@@ -73,6 +84,8 @@ MatrixShape matrixShapeOf(const Linear& op, const DeviceTraits& device) {
 TensorShape outputShape(const Linear& op) {
   checkView(op.input, op.input.shape());
   XRDS_CHECK_EQ(op.weight.size(), op.bias.size() * op.input.channels);
+  XRDS_CHECK_EQ(op.norm.weight.size(), op.norm.bias.size());
+  if (normalizes(op)) XRDS_CHECK_EQ(op.norm.weight.size(), size_t{op.input.channels});
   return {op.input.height, op.input.width, outputChannels(op)};
 }
 
@@ -90,9 +103,11 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   params.tokenBegin = rows.begin * op.input.width;
   params.tokenEnd = rows.end * op.input.width;
   params.storeOrigin = storeOrigin(op.output, rows);
+  params.epsilon = op.norm.epsilon;
 
   const uint64_t tokens = params.tokenEnd - params.tokenBegin;
   const uint32_t activation = static_cast<uint32_t>(op.activation), hasResidual = op.residual.exists();
+  const uint32_t normalized = normalizes(op);
   Dispatch launch{
       .bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residual), writeRows(op.output, rows)},
       .pushConstants = pushBytes(params),
@@ -101,23 +116,24 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
     const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin) % 2 == 0;
-    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows, inEights};
+    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows, inEights,
+                             normalized};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
-  } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
+  } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups && !normalized) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(shape, device.matrixSize, activation, hasResidual);
     launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
     launch.groupCount =
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
-  } else if (const TileShape tile = tileShape(op, device); tile.columns) {
+  } else if (const TileShape tile = tileShape(op, device); tile.columns && !normalized) {
     launch.program = programName("linear", KernelFamily::tile, op.output.type);
     launch.specialization = {tile.columns, tile.rows, tile.tokens, activation, hasResidual};
     launch.groupCount = tileGroups(ceilDivide(params.outputChannels, 4 * tile.columns),
                                    ceilDivide(tokens, uint64_t{tile.rows} * tile.tokens));
   } else {
     launch.program = programName("linear", KernelFamily::plain, op.output.type);
-    launch.specialization = {activation, hasResidual};
+    launch.specialization = {activation, hasResidual, normalized};
     const uint64_t items = uint64_t{ceilDivide(tokens, shader::kLinearTokens)} * (params.outputChannels / 4);
     launch.groupCount = foldedGroups(ceilDivide(items, 64));
   }
@@ -137,18 +153,39 @@ std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device) {
   return packed;
 }
 
+namespace {
+
+// The token as the products see it.
+std::vector<double> tokenAt(const Linear& op, HostMemory& memory, uint32_t y, uint32_t x) {
+  const uint32_t channels = op.input.channels;
+  std::vector<double> token(channels);
+  for (uint32_t k = 0; k < channels; ++k) token[k] = memory.at(op.input, y, x, k);
+  if (!normalizes(op)) return token;
+  double mean = 0, variance = 0;
+  for (const double v : token) mean += v / channels;
+  for (const double v : token) variance += (v - mean) * (v - mean) / channels;
+  for (uint32_t k = 0; k < channels; ++k)
+    token[k] = (token[k] - mean) / std::sqrt(variance + op.norm.epsilon) * op.norm.weight[k] + op.norm.bias[k];
+  return token;
+}
+
+}  // namespace
+
 void reference(const Linear& op, HostMemory& memory) {
   const auto [height, width, outputs] = outputShape(op);
   const RowRange rows = resolve(op.rows, height);
   for (uint32_t y = rows.begin; y < rows.end; ++y)
-    for (uint32_t x = 0; x < width; ++x)
+    for (uint32_t x = 0; x < width; ++x) {
+      const std::vector<double> token = tokenAt(op, memory, y, x);
       for (uint32_t n = 0; n < outputs; ++n) {
-        double sum = biasAt(op, n);
-        for (uint32_t k = 0; k < op.input.channels; ++k) sum += memory.at(op.input, y, x, k) * weightAt(op, n, k);
+        const bool exists = n < op.bias.size();
+        double sum = exists ? op.bias[n] : 0;
+        for (size_t k = 0; exists && k < token.size(); ++k) sum += token[k] * op.weight[n * token.size() + k];
         sum = activate(op.activation, sum);
         if (op.residual.exists()) sum += memory.at(op.residual, y, x, n);
         memory.at(op.output, y, x, n) = sum;
       }
+    }
 }
 
 }  // namespace xrds

@@ -9,6 +9,7 @@ struct LinearParams {
   uint tokenBegin;  // first token of this dispatch
   uint tokenEnd;
   uint storeOrigin;  // vec4 index at which the target binding starts
+  float epsilon;
 };
 const uint kLinearTokens = 4;       // tokens of an invocation of the plain kernel
 const uint kLinearTileInputs = 16;  // input channels of a step of the tile kernel
@@ -17,11 +18,16 @@ XRDS_SHARED_END
 #ifdef __cplusplus
 namespace xrds {
 
-/// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image.
+/// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image; with a norm of
+/// LN(x) in place of x, see LayerNorm.
 struct Linear {
   TensorView input, output;             // [h, w, K], [h, w, N rounded up to a multiple of four]
   TensorView residual{};                // optional, as the output, which it may be
   std::span<const float> weight, bias;  // [N][K], [N]
+  struct Norm {
+    std::span<const float> weight{}, bias{};  // [K] each; empty: none
+    float epsilon = 1e-5f;
+  } norm{};
   Activation activation = Activation::none;
   DataType weightType = DataType::f32;  // storage of the packed weights
   RowRange rows{};                      // of the output
@@ -32,12 +38,12 @@ struct Linear {
 TensorShape outputShape(const Linear& op);
 
 /// The kernel launch for the rows. The lane kernel takes multiples of eight outputs if the weights of eight fit its
-/// tile, the tile kernel all that the limits of the device allow; all else goes to the plain one. Throws
-/// std::logic_error on misuse. Pure.
+/// tile, the tile kernel all that the limits of the device allow; all else, and a norm that is not for the lane kernel,
+/// goes to the plain one. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const Linear& op, const DeviceTraits& device);
 
-/// What the chosen kernel reads as its weights. Plain, tile: [K][N], then bias[N]. Lane: for each tile of T outputs
-/// [K][T], then bias[T].
+/// What the chosen kernel reads as its weights, into which those of a norm are multiplied. Plain, tile: [K][N], then
+/// bias[N]. Lane: for each tile of T outputs [K][T], then bias[T].
 std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.

@@ -1,4 +1,4 @@
-// y = activation(x W^T + b) + residual as in linear.comp, for CPU devices.
+// y = activation(x W^T + b) + residual as in linear.comp, norm included, for CPU devices.
 // A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Weights of the tile, [K][kTile] then bias[kTile], lie in
 // shared memory and are read at constant offsets, outside of any branch or loop that survives compilation: only then is
 // a read a broadcast operand of the multiplication. Eight outputs at a time, four inputs written out, as drivers are slow
@@ -20,6 +20,7 @@ layout(constant_id = 6) const bool kStoresEights = false;  // the slice of the t
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
+layout(constant_id = 7) const bool kNormalizes = false;
 const uint kTileQuads = kTile / 4;
 const uint kTexels = (kInputs + 1) * kTileQuads;
 shared vec4 tile[kTexels];
@@ -44,6 +45,17 @@ void main() {
   vec4 x[kInputs / 4];
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
     x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
+  if (kNormalizes) {
+    vec4 sum = vec4(0), squares = vec4(0);
+    [[unroll]] for (uint k = 0; k < kInputs / 4; k++) sum += x[k];
+    const float mean = dot(sum, vec4(1)) / float(kInputs);
+    [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
+      x[k] -= mean;
+      squares += x[k] * x[k];
+    }
+    const float scale = inversesqrt(dot(squares, vec4(1)) / float(kInputs) + p.epsilon);
+    [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] *= scale;
+  }
 
   [[unroll]] for (uint m = 0; m < kTileQuads / 2; m++) {
     const uint n = 2 * m;

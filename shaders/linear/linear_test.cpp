@@ -16,6 +16,7 @@ struct Case {
   bool residual = false, inPlace = false;
   uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
   RowRange rows{};
+  bool norm = false;
 };
 
 // Odd ones first: one token, channels that are no multiple of a tile, slices that start at a 4 or an 8, rows that start
@@ -33,7 +34,10 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {2, 3, 1600, 8, Activation::none, true},
                            {33, 63, 20, 1024, Activation::relu},
                            {7, 33, 24, 3},
-                           {9, 40, 48, 53, Activation::none, false, false, 0, 0, 0, 0, {4, 9}}};
+                           {9, 40, 48, 53, Activation::none, false, false, 0, 0, 0, 0, {4, 9}},
+                           {3, 5, 12, 20, Activation::gelu, true, false, 4, 20, 0, 0, {1, 3}, true},
+                           {7, 33, 32, 96, Activation::none, false, false, 0, 64, 0, 0, {}, true},
+                           {2, 3, 1600, 8, Activation::none, false, false, 0, 0, 0, 0, {}, true}};
 
 std::vector<float> halves(std::vector<float> numbers) {
   for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
@@ -53,6 +57,8 @@ TEST_P(LinearCases, MatchesReference) {
             .activation = c.activation,
             .weightType = stored,
             .rows = c.rows};
+  const auto gain = halves(test::randomNumbers(c.inputs, 3)), shift = halves(test::randomNumbers(c.inputs, 4));
+  if (c.norm) op.norm = {gain, shift};
   if (c.residual) op.residual = c.inPlace ? op.output : view(2, stored, c.height, c.width, c.outputs);
   test::expectMatchesReference(op, test::traitsOf(family), test::toleranceOf(stored));
 }
@@ -151,6 +157,21 @@ TEST(Linear, TakesTheTilesThatFitTheDevice) {
   small = gpu;
   small.maxGroupInvocations = 128;
   EXPECT_EQ(launchOn(small, 256).program, "linear_plain_f32");
+}
+
+// Of tokens whose mean is a thousand times their deviation.
+TEST(Linear, NormalizesWithoutCancellation) {
+  const std::vector<float> weight = test::randomNumbers(16 * 32, 1), bias(16), gain(32, 1), shift(32, 0);
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane}) {
+    const Linear op{.input = view(0, DataType::f32, 3, 7, 32),
+                    .output = view(1, DataType::f32, 3, 7, 16),
+                    .weight = weight,
+                    .bias = bias,
+                    .norm = {gain, shift}};
+    auto tokens = test::randomNumbers(op.input.storedElementCount(), 2);
+    for (float& x : tokens) x = 1000 + std::round(x * 64) / 64;
+    test::expectMatchesReference(op, test::traitsOf(family), test::toleranceOf(DataType::f32), {{0, tokens}});
+  }
 }
 
 TEST(Linear, OfThePermutationSwapsChannels) {
