@@ -37,9 +37,8 @@ std::vector<OperatorCase> distinctOperators(const std::string& network, const Mo
   if (side == 0 || side % scale != 0)
     throw Error("A side of " + std::to_string(side) + " pixels is no multiple of the scale " + std::to_string(scale) +
                 " of network '" + network + "'.");
-  const GraphOptions options{.precision = precision,
-                             .bandRows = kWholeFrame,  // so that both have the same nodes
-                             .normsInLinear = takesNormsInLinear(device)};
+  const GraphOptions options =
+      fastOn(device, {.precision = precision, .bandRows = kWholeFrame});  // with the same nodes
   const Graph full = buildGraph(model.config(), {side / scale, side / scale}, model.lookup(), options);
   const Graph small = buildGraph(model.config(), kSmallFrame, model.lookup(), options);
   XRDS_CHECK_EQ(full.nodes.size(), small.nodes.size());

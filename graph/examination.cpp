@@ -73,8 +73,8 @@ std::vector<KernelExamination> examineKernels(Gpu& gpu, Precision precision, uin
   std::vector<KernelExamination> kernels;
   std::set<std::pair<std::string, std::vector<uint32_t>>> known;
   for (const ModelWeights* model : {&network, &untrained}) {
-    const Graph graph = buildGraph(model->config(), kFrame, model->lookup(),
-                                   {.precision = precision, .normsInLinear = takesNormsInLinear(gpu.traits())});
+    const Graph graph =
+        buildGraph(model->config(), kFrame, model->lookup(), fastOn(gpu.traits(), {.precision = precision}));
     for (const Node& node : graph.nodes) {
       const Graph one = single(graph, node);
       const Dispatch first = lower(one, gpu.traits()).front().dispatch;

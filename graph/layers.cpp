@@ -1,6 +1,7 @@
 #include "graph/layers.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "graph/network.h"
@@ -76,6 +77,20 @@ TensorView Layers::conv1x1(const std::string& name, TensorView x, uint32_t outpu
                     .residual = residual,
                     .weight = weight(name + ".weight", {outputs, x.channels, 1, 1}),
                     .rows = rows});
+}
+
+TensorView Layers::conv1x1OfSum(const std::string& first, const std::string& name, TensorView x, TensorView t,
+                                uint32_t outputs, TensorView into) {
+  static constexpr std::array<float, 512> kZeros{};  // as many as there are channels
+  if (!options_.mapsJoined) return conv1x1(name, linear(first, x, t.channels, {}, t), outputs, into);
+  Linear op{.input = x,
+            .output = create(first, x, outputs),
+            .weight = weight(name + ".weight", {outputs, t.channels, 1, 1}),
+            .bias = std::span(kZeros).first(outputs),
+            .first = {weight(first + ".weight", {t.channels, x.channels}), weight(first + ".bias", {t.channels})}};
+  op.weightType = storedWeights(first);
+  graph.nodes.push_back({first, op});
+  return conv1x1(name, t, outputs, into, op.output);
 }
 
 TensorView Layers::layerNorm(const std::string& name, TensorView x) {

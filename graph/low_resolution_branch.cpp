@@ -82,20 +82,27 @@ class LowResolutionBranch {
     return layers_.conv1x1(name + "concat", both, c, into);
   }
 
-  // STL: u = t + WMSA(LN(t)); u + MLP_2(LN(u)).
-  TensorView swinLayer(const std::string& name, TensorView t, bool shifted, const WindowBand& band, TensorView into) {
+  // STL: u = t + WMSA(LN(t)); u + MLP_2(LN(u)), and behind it the 1x1 convolution `grow` to C channels if that is
+  // named.
+  void swinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted, const WindowBand& band,
+                 TensorView into) {
     const TensorView u = selfAttention(name + "norm1", name + "attn", t, shifted, band);
-    return mlp(name + "norm2", name + "mlp", u, 2, into);
+    if (grow.empty()) {
+      mlp(name + "norm2", name + "mlp", u, 2, into);
+      return;
+    }
+    const TensorView hidden =
+        layers_.normedLinear(name + "norm2", name + "mlp.fc1", u, 2 * u.channels, Activation::gelu);
+    layers_.conv1x1OfSum(name + "mlp.fc2", grow, hidden, u, into.channels, into);
   }
 
-  // The layer, and behind it the 1x1 convolution `grow` to C channels if that is named, from t to `into`.
+  // The layer from t to `into`, band by band.
   void bandedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted, TensorView into) {
     const uint32_t tensors = kSelfAttentionTensors * t.channels / config_.channels;
     for (const WindowBand& band : layers_.bands(t, shifted, tensors)) {
       const TensorView from = takeRows(layers_.graph, name + "rows", band, t);
       const TensorView to = rowsToWrite(layers_.graph, name + "rows", band, into);
-      const TensorView result = swinLayer(name, from, shifted, band, grow.empty() ? to : TensorView{});
-      if (!grow.empty()) layers_.conv1x1(grow, result, into.channels, to);
+      swinLayer(name, grow, from, shifted, band, to);
       giveRows(layers_.graph, name + "rows", band, to, into);
     }
   }

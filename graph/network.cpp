@@ -8,6 +8,12 @@
 
 namespace xrds {
 
+GraphOptions fastOn(const DeviceTraits& device, GraphOptions options) {
+  options.normsInLinear = device.family == KernelFamily::lane;
+  options.mapsJoined = true;
+  return options;
+}
+
 Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
                  const GraphOptions& options) {
   if (frame.height == 0 || frame.width == 0 || frame.height > kMaxSide / config.scale ||
@@ -17,7 +23,8 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
                 ": each side of the output must be 1 to 65536 pixels.");
   Graph graph;
   if (options.precision == Precision::fp16 && config.groups > 0)
-    graph.promoted = findPromotions(buildGraph(config, {1, 1}, weights, {.autoExposure = false}));
+    graph.promoted =
+        findPromotions(buildGraph(config, {1, 1}, weights, {.autoExposure = false, .mapsJoined = options.mapsJoined}));
   Layers layers(config, weights, graph, options);
   const Prepared prepared = prepareInputs(config, frame, options, graph);
   graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});

@@ -34,10 +34,13 @@ struct GraphOptions {
   uint32_t bandRows = 0;
   /// Layer norms are made by the linear layers behind them, as the lane and the plain kernels can.
   bool normsInLinear = false;
+  /// Linear maps in a row with nothing between them are made as one, whose weights are their product: of an RDST a
+  /// seventh fewer multiply-adds.
+  bool mapsJoined = false;
 };
 
-/// Whether a device gains by GraphOptions::normsInLinear.
-inline bool takesNormsInLinear(const DeviceTraits& device) { return device.family == KernelFamily::lane; }
+/// The options with what makes the graph fast on a device.
+GraphOptions fastOn(const DeviceTraits& device, GraphOptions options);
 
 /// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).
 /// In fp16 what the weights show to be beyond a half is stored in fp32 (findPromotions).

@@ -94,18 +94,19 @@ class MomentFlow {
   void follow(const Linear& op) {
     const uint32_t inputs = op.input.channels;
     XRDS_CHECK_EQ(op.norm.weight.size(), 0u);  // graphs are looked at with norms of their own
-    for (uint32_t o = 0; o < op.bias.size(); ++o) {
-      Moment sum{op.bias[o], 0};
+    const std::vector<float> weight = joinedWeight(op), bias = joinedBias(op);
+    for (uint32_t o = 0; o < bias.size(); ++o) {
+      Moment sum{bias[o], 0};
       for (uint32_t i = 0; i < inputs; ++i) {
-        const double w = op.weight[size_t{o} * inputs + i];
+        const double w = weight[size_t{o} * inputs + i];
         sum = sum + Moment{w * at(op.input, i).mean, w * w * at(op.input, i).variance};
       }
       at(op.output, o) = finished(sum, op.activation, op.residual, o);
     }
-    checkWeights(op.weight, inputs);
+    checkWeights(weight, inputs);
     const auto gain = gains_.find(op.input.value);
     if (gain == gains_.end()) return;
-    std::vector<float> normed(op.weight.begin(), op.weight.end());  // as a layer that makes the norm stores them
+    std::vector<float> normed = weight;  // as a layer that makes the norm stores them
     for (size_t i = 0; i < normed.size(); ++i) normed[i] *= gain->second[i % inputs];
     checkWeights(normed, inputs);
   }

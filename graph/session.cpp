@@ -104,7 +104,7 @@ MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device) {
 
 Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionOptions options)
     : graph_(buildGraph(model.config(), frame, model.lookup(),
-                        {options.precision, options.autoExposure, options.bandRows, takesNormsInLinear(gpu.traits())})),
+                        fastOn(gpu.traits(), {options.precision, options.autoExposure, options.bandRows}))),
       storage_(options.aliasing ? inPlaceStorage(graph_) : ownStorage(graph_)) {
   checkLimits(graph_, gpu.traits());
   const auto lives = lifetimes(graph_, storage_);

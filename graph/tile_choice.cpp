@@ -93,7 +93,7 @@ class Planner {
  private:
   Graph graphOf(FrameShape crop) const {
     return buildGraph(model_.config(), crop, model_.lookup(),
-                      {.precision = precision_, .autoExposure = false, .normsInLinear = takesNormsInLinear(traits_)});
+                      fastOn(traits_, {.precision = precision_, .autoExposure = false}));
   }
 
   const ModelWeights& model_;

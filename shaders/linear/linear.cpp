@@ -23,19 +23,8 @@ uint32_t outputChannels(const Linear& op) { return ceilDivide(op.bias.size(), 4)
 
 bool normalizes(const Linear& op) { return !op.norm.weight.empty(); }
 
-// Of output n and input k, that of the norm included; that of outputs above N is 0.
-float weightAt(const Linear& op, size_t n, uint32_t k) {
-  if (n >= op.bias.size()) return 0;
-  const float weight = op.weight[n * inputChannels(op) + k];
-  return normalizes(op) ? weight * op.norm.weight[k] : weight;
-}
-float biasAt(const Linear& op, size_t n) {
-  if (n >= op.bias.size()) return 0;
-  double sum = op.bias[n];
-  for (uint32_t k = 0; k < op.norm.bias.size(); ++k)
-    sum += double{op.weight[n * inputChannels(op) + k]} * op.norm.bias[k];
-  return static_cast<float>(sum);
-}
+// Of the weights as the model has them: those of the first map, or of the tokens.
+size_t ownInputs(const Linear& op) { return op.first.bias.empty() ? inputChannels(op) : op.first.bias.size(); }
 
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of 8; 0: there is
 // none.
@@ -83,7 +72,9 @@ MatrixShape matrixShapeOf(const Linear& op, const DeviceTraits& device) {
 
 TensorShape outputShape(const Linear& op) {
   checkView(op.input, op.input.shape());
-  XRDS_CHECK_EQ(op.weight.size(), op.bias.size() * op.input.channels);
+  XRDS_CHECK_EQ(op.weight.size(), op.bias.size() * ownInputs(op));
+  XRDS_CHECK_EQ(op.first.weight.size(), op.first.bias.size() * op.input.channels);
+  XRDS_CHECK(op.first.bias.empty() || !normalizes(op));
   XRDS_CHECK_EQ(op.norm.weight.size(), op.norm.bias.size());
   if (normalizes(op)) XRDS_CHECK_EQ(op.norm.weight.size(), size_t{op.input.channels});
   return {op.input.height, op.input.width, outputChannels(op)};
@@ -140,26 +131,63 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   return launch;
 }
 
+std::vector<float> joinedWeight(const Linear& op) {
+  std::vector<float> joined(op.weight.begin(), op.weight.end());
+  const size_t inputs = inputChannels(op), middle = ownInputs(op);
+  for (size_t i = 0; normalizes(op) && i < joined.size(); ++i) joined[i] *= op.norm.weight[i % inputs];
+  if (op.first.bias.empty()) return joined;
+  joined.clear();
+  std::vector<double> row(inputs);
+  for (size_t n = 0; n < op.bias.size(); ++n) {
+    std::fill(row.begin(), row.end(), 0);
+    for (size_t m = 0; m < middle; ++m)
+      for (size_t k = 0; k < inputs; ++k) row[k] += double{op.weight[n * middle + m]} * op.first.weight[m * inputs + k];
+    joined.insert(joined.end(), row.begin(), row.end());
+  }
+  return joined;
+}
+
+std::vector<float> joinedBias(const Linear& op) {
+  const std::span<const float> before = normalizes(op) ? op.norm.bias : op.first.bias;
+  std::vector<float> joined;
+  for (size_t n = 0; n < op.bias.size(); ++n) {
+    double sum = op.bias[n];
+    for (size_t m = 0; m < before.size(); ++m) sum += double{op.weight[n * before.size() + m]} * before[m];
+    joined.push_back(static_cast<float>(sum));
+  }
+  return joined;
+}
+
 std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device) {
   const uint32_t inputs = inputChannels(op), outputs = outputChannels(op), laneOutputs = laneTile(op, device);
+  const std::vector<float> weight = joinedWeight(op), bias = joinedBias(op);
+  // Outputs above N have weights of 0.
+  const auto weightAt = [&](size_t n, size_t k) { return n < bias.size() ? weight[n * inputs + k] : 0; };
+  const auto biasAt = [&](size_t n) { return n < bias.size() ? bias[n] : 0; };
   const uint32_t tile = laneOutputs ? laneOutputs : outputs;
   std::vector<float> packed;
   packed.reserve(size_t{inputs + 1} * outputs);
   for (uint32_t first = 0; first < outputs; first += tile) {
     for (uint32_t k = 0; k < inputs; ++k)
-      for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weightAt(op, n, k));
-    for (uint32_t n = first; n < first + tile; ++n) packed.push_back(biasAt(op, n));
+      for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weightAt(n, k));
+    for (uint32_t n = first; n < first + tile; ++n) packed.push_back(biasAt(n));
   }
   return packed;
 }
 
 namespace {
 
-// The token as the products see it.
+// The token as the weights see it.
 std::vector<double> tokenAt(const Linear& op, HostMemory& memory, uint32_t y, uint32_t x) {
   const uint32_t channels = op.input.channels;
   std::vector<double> token(channels);
   for (uint32_t k = 0; k < channels; ++k) token[k] = memory.at(op.input, y, x, k);
+  if (!op.first.bias.empty()) {
+    std::vector<double> mapped(op.first.bias.begin(), op.first.bias.end());
+    for (size_t i = 0; i < op.first.weight.size(); ++i)
+      mapped[i / channels] += op.first.weight[i] * token[i % channels];
+    return mapped;
+  }
   if (!normalizes(op)) return token;
   double mean = 0, variance = 0;
   for (const double v : token) mean += v / channels;

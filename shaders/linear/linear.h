@@ -18,16 +18,19 @@ XRDS_SHARED_END
 #ifdef __cplusplus
 namespace xrds {
 
-/// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image; with a norm of
-/// LN(x) in place of x, see LayerNorm.
+/// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image. With a norm of
+/// LN(x) in place of x, see LayerNorm; with a first map of x V^T + c.
 struct Linear {
   TensorView input, output;             // [h, w, K], [h, w, N rounded up to a multiple of four]
   TensorView residual{};                // optional, as the output, which it may be
-  std::span<const float> weight, bias;  // [N][K], [N]
+  std::span<const float> weight, bias;  // [N][K], with a first map [N][M]; [N]
   struct Norm {
     std::span<const float> weight{}, bias{};  // [K] each; empty: none
     float epsilon = 1e-5f;
   } norm{};
+  struct Map {
+    std::span<const float> weight{}, bias{};  // V [M][K], c [M]; empty: none, as it is where there is a norm
+  } first{};
   Activation activation = Activation::none;
   DataType weightType = DataType::f32;  // storage of the packed weights
   RowRange rows{};                      // of the output
@@ -42,8 +45,12 @@ TensorShape outputShape(const Linear& op);
 /// goes to the plain one. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const Linear& op, const DeviceTraits& device);
 
-/// What the chosen kernel reads as its weights, into which those of a norm are multiplied. Plain, tile: [K][N], then
-/// bias[N]. Lane: for each tile of T outputs [K][T], then bias[T].
+/// [N][K] and [N] of the map, into which those of a norm or of a first map are multiplied, in double precision.
+std::vector<float> joinedWeight(const Linear& op);
+std::vector<float> joinedBias(const Linear& op);
+
+/// What the chosen kernel reads as its weights, of the joined ones. Plain, tile: [K][N], then bias[N]. Lane: for each
+/// tile of T outputs [K][T], then bias[T].
 std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.

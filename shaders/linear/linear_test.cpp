@@ -159,6 +159,30 @@ TEST(Linear, TakesTheTilesThatFitTheDevice) {
   EXPECT_EQ(launchOn(small, 256).program, "linear_plain_f32");
 }
 
+TEST(Linear, JoinsTheFirstMapWithItsOwn) {
+  const std::vector<float> weight = test::randomNumbers(20 * 12, 1), bias = test::randomNumbers(20, 2),
+                           first = test::randomNumbers(12 * 48, 3), firstBias = test::randomNumbers(12, 4);
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane, KernelFamily::tile}) {
+    const Linear op{.input = view(0, DataType::f32, 5, 7, 48, 16, 64),
+                    .output = view(1, DataType::f32, 5, 7, 20),
+                    .residual = view(2, DataType::f32, 5, 7, 20),
+                    .weight = weight,
+                    .bias = bias,
+                    .first = {first, firstBias},
+                    .activation = Activation::relu};
+    EXPECT_EQ(dispatch(op, test::traitsOf(family)).multiplyAdds, 5u * 7 * 48 * 20);
+    test::expectMatchesReference(op, test::traitsOf(family), test::toleranceOf(DataType::f32));
+  }
+  Linear wrong{.input = view(0, DataType::f32, 5, 7, 48),
+               .output = view(1, DataType::f32, 5, 7, 20),
+               .weight = weight,
+               .bias = bias,
+               .first = {std::span(first).subspan(1), firstBias}};
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong.first = {first, std::span(firstBias).subspan(1)};
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+}
+
 // Of tokens whose mean is a thousand times their deviation.
 TEST(Linear, NormalizesWithoutCancellation) {
   const std::vector<float> weight = test::randomNumbers(16 * 32, 1), bias(16), gain(32, 1), shift(32, 0);
