@@ -72,16 +72,16 @@ TEST(OperatorCase, FindsAWrongKernel) {
   // Half floats where floats are expected.
   Gpu gpu = gpuWith([](std::string_view name) {
     std::string other(name);
-    if (name.starts_with("layer_norm_")) other.replace(other.size() - 3, 3, "f16");
+    if (name.starts_with("window_attention_")) other.replace(other.size() - 3, 3, "f16");
     return embeddedProgram(other);
   });
   const ModelWeights model = ModelWeights::random(kSmall, 1);
   int wrong = 0;
   for (const auto& operatorCase : distinctOperators("small", model, 64, Precision::fp32, gpu.traits())) {
-    const bool layerNorm = operatorCase.name.starts_with("layer_norm/");
-    if (!layerNorm && !operatorCase.name.starts_with("exposure/")) continue;
-    EXPECT_EQ(compareWithReference(gpu, operatorCase).withinTolerance, !layerNorm) << operatorCase.name;
-    wrong += layerNorm;
+    const bool attention = operatorCase.name.starts_with("window_attention/");
+    if (!attention && !operatorCase.name.starts_with("exposure/")) continue;
+    EXPECT_EQ(compareWithReference(gpu, operatorCase).withinTolerance, !attention) << operatorCase.name;
+    wrong += attention;
   }
   EXPECT_GT(wrong, 0);
 }

@@ -36,6 +36,8 @@ struct PackedModel {
 const float* weightsOf(const Operator& op) {
   return std::visit(
       [](const auto& o) -> const float* {
+        if constexpr (requires { o.first; })
+          if (!o.first.weight.empty()) return o.first.weight.data();  // the others are those of a second layer too
         if constexpr (requires { o.weight; }) return o.weight.data();
         if constexpr (requires { o.biasTable; }) return o.biasTable.data();
         return nullptr;

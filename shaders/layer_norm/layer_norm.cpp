@@ -4,19 +4,9 @@
 
 #include "shaders/common/groups.h"
 #include "shaders/common/tile.h"
-#include "shaders/common/uniform_store.h"
 
 namespace xrds {
 namespace {
-
-// A wider token does not stay in the lane's registers and close memory, and takes seconds to compile.
-constexpr uint32_t kMaxLaneChannels = 512;
-constexpr uint32_t kMaxRows = 16;  // subgroups of a workgroup of the lane kernel
-
-bool laneFits(const LayerNorm& op, const DeviceTraits& device) {
-  return device.family == KernelFamily::lane && device.shaderInt64 && op.input.channels <= kMaxLaneChannels &&
-         device.subgroupSize * kMaxRows <= device.maxGroupInvocations;
-}
 
 // Invocations that share a token in the tile kernel; 0: the device takes the plain one.
 uint32_t tileShare(const LayerNorm& op, const DeviceTraits& device) {
@@ -47,13 +37,7 @@ Dispatch dispatch(const LayerNorm& op, const DeviceTraits& device) {
   const uint32_t channels = op.input.channels, tokens = params.tokenEnd - params.tokenBegin;
   Dispatch launch{.bindings = {readTexels(op.input), readWeights(DataType::f32), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params)};
-  if (laneFits(op, device)) {
-    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
-    launch.program = programName("layer_norm", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, channels, rows};
-    launch.pushConstants = pushBytesWithDigits(params);
-    launch.groupCount = {subgroups / rows, 1, 1};
-  } else if (const uint32_t share = tileShare(op, device)) {
+  if (const uint32_t share = tileShare(op, device)) {
     launch.program = programName("layer_norm", KernelFamily::tile, op.output.type);
     launch.specialization = {share, kTileInvocations / share, channels};
     launch.groupCount = {ceilDivide(tokens, kTileInvocations / share), 1, 1};

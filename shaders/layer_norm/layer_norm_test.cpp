@@ -16,7 +16,7 @@ struct Shape {
 };
 
 // Odd ones first: one token, an uneven number of tokens, slices, rows that start inside an aligned block; at last
-// tokens too wide for a lane, and for a tile.
+// tokens too wide for a tile.
 constexpr Shape kShapes[] = {{1, 1, 4},
                              {3, 5, 12},
                              {7, 13, 20, 4, 28, 8, 36},
@@ -33,7 +33,6 @@ class LayerNormShapes : public testing::TestWithParam<std::tuple<Shape, DataType
 TEST_P(LayerNormShapes, MatchesReference) {
   const auto& [s, inputType, outputType, family] = GetParam();
   DeviceTraits traits = test::gpu().traits();
-  if (family == KernelFamily::lane && traits.family != family) GTEST_SKIP() << "the lane kernel is for CPU devices";
   traits.family = family;
   const auto weight = test::randomNumbers(s.channels, 1), bias = test::randomNumbers(s.channels, 2);
   const LayerNorm op{.input = view(0, inputType, s.height, s.width, s.channels, s.inputOffset, s.inputStride),
@@ -47,8 +46,7 @@ TEST_P(LayerNormShapes, MatchesReference) {
 INSTANTIATE_TEST_SUITE_P(All, LayerNormShapes,
                          testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
                                           testing::Values(DataType::f32, DataType::f16),
-                                          testing::Values(KernelFamily::plain, KernelFamily::lane,
-                                                          KernelFamily::tile)));
+                                          testing::Values(KernelFamily::plain, KernelFamily::tile)));
 
 TEST(LayerNorm, OfTwoLevelsIsPlusMinusOne) {
   const std::vector<float> weight(4, 1), bias(4, 0);
