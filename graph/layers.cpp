@@ -13,8 +13,9 @@ namespace {
 constexpr uint32_t kLeastBandPixels = 4096, kLeastSweepPixels = 49152;
 // Frames of at most this are made in one piece: they need less memory than larger ones do, and nano gains a sixth.
 constexpr uint64_t kWholeColourPixels = uint64_t{1} << 14, kWholeOutputPixels = uint64_t{1} << 18;
-constexpr uint32_t kSweepSteps = 24;  // of an image
-constexpr uint32_t kSweepUnit = 16;   // rows: whole pixels of the colour at any scale, whole strips of the kernels
+constexpr uint32_t kBandChannels = 64;  // with which a band of 1 / tensors of the image is as large as caches like
+constexpr uint32_t kSweepSteps = 24;    // of an image
+constexpr uint32_t kSweepUnit = 16;     // rows: whole pixels of the colour at any scale, whole strips of the kernels
 
 }  // namespace
 
@@ -141,7 +142,9 @@ std::vector<WindowBand> Layers::bands(const TensorView& image, bool shifted, uin
 uint64_t Layers::bandRows(const TensorView& image, uint32_t tensors) const {
   if (options_.bandRows > 0) return options_.bandRows;
   if (isSmall(image.height, image.width)) return kWholeFrame;
-  const uint64_t rows = std::max(image.height / tensors, ceilDivide(kLeastBandPixels, image.width));
+  const uint32_t share =
+      std::clamp(kBandChannels / config.channels, 1u, 2u);  // narrow features leave room for more rows
+  const uint64_t rows = std::max(share * image.height / tensors, ceilDivide(kLeastBandPixels, image.width));
   // Of whole multiples of eight windows, whose tokens large workgroups share out evenly.
   const uint32_t unit = config.window * (8 / std::gcd(image.width / config.window, 8u));
   return rows < unit ? rows : rows / unit * unit;
