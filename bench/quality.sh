@@ -23,7 +23,7 @@ shipped=" $("$xrds" info | tr '\n' ' ') "
 model_options() {
   local name names
   case $1 in
-    4) names="xrds-x4-compact xrds-x4-compact-depth xrds-x4-small xrds-x4-mini xrds-x4-nano xrds-x4-compact-albedo xrds-x4-compact-plain" ;;
+    4) names="xrds-x4-compact xrds-x4-small xrds-x4-mini xrds-x4-nano xrds-x4-compact-albedo xrds-x4-compact-plain" ;;
     *) names="xrds-x$1-compact" ;;
   esac
   for name in $names; do

@@ -34,7 +34,6 @@ filter="--aux-kernels 5"
 {
     model xrds-x4-compact 100 "" --output-side 1 $filter
     model xrds-x4-small 80 xrds-x4-compact --groups 1 --output-side 1 $filter
-    model xrds-x4-compact-depth 80 xrds-x4-compact --aux albedo,normal,depth --output-side 1 $filter
     model xrds-x2-compact 25 xrds-x4-compact --scale 2 --output-side 1 --rate 3e-4 --ratio 0.5 $filter
     model xrds-x8-compact 25 xrds-x4-compact --scale 8 --output-side 1 --crop 16 --rate 4e-4 $filter
     model xrds-x1-compact 120 xrds-x4-compact --scale 1 --crop 64 --batch 2 --rate 4e-4 --tone 0.4 $filter
