@@ -154,14 +154,20 @@ void makeCompiledPipelines(Gpu& gpu, std::span<const Dispatch* const> dispatches
   EmptyDispatches empty(gpu);
   std::mutex access;  // to all of these
   double seconds = 0;
+  std::exception_ptr failure;  // of a dispatch, which may still hold its pipeline: not that of making it
   makePipelines(gpu.handles(), keys, [&](const PipelineKey& key) {
     const std::lock_guard lock(access);
-    if (seconds > kSecondsIfCached) return;
+    if (failure || seconds > kSecondsIfCached) return;
     const auto start = std::chrono::steady_clock::now();
-    empty.run(*waiting.at(key));
+    try {
+      empty.run(*waiting.at(key));
+    } catch (...) {
+      failure = std::current_exception();
+    }
     waiting.erase(key);
     seconds += secondsSince(start);
   });
+  if (failure) std::rethrow_exception(failure);
 
   Programs programs;
   for (const auto& [key, dispatch] : waiting) programs.dispatches.push_back(dispatch);
