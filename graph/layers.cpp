@@ -71,12 +71,21 @@ TensorView Layers::normedLinear(const std::string& norm, const std::string& name
 
 // In NHWC a 1x1 convolution is a linear map of each pixel; only the weight's shape in the file differs.
 TensorView Layers::conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
-                           TensorView residual, RowRange rows) {
+                           TensorView residual) {
   return addLinear(name, outputs,
                    {.input = x,
                     .output = into.exists() ? into : create(name, x, outputs),
                     .residual = residual,
-                    .weight = weight(name + ".weight", {outputs, x.channels, 1, 1}),
+                    .weight = weight(name + ".weight", {outputs, x.channels, 1, 1})});
+}
+
+TensorView Layers::conv1x1Rows(const std::string& name, TensorView x, TensorView appended, uint32_t outputs,
+                               TensorView into, RowRange rows) {
+  return addLinear(name, outputs,
+                   {.input = x,
+                    .output = into,
+                    .appended = appended,
+                    .weight = weight(name + ".weight", {outputs, x.channels + appended.channels, 1, 1}),
                     .rows = rows});
 }
 

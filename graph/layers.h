@@ -28,8 +28,11 @@ class Layers {
   /// The 1x1 convolution `name` of t + the linear layer `first` of x, joined into two maps where maps are.
   TensorView conv1x1OfSum(const std::string& first, const std::string& name, TensorView x, TensorView t,
                           uint32_t outputs, TensorView into);
-  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into, TensorView residual = {},
-                     RowRange rows = {});
+  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                     TensorView residual = {});
+  /// Of the rows of x and of the channels of `appended` behind its own.
+  TensorView conv1x1Rows(const std::string& name, TensorView x, TensorView appended, uint32_t outputs, TensorView into,
+                         RowRange rows);
   /// A linear layer of LN(x).
   TensorView normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
                           Activation activation = Activation::none);

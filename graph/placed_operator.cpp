@@ -73,6 +73,7 @@ OperatorViews viewsOf(const Node& node) {
         if constexpr (requires { op.network; }) add(op.network);
         if constexpr (requires { op.base; }) add(op.base);
         if constexpr (requires { op.exposure; }) add(op.exposure);
+        if constexpr (requires { op.appended; }) add(op.appended);
         if constexpr (requires { op.residual; }) add(op.residual);
         if constexpr (requires { op.queries; }) add(op.queries), add(op.keys), add(op.values);
       },

@@ -92,14 +92,15 @@ class MomentFlow {
   void follow(const DecodeRadiance&) {}
 
   void follow(const Linear& op) {
-    const uint32_t inputs = op.input.channels;
+    const uint32_t own = op.input.channels, inputs = own + op.appended.channels;
     XRDS_CHECK_EQ(op.norm.weight.size(), 0u);  // graphs are looked at with norms of their own
     const std::vector<float> weight = joinedWeight(op), bias = joinedBias(op);
     for (uint32_t o = 0; o < bias.size(); ++o) {
       Moment sum{bias[o], 0};
       for (uint32_t i = 0; i < inputs; ++i) {
         const double w = weight[size_t{o} * inputs + i];
-        sum = sum + Moment{w * at(op.input, i).mean, w * w * at(op.input, i).variance};
+        const Moment x = i < own ? at(op.input, i) : at(op.appended, i - own);
+        sum = sum + Moment{w * x.mean, w * w * x.variance};
       }
       at(op.output, o) = finished(sum, op.activation, op.residual, o);
     }

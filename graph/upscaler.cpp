@@ -17,7 +17,7 @@ class Upscaler {
     for (uint32_t j = 0; j <= config_.steps(); ++j) {
       const bool last = j == config_.steps();
       const std::string name = last ? "upscaled" : j == 0 ? "up_pre" : "up." + std::to_string(j - 1);
-      const uint32_t skipped = last && config_.auxSkip ? config_.auxChannels : 0;
+      const uint32_t skipped = last && copiesFeatures() ? config_.auxChannels : 0;
       doublings_.emplace_back(name, layers.stored(name),
                               TensorShape{u.height << j, u.width << j, config_.channels + skipped});
     }
@@ -43,6 +43,8 @@ class Upscaler {
   }
 
  private:
+  // A 3x3 output convolution reads one tensor, a 1x1 one the auxiliary features where they are.
+  bool copiesFeatures() const { return config_.auxSkip && config_.outputSide == 3; }
   uint32_t outputStage() const { return config_.steps() + 1; }
   RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, stage * layers_.sweepDistance()); }
   // The base image reads the means of the filtered images two low-resolution rows below its own.
@@ -67,7 +69,7 @@ class Upscaler {
     else
       layers_.conv("up." + std::to_string(j - 1), doublings_[j - 1].view(), c, 4 * c,
                    {.into = into, .shuffle = true, .rows = {made.begin / 2, made.end / 2}, .inFours = true});
-    if (j == config_.steps() && h_.exists()) copyRows(graph_, "aux_skip", h_, slice(all, c, h_.channels), made);
+    if (j == config_.steps() && copiesFeatures()) copyRows(graph_, "aux_skip", h_, slice(all, c, h_.channels), made);
   }
 
   // The raw output, and what its logits make of the auxiliary images.
@@ -78,7 +80,7 @@ class Upscaler {
     const TensorView& upscaled = doublings_.back().view();
     const TensorView out = out_.advance(graph_, made, keep);
     if (config_.outputSide == 1)
-      layers_.conv1x1("out", upscaled, config_.outputWidth(), out, {}, made);
+      layers_.conv1x1Rows("out", upscaled, h_, config_.outputWidth(), out, made);
     else
       layers_.conv("out", upscaled, upscaled.channels, config_.outputWidth(),
                    {.into = out, .rows = made, .inFours = true});

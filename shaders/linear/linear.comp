@@ -1,5 +1,5 @@
 // y = activation(x W^T + b) + residual for each token; kNormalizes: of (x - mean(x)) / sqrt(var(x) + epsilon).
-// x, residual, y: [tokens][channels] slices; weights: [K][N], then bias[N]. An invocation computes four outputs of
+// x, of one source or two, residual, y: [tokens][channels] slices; weights: [K][N], then bias[N]. An invocation computes four outputs of
 // four tokens; neighbours share the tokens and read consecutive weights. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -11,21 +11,24 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kActivation = kActivationNone;
 layout(constant_id = 1) const bool kHasResidual = false;
 layout(constant_id = 2) const bool kNormalizes = false;
+layout(constant_id = 3) const bool kHasAppended = false;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 layout(binding = 3, std430) writeonly buffer Target { STORED4 target[]; };
+layout(binding = 4) uniform samplerBuffer appended;
 layout(push_constant) uniform Push { LinearParams p; };
+#include "shaders/linear/token.glsl"
 
 // Mean and one over the deviation, in two passes: no cancellation.
 vec2 normOf(uint token) {
   if (!kNormalizes) return vec2(0, 1);
-  const int from = int(token * p.source.stride + p.source.offset), quads = int(p.inputChannels / 4);
+  const uint quads = p.inputChannels / 4;
   vec4 sum = vec4(0), squares = vec4(0);
-  for (int q = 0; q < quads; q++) sum += texelFetch(source, from + q);
+  for (uint q = 0; q < quads; q++) sum += tokenQuad(token, q);
   const float mean = dot(sum, vec4(1)) / float(p.inputChannels);
-  for (int q = 0; q < quads; q++) {
-    const vec4 distance = texelFetch(source, from + q) - mean;
+  for (uint q = 0; q < quads; q++) {
+    const vec4 distance = tokenQuad(token, q) - mean;
     squares += distance * distance;
   }
   return vec2(mean, inversesqrt(dot(squares, vec4(1)) / float(p.inputChannels) + p.epsilon));
@@ -50,7 +53,7 @@ void main() {
     mat4 columns;  // column i: the weights of input channel 4 k + i
     for (uint i = 0; i < 4; i++) columns[i] = texelFetch(weights, int((4 * k + i) * outputQuads + quad));
     for (uint t = 0; t < kLinearTokens; t++) {
-      const vec4 x = texelFetch(source, int(tokens[t] * p.source.stride + p.source.offset + k));
+      const vec4 x = tokenQuad(tokens[t], k);
       sum[t] += columns * (kNormalizes ? (x - norm[t].x) * norm[t].y : x);
     }
   }

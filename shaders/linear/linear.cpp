@@ -18,7 +18,7 @@ constexpr uint32_t kMaxBody = 6144, kGoodBody = 2048;
 constexpr uint32_t kMaxTile = 64, kGoodTile = 48;
 constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kernel
 
-uint32_t inputChannels(const Linear& op) { return op.input.channels; }
+uint32_t inputChannels(const Linear& op) { return op.input.channels + op.appended.channels; }
 uint32_t outputChannels(const Linear& op) { return ceilDivide(op.bias.size(), 4) * 4; }
 
 bool normalizes(const Linear& op) { return !op.norm.weight.empty(); }
@@ -65,18 +65,21 @@ TileShape tileShape(const Linear& op, const DeviceTraits& device) {
 }
 
 MatrixShape matrixShapeOf(const Linear& op, const DeviceTraits& device) {
-  return matrixShape(device, op.input.type, op.weightType, inputChannels(op), outputChannels(op));
+  const DataType appended = op.appended.exists() ? op.appended.type : op.input.type;
+  const DataType inputType = appended == op.input.type ? appended : DataType::f32;
+  return matrixShape(device, inputType, op.weightType, inputChannels(op), outputChannels(op));
 }
 
 }  // namespace
 
 TensorShape outputShape(const Linear& op) {
   checkView(op.input, op.input.shape());
+  if (op.appended.exists()) checkView(op.appended, {op.input.height, op.input.width, op.appended.channels});
   XRDS_CHECK_EQ(op.weight.size(), op.bias.size() * ownInputs(op));
-  XRDS_CHECK_EQ(op.first.weight.size(), op.first.bias.size() * op.input.channels);
+  XRDS_CHECK_EQ(op.first.weight.size(), op.first.bias.size() * inputChannels(op));
   XRDS_CHECK(op.first.bias.empty() || !normalizes(op));
   XRDS_CHECK_EQ(op.norm.weight.size(), op.norm.bias.size());
-  if (normalizes(op)) XRDS_CHECK_EQ(op.norm.weight.size(), size_t{op.input.channels});
+  if (normalizes(op)) XRDS_CHECK_EQ(op.norm.weight.size(), size_t{inputChannels(op)});
   return {op.input.height, op.input.width, outputChannels(op)};
 }
 
@@ -85,10 +88,13 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   if (op.residual.exists()) checkView(op.residual, op.output.shape());
   const RowRange rows = resolve(op.rows, op.output.height);
   const TensorView& residual = op.residual.exists() ? op.residual : op.input;
+  const TensorView& appended = op.appended.exists() ? op.appended : op.input;
   shader::LinearParams params{};
   params.source = sliceOf(op.input);
+  params.appended = sliceOf(appended);
   params.residual = sliceOf(residual);
   params.target = sliceOf(op.output);
+  params.sourceChannels = op.input.channels;
   params.inputChannels = inputChannels(op);
   params.outputChannels = outputChannels(op);
   params.tokenBegin = rows.begin * op.input.width;
@@ -98,33 +104,34 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
 
   const uint64_t tokens = params.tokenEnd - params.tokenBegin;
   const uint32_t activation = static_cast<uint32_t>(op.activation), hasResidual = op.residual.exists();
-  const uint32_t normalized = normalizes(op);
-  Dispatch launch{
-      .bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residual), writeRows(op.output, rows)},
-      .pushConstants = pushBytes(params),
-      .multiplyAdds = tokens * params.inputChannels * op.bias.size()};
+  const uint32_t normalized = normalizes(op), hasAppended = op.appended.exists();
+  Dispatch launch{.bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residual),
+                               writeRows(op.output, rows), readTexels(appended)},
+                  .pushConstants = pushBytes(params),
+                  .multiplyAdds = tokens * params.inputChannels * op.bias.size()};
   if (const uint32_t tile = laneTile(op, device)) {
     const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
     const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin) % 2 == 0;
     launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows, inEights,
-                             normalized};
+                             normalized,          op.input.channels / 4};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups && !normalized) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(shape, device.matrixSize, activation, hasResidual);
+    launch.specialization.push_back(hasAppended);
     launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
     launch.groupCount =
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
   } else if (const TileShape tile = tileShape(op, device); tile.columns && !normalized) {
     launch.program = programName("linear", KernelFamily::tile, op.output.type);
-    launch.specialization = {tile.columns, tile.rows, tile.tokens, activation, hasResidual};
+    launch.specialization = {tile.columns, tile.rows, tile.tokens, activation, hasResidual, hasAppended};
     launch.groupCount = tileGroups(ceilDivide(params.outputChannels, 4 * tile.columns),
                                    ceilDivide(tokens, uint64_t{tile.rows} * tile.tokens));
   } else {
     launch.program = programName("linear", KernelFamily::plain, op.output.type);
-    launch.specialization = {activation, hasResidual, normalized};
+    launch.specialization = {activation, hasResidual, normalized, hasAppended};
     const uint64_t items = uint64_t{ceilDivide(tokens, shader::kLinearTokens)} * (params.outputChannels / 4);
     launch.groupCount = foldedGroups(ceilDivide(items, 64));
   }
@@ -179,9 +186,10 @@ namespace {
 
 // The token as the weights see it.
 std::vector<double> tokenAt(const Linear& op, HostMemory& memory, uint32_t y, uint32_t x) {
-  const uint32_t channels = op.input.channels;
+  const uint32_t channels = inputChannels(op), own = op.input.channels;
   std::vector<double> token(channels);
-  for (uint32_t k = 0; k < channels; ++k) token[k] = memory.at(op.input, y, x, k);
+  for (uint32_t k = 0; k < channels; ++k)
+    token[k] = k < own ? memory.at(op.input, y, x, k) : memory.at(op.appended, y, x, k - own);
   if (!op.first.bias.empty()) {
     std::vector<double> mapped(op.first.bias.begin(), op.first.bias.end());
     for (size_t i = 0; i < op.first.weight.size(); ++i)

@@ -4,9 +4,10 @@
 
 XRDS_SHARED_BEGIN
 struct LinearParams {
-  Slice source, residual, target;
-  uint inputChannels, outputChannels;
-  uint tokenBegin;  // first token of this dispatch
+  Slice source, appended, residual, target;
+  uint sourceChannels;                 // those behind them are of `appended`
+  uint inputChannels, outputChannels;  // of both; of the target
+  uint tokenBegin;                     // first token of this dispatch
   uint tokenEnd;
   uint storeOrigin;  // vec4 index at which the target binding starts
   float epsilon;
@@ -22,6 +23,7 @@ namespace xrds {
 /// LN(x) in place of x, see LayerNorm; with a first map of x V^T + c.
 struct Linear {
   TensorView input, output;             // [h, w, K], [h, w, N rounded up to a multiple of four]
+  TensorView appended{};                // optional [h, w, L]: channels behind those of the input; K is then K + L
   TensorView residual{};                // optional, as the output, which it may be
   std::span<const float> weight, bias;  // [N][K], with a first map [N][M]; [N]
   struct Norm {
@@ -37,7 +39,7 @@ struct Linear {
 };
 
 /// [h, w, N], N being the length of the bias, rounded up to a multiple of four; the channels above it get
-/// activation(0). Throws std::logic_error if the weight does not fit.
+/// activation(0). Throws std::logic_error if the weight or what is appended does not fit.
 TensorShape outputShape(const Linear& op);
 
 /// The kernel launch for the rows. The lane kernel takes multiples of eight outputs if the weights of eight fit its

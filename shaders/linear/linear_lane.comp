@@ -21,6 +21,8 @@ layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 layout(constant_id = 7) const bool kNormalizes = false;
+layout(constant_id = 8) const uint kSourceQuads = 1;  // those behind them are of `appended`
+layout(binding = 4) uniform samplerBuffer appended;
 const uint kTileQuads = kTile / 4;
 const uint kTexels = (kInputs + 1) * kTileQuads;
 shared vec4 tile[kTexels];
@@ -43,8 +45,10 @@ void main() {
   [[unroll]] for (uint l = 0; l < kLanes; l++)
     laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
   vec4 x[kInputs / 4];
-  [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
+  [[unroll]] for (uint k = 0; k < kSourceQuads; k++)
     x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
+  [[unroll]] for (uint k = kSourceQuads; k < kInputs / 4; k++)
+    x[k] = texelFetch(appended, int(token * p.appended.stride + p.appended.offset + k - kSourceQuads));
   if (kNormalizes) {
     vec4 sum = vec4(0), squares = vec4(0);
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) sum += x[k];

@@ -15,20 +15,22 @@
 #include "shaders/linear/linear.h"
 layout(constant_id = 4) const uint kActivation = kActivationNone;
 layout(constant_id = 5) const bool kHasResidual = false;
+layout(constant_id = 10) const bool kHasAppended = false;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 layout(binding = 3, std430) writeonly buffer Target { STORED4 target[]; };
+layout(binding = 4) uniform samplerBuffer appended;
 layout(push_constant) uniform Push { LinearParams p; };
+#include "shaders/linear/token.glsl"
 const uint kTokens = 16 * kMatrixRows, kRowTexels = 2 * kOutputFragments;
 const uint kWeightTexels = 8 * kLinearMatrixTexels * kRowTexels;
 const uint kSourceFetches = kTokens * kLinearMatrixTexels / kInvocations;
 const uint kWeightFetches = (kWeightTexels + kInvocations - 1) / kInvocations;
 
 uvec4 sourceTexel(uint token, uint quad) {
-  const uint quads = p.inputChannels / 4, from = min(token, p.tokenEnd - 1) * p.source.stride + p.source.offset;
-  const vec4 a = texelFetch(source, int(from + min(quad, quads - 1)));
-  const vec4 b = texelFetch(source, int(from + min(quad + 1, quads - 1)));
+  const uint quads = p.inputChannels / 4, from = min(token, p.tokenEnd - 1);
+  const vec4 a = tokenQuad(from, min(quad, quads - 1)), b = tokenQuad(from, min(quad + 1, quads - 1));
   return halves(quad < quads ? a : vec4(0), quad + 1 < quads ? b : vec4(0));
 }
 

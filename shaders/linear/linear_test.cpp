@@ -17,6 +17,7 @@ struct Case {
   uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
   RowRange rows{};
   bool norm = false;
+  uint32_t appended = 0;  // of the inputs
 };
 
 // Odd ones first: one token, channels that are no multiple of a tile, slices that start at a 4 or an 8, rows that start
@@ -37,7 +38,10 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {9, 40, 48, 53, Activation::none, false, false, 0, 0, 0, 0, {4, 9}},
                            {3, 5, 12, 20, Activation::gelu, true, false, 4, 20, 0, 0, {1, 3}, true},
                            {7, 33, 32, 96, Activation::none, false, false, 0, 64, 0, 0, {}, true},
-                           {2, 3, 1600, 8, Activation::none, false, false, 0, 0, 0, 0, {}, true}};
+                           {2, 3, 1600, 8, Activation::none, false, false, 0, 0, 0, 0, {}, true},
+                           {3, 5, 12, 20, Activation::relu, true, false, 4, 16, 0, 0, {1, 3}, true, 8},
+                           {9, 40, 48, 53, Activation::none, false, false, 0, 0, 0, 0, {4, 9}, false, 16},
+                           {7, 33, 68, 64, Activation::none, true, true, 0, 0, 0, 0, {}, false, 36}};
 
 std::vector<float> halves(std::vector<float> numbers) {
   for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
@@ -50,7 +54,7 @@ TEST_P(LinearCases, MatchesReference) {
   const auto& [c, family, stored] = GetParam();  // weights are stored as the tensors are
   const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs, 1));
   const auto bias = halves(test::randomNumbers(c.outputs, 2));
-  Linear op{.input = view(0, stored, c.height, c.width, c.inputs, c.inputOffset, c.inputStride),
+  Linear op{.input = view(0, stored, c.height, c.width, c.inputs - c.appended, c.inputOffset, c.inputStride),
             .output = view(1, stored, c.height, c.width, ceilDivide(c.outputs, 4) * 4, c.outputOffset, c.outputStride),
             .weight = weight,
             .bias = bias,
@@ -59,6 +63,7 @@ TEST_P(LinearCases, MatchesReference) {
             .rows = c.rows};
   const auto gain = halves(test::randomNumbers(c.inputs, 3)), shift = halves(test::randomNumbers(c.inputs, 4));
   if (c.norm) op.norm = {gain, shift};
+  if (c.appended) op.appended = view(3, stored, c.height, c.width, c.appended, 4, c.appended + 8);
   if (c.residual) op.residual = c.inPlace ? op.output : view(2, stored, c.height, c.width, c.outputs);
   test::expectMatchesReference(op, test::traitsOf(family), test::toleranceOf(stored));
 }
@@ -229,7 +234,12 @@ TEST(Linear, RefusesViewsOfAnotherShape) {
                   .output = view(1, DataType::f32, 2, 2, 8),
                   .weight = weight,
                   .bias = bias};
-  Linear wrongOutput = op, wrongResidual = op, wrongWeight = op;
+  Linear wrongOutput = op, wrongResidual = op, wrongWeight = op, tooMuch = op, wrongAppended = op;
+  tooMuch.appended = view(3, DataType::f32, 2, 2, 4);
+  wrongAppended.input = view(0, DataType::f32, 2, 2, 4, 0, 8);
+  const std::vector<float> wider(8 * 8);
+  wrongAppended.weight = wider;
+  wrongAppended.appended = view(3, DataType::f32, 2, 3, 4);
   wrongOutput.output.channels = 4;
   wrongResidual.residual = view(2, DataType::f32, 2, 3, 8);
   wrongWeight.weight = wrongWeight.weight.subspan(1);
@@ -237,6 +247,10 @@ TEST(Linear, RefusesViewsOfAnotherShape) {
   EXPECT_THROW(dispatch(wrongOutput, {}), std::logic_error);
   EXPECT_THROW(dispatch(wrongResidual, {}), std::logic_error);
   EXPECT_THROW(dispatch(wrongWeight, {}), std::logic_error);
+  EXPECT_THROW(dispatch(tooMuch, {}), std::logic_error);
+  EXPECT_THROW(dispatch(wrongAppended, {}), std::logic_error);
+  wrongAppended.appended.width = 2;
+  EXPECT_NO_THROW(dispatch(wrongAppended, {}));
 }
 
 }  // namespace

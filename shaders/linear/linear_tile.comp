@@ -13,11 +13,14 @@ layout(local_size_x_id = 0, local_size_y_id = 1) in;
 layout(constant_id = 2) const uint kThreadTokens = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
+layout(constant_id = 5) const bool kHasAppended = false;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 layout(binding = 3, std430) writeonly buffer Target { STORED4 target[]; };
+layout(binding = 4) uniform samplerBuffer appended;
 layout(push_constant) uniform Push { LinearParams p; };
+#include "shaders/linear/token.glsl"
 
 const uint kColumns = gl_WorkGroupSize.x, kRows = gl_WorkGroupSize.y, kInvocations = kColumns * kRows;
 const uint kTokens = kThreadTokens * kRows;
@@ -58,7 +61,7 @@ void main() {
       [[unroll]] for (uint i = 0; i < kSourceFetches; i++) {
         const uint at = i * kInvocations + gl_LocalInvocationIndex, k = first + at % kQuads;
         const uint token = min(firstToken + at / kQuads, p.tokenEnd - 1);
-        const vec4 texel = texelFetch(source, int(token * p.source.stride + p.source.offset + min(k, inputQuads - 1)));
+        const vec4 texel = tokenQuad(token, min(k, inputQuads - 1));
         nextX[i] = k < inputQuads ? texel : vec4(0);
       }
       [[unroll]] for (uint i = 0; i < kWeightFetches; i++) {
