@@ -101,15 +101,6 @@ Image Frame::loadAuxiliary(const std::string& input) {
   return image;
 }
 
-bool hasDepth(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request) {
-  try {
-    const Frame frame(colorPath, auxPath, request, {"albedo", "depth"});
-    return true;
-  } catch (const Error&) {
-    return !request.depth.empty();
-  }
-}
-
 void requireKnownInputs(const Model& model, const std::string& modelName) {
   for (const std::string& input : model.auxiliaryInputs())
     if (input != "albedo" && input != "normal" && input != "depth")
@@ -122,14 +113,19 @@ PixelView viewOf(const Image& image) {
           static_cast<uint32_t>(image.channels)};
 }
 
-std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
+std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::string>& inputs,
+                                const std::vector<Image>& images) {
   std::vector<PixelView> views;
   for (const std::string& input : model.auxiliaryInputs()) {
-    const auto found = std::find(frame.inputs().begin(), frame.inputs().end(), input);
-    if (found == frame.inputs().end()) throw Error("The model takes the image '" + input + "', which is not there.");
-    views.push_back(viewOf(frame.auxiliary()[static_cast<size_t>(found - frame.inputs().begin())]));
+    const auto found = std::find(inputs.begin(), inputs.end(), input);
+    if (found == inputs.end()) throw Error("The model takes the image '" + input + "', which is not there.");
+    views.push_back(viewOf(images.at(static_cast<size_t>(found - inputs.begin()))));
   }
   return views;
+}
+
+std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
+  return inputsOf(model, frame.inputs(), frame.auxiliary());
 }
 
 std::vector<PixelView> viewsOf(const std::vector<Image>& images) {

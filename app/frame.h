@@ -58,9 +58,6 @@ class Frame {
   std::vector<std::string> warnings_;
 };
 
-/// Whether the files hold a depth that goes with their albedo, or a layer was named for it. Throws nothing.
-bool hasDepth(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request);
-
 /// Throws Error unless a Frame can find every auxiliary input of this model: albedo, normal, depth.
 void requireKnownInputs(const Model& model, const std::string& modelName);
 
@@ -68,7 +65,11 @@ void requireKnownInputs(const Model& model, const std::string& modelName);
 PixelView viewOf(const Image& image);
 std::vector<PixelView> viewsOf(const std::vector<Image>& images);
 
-/// The auxiliary images that the model takes, in its order. Throws Error if the frame was not read for one of them.
+/// The auxiliary images that the model takes, in its order, of those there are, one for each of `inputs`. Throws Error
+/// if one is not among them.
+std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::string>& inputs,
+                                const std::vector<Image>& images);
+/// The same of a frame.
 std::vector<PixelView> inputsOf(const Model& model, const Frame& frame);
 
 }  // namespace xrds

@@ -65,9 +65,9 @@ fs::path shippedVariant(int scale, const std::string& variant) {
   return shippedFile(defaultModelName(scale) + "-" + variant);
 }
 
-fs::path defaultModel(int scale, bool hasNormal, bool hasDepth) {
-  if (!hasNormal || hasDepth)
-    if (fs::path variant = shippedVariant(scale, hasNormal ? "depth" : "albedo"); !variant.empty()) return variant;
+fs::path defaultModel(int scale, bool hasNormal) {
+  if (!hasNormal)
+    if (fs::path variant = shippedVariant(scale, "albedo"); !variant.empty()) return variant;
   fs::path file = shippedFile(defaultModelName(scale));
   if (file.empty())
     throw Error("The auxiliary images have " + (scale == 1 ? "the" : std::to_string(scale) + " times the") +

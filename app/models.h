@@ -21,12 +21,12 @@ std::filesystem::path resolveModel(const std::string& nameOrFile);
 /// "xrds-x<scale>-compact", whether it is shipped or not.
 std::string defaultModelName(int scale);
 
-/// The file of the default model of a scale: the one that does without normals where there are none, or takes depth
-/// where there is any, if it is shipped. Throws Error as resolveModel does.
-std::filesystem::path defaultModel(int scale, bool hasNormal, bool hasDepth);
+/// The file of the default model of a scale: the one that does without normals where there are none, if it is shipped.
+/// Throws Error as resolveModel does.
+std::filesystem::path defaultModel(int scale, bool hasNormal);
 
-/// The file of the default model's variant for frames with other auxiliary images, "albedo", "plain" or "depth"; empty
-/// if none is shipped for the scale.
+/// The file of the default model's variant for frames with other auxiliary images, "albedo" or "plain"; empty if none
+/// is shipped for the scale.
 std::filesystem::path shippedVariant(int scale, const std::string& variant);
 
 }  // namespace xrds

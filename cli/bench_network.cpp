@@ -81,7 +81,10 @@ std::vector<NetworkCase> casesOf(const BenchNetworkOptions& options, const std::
 
 QualitySetting settingOf(const BenchNetworkOptions& options, const Model& model) {
   const int scale = static_cast<int>(model.scale());
-  return {.scale = scale, .colourSamples = scale == 1 ? options.aux : options.colour, .auxSamples = options.aux};
+  QualitySetting setting{
+      .scale = scale, .colourSamples = scale == 1 ? options.aux : options.colour, .auxSamples = options.aux};
+  setting.read(model);
+  return setting;
 }
 
 AccuracyRow accuracyOf(const BenchNetworkOptions& options, const NetworkCase& networkCase) {

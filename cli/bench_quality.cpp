@@ -71,9 +71,9 @@ std::vector<EngineMethod> engineMethods(const BenchQualityOptions& options) {
   if (models.empty()) {
     const std::string shipped = defaultModelName(options.scale);
     const auto all = shippedModels();
-    for (const std::string& name : {shipped, shipped + "-depth"})
-      if (std::find(all.begin(), all.end(), name) != all.end()) models.push_back(name);
-    if (models.empty())
+    if (std::find(all.begin(), all.end(), shipped) != all.end())
+      models.push_back(shipped);
+    else
       std::fprintf(stderr, "xrds: warning: There is no shipped model '%s'; only the untrained methods are measured.\n",
                    shipped.c_str());
   }
@@ -94,31 +94,12 @@ void requireDistinctNames(const Contest& contest) {
   for (const FinishedImages& images : contest.finished) add(images.name);
 }
 
-bool takesDepth(const EngineMethod& method) {
-  const auto& inputs = method.model().auxiliaryInputs();
-  return std::find(inputs.begin(), inputs.end(), "depth") != inputs.end();
-}
-
-// A model that takes depth is compared where every scene has some.
-void leaveOutWithoutDepth(Contest& contest) {
-  if (std::none_of(contest.engine.begin(), contest.engine.end(), takesDepth)) return;
-  const auto& scenes = contest.list.scenes;
-  const auto without = std::find_if_not(scenes.begin(), scenes.end(),
-                                        [](const SceneFiles& files) { return hasDepth(files.colour, files.aux, {}); });
-  if (without == scenes.end()) return;
-  for (const EngineMethod& method : contest.engine)
-    if (takesDepth(method))
-      std::fprintf(stderr, "xrds: warning: %s is left out: scene %s has no depth.\n", method.name().c_str(),
-                   without->name.c_str());
-  std::erase_if(contest.engine, takesDepth);
-}
-
 Contest prepare(const BenchQualityOptions& options) {
   Contest contest{settingOf(options), {}, finishedOf(options), {}};
   contest.engine = stage(ExitCode::model, [&] { return engineMethods(options); });
   requireDistinctNames(contest);
+  for (const EngineMethod& method : contest.engine) contest.setting.read(method.model());
   contest.list = stage(ExitCode::input, [&] { return findScenes(options.folder, contest.setting, contest.finished); });
-  leaveOutWithoutDepth(contest);
   return contest;
 }
 
@@ -212,9 +193,8 @@ void run(const BenchQualityOptions& options) {
 void addFiles(CLI::App& verb, BenchQualityOptions& options) {
   verb.add_option("FOLDER", options.folder, "Folder of scenes NAME_gt.exr, NAME_lrK.exr, NAME_auxK.exr")->required();
   verb.add_option("--model", options.models,
-                  "A shipped model's name or a .safetensors file; may be repeated (default: the compact ones of the "
-                  "scale, with and "
-                  "without depth)")
+                  "A shipped model's name or a .safetensors file; may be repeated (default: the compact one of the "
+                  "scale)")
       ->allow_extra_args(false)
       ->type_name("MODEL");
   verb.add_option("--also", options.also,

@@ -133,9 +133,10 @@ void printCost(const std::vector<double>& slower) {
 
 void run(const BenchSkipOptions& options) {
   if (!options.markdown.empty()) requireWritable(options.markdown);
-  const QualitySetting setting{options.scale, options.colour, options.aux};
+  QualitySetting setting{options.scale, options.colour, options.aux};
   const std::string name = options.model.empty() ? defaultModelName(options.scale) : options.model;
   const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(name)); });
+  setting.read(model);
   const SceneList list = stage(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
   std::vector<Row> rows{

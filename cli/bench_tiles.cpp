@@ -139,8 +139,9 @@ Row rowOf(uint32_t halo, const Errors& errors) {
 
 void run(const BenchTilesOptions& options) {
   const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
-  const QualitySetting setting{
+  QualitySetting setting{
       .scale = static_cast<int>(model.scale()), .colourSamples = options.colour, .auxSamples = options.aux};
+  setting.read(model);
   const SceneList list = stage(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
   std::vector<Errors> errors(options.halos.size());

@@ -59,6 +59,11 @@ std::string QualitySetting::auxSuffix() const {
   return auxSamples ? "_aux" + std::to_string(*auxSamples) + ".exr" : kReferenceSuffix;
 }
 
+void QualitySetting::read(const Model& model) {
+  for (const std::string& input : model.auxiliaryInputs())
+    if (std::find(inputs.begin(), inputs.end(), input) == inputs.end()) inputs.push_back(input);
+}
+
 std::string QualitySetting::auxText() const { return auxSamples ? std::to_string(*auxSamples) : "converged"; }
 
 std::optional<double> QualitySetting::averageSamples() const {
@@ -100,9 +105,7 @@ SceneList findScenes(const fs::path& folder, const QualitySetting& setting,
 }
 
 Scene loadScene(const SceneFiles& files, const QualitySetting& setting) {
-  std::vector<std::string> inputs{"albedo", "normal"};
-  if (hasDepth(files.colour, files.aux, {})) inputs.emplace_back("depth");
-  Scene scene{Frame(files.colour, files.aux, {}, inputs), {}, {}};
+  Scene scene{Frame(files.colour, files.aux, {}, setting.inputs), {}, {}};
   if (scene.frame.scale() != setting.scale)
     throw Error("'" + files.aux.string() + "' has " + std::to_string(scene.frame.scale()) + " times the size of '" +
                 files.colour.string() + "', expected " + std::to_string(setting.scale) + " times.");

@@ -16,6 +16,10 @@ struct QualitySetting {
   int scale = 4;
   int colourSamples = 64;           // at scale 1 those of the full-resolution render whose colour is taken
   std::optional<int> auxSamples{};  // empty: converged, those of the reference
+  std::vector<std::string> inputs{"albedo", "normal"};  // the auxiliary images that are read
+
+  /// Adds those that the model takes.
+  void read(const Model& model);
 
   /// "_lr64.exr" and its like.
   std::string colourSuffix() const;
@@ -53,8 +57,7 @@ struct SceneList {
 SceneList findScenes(const std::filesystem::path& folder, const QualitySetting& setting,
                      const std::vector<FinishedImages>& finished);
 
-/// One scene's pixels: `frame` with albedo, normal and, where there is one, depth, `reference` of scale times its
-/// colour's size.
+/// One scene's pixels: `frame` with the inputs of the setting, `reference` of scale times its colour's size.
 struct Scene {
   Frame frame;
   Image reference;

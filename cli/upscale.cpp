@@ -101,8 +101,7 @@ fs::path modelFile(const UpscaleOptions& options) {
     throw;
   }
   const bool hasNormal = !options.layers.normal.empty() || hasAov(file, AovRole::kNormal);
-  const bool depth = hasDepth(options.color, options.aux, options.layers);
-  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal, depth); });
+  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal); });
   if (!hasNormal)
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
   return model;
@@ -153,13 +152,9 @@ void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame
     const auto found = std::find(frame.inputs().begin(), frame.inputs().end(), input);
     return found != frame.inputs().end() && isConstant(frame.auxiliary()[found - frame.inputs().begin()]);
   };
-  const std::string input = constant("albedo")   ? "albedo"
-                            : constant("normal") ? "normal"
-                            : constant("depth")  ? "depth"
-                                                 : "";
+  const std::string input = constant("albedo") ? "albedo" : constant("normal") ? "normal" : "";
   if (input.empty()) return;
-  const fs::path file = input == "depth" ? defaultModel(scale, true, false)
-                                         : shippedVariant(scale, input == "albedo" ? "plain" : "albedo");
+  const fs::path file = shippedVariant(scale, input == "albedo" ? "plain" : "albedo");
   if (file.empty()) return;
   opened = {file, stage(ExitCode::model, [&] { return Model(file); })};
   frame = openFrame(options, opened);
@@ -347,7 +342,7 @@ void addUpscale(CLI::App& app) {
       "The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
       "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
       "RenderMan, LuxCore and plain names; --color, --albedo, --normal and --depth choose others. The scale follows\n"
-      "from the two sizes. Depth is taken where there is some and a model for it is shipped.\n\nExamples:\n"
+      "from the two sizes.\n\nExamples:\n"
       "  xrds upscale color.exr aux.exr -o out.exr\n"
       "  xrds upscale color.exr aux.exr -o out.exr --model my.safetensors --precision fp16 --preview out.png\n"
       "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'");

@@ -33,16 +33,16 @@ struct PackedModel {
   std::vector<std::byte> bytes;
 };
 
-const float* weightsOf(const Operator& op) {
-  return std::visit(
-      [](const auto& o) -> const float* {
-        if constexpr (requires { o.first; })
-          if (!o.first.weight.empty()) return o.first.weight.data();  // the others are those of a second layer too
-        if constexpr (requires { o.weight; }) return o.weight.data();
-        if constexpr (requires { o.biasTable; }) return o.biasTable.data();
-        return nullptr;
+PackedKey keyOf(const std::string& program, const Operator& op) {
+  PackedKey key{program};
+  std::visit(
+      [&](const auto& o) {
+        if constexpr (requires { o.weight; }) key.weight = o.weight.data();
+        if constexpr (requires { o.biasTable; }) key.weight = o.biasTable.data();
+        if constexpr (requires { o.first; }) key.first = o.first.weight.data();
       },
       op);
+  return key;
 }
 
 PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
@@ -50,7 +50,7 @@ PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
   std::map<PackedKey, PackedModel::Range> known;  // bands of a layer share theirs
   for (const Node& node : graph.nodes) {
     const Dispatch launch = std::visit([&](const auto& op) { return dispatch(op, device); }, node.op);
-    const auto [range, isNew] = known.try_emplace({launch.program, weightsOf(node.op)});
+    const auto [range, isNew] = known.try_emplace(keyOf(launch.program, node.op));
     if (isNew) {
       DataType type = DataType::f32;
       for (const Binding& binding : launch.bindings)

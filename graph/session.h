@@ -38,8 +38,12 @@ struct SessionOptions {
   const Session* lender = nullptr;
 };
 
-/// Names packed weights: the program that reads them, and the weights as the model has them.
-using PackedKey = std::pair<std::string, const float*>;
+/// Names packed weights: the program that reads them, and the weights that they are made of as the model has them.
+struct PackedKey {
+  std::string program;
+  const float *weight = nullptr, *first = nullptr;  // first: of a map joined to the layer's own
+  auto operator<=>(const PackedKey&) const = default;
+};
 
 struct DispatchTime {
   std::string label, program;

@@ -65,27 +65,21 @@ def unpacked(planes):
     return np.cumsum(difference, axis=-1, dtype=np.int16)
 
 
-def depth_of(path):
-    """The middle plane [1, H, W] of pipeline.relative_depth; None if the file has no depth."""
-    depth = images.read_auxiliary(path)[6:]
-    return depth[1:2] if len(depth) else None
-
-
 def encode(folder, scene, turn, noisy_every=3):
     """{array name: uint8 array} of one scene. turn: every third (`noisy_every`th) keeps the full-resolution noisy colour of one sample
     count, the next third the 4 spp colour of scale 2."""
     kinds = kinds_of(folder, scene)
-    target, albedo, normal = images.read_exr(kinds["gt"], "colour", "albedo", "normal")
-    converged = grid_codes(torch.cat([albedo.clamp(0, pipeline.ALBEDO_MAX), normal]), CONVERGED_STEP)
-    arrays = {"target": half_codes(target, REFERENCE_BITS), "aux": converged}
     counts = [kind for kind in kinds if re.fullmatch(r"aux\d+", kind)]
-    depths = {kind: depth for kind in counts + ["gt"] if (depth := depth_of(kinds[kind])) is not None}
+    auxiliary = {kind: images.read_auxiliary(kinds[kind]) for kind in counts + ["gt"]}
+    guides = {kind: torch.cat([image[:3].clamp(0, pipeline.ALBEDO_MAX), image[3:6]]) for kind, image in auxiliary.items()}
+    depths = {kind: image[7:8] for kind, image in auxiliary.items() if len(image) > 6}      # of the planes the middle one
+    converged = grid_codes(guides["gt"], CONVERGED_STEP)
+    arrays = {"target": half_codes(images.read_exr(kinds["gt"], "colour"), REFERENCE_BITS), "aux": converged}
     if depths:      # a reference without depth takes that of the most samples
         best = max(depths, key=lambda kind: (kind == "gt", len(kind), kind))
         arrays["depth"] = grid_codes(depths[best], DEPTH_STEP)
     for kind in counts:
-        albedo, normal = images.read_exr(kinds[kind], "albedo", "normal")
-        difference = torch.cat([albedo.clamp(0, pipeline.ALBEDO_MAX), normal]) - torch.from_numpy(converged).float() * CONVERGED_STEP
+        difference = guides[kind] - torch.from_numpy(converged).float() * CONVERGED_STEP
         arrays[kind] = grid_codes(difference, noisy_step(int(kind[3:])))
         if kind in depths:
             difference = depths[kind] - torch.from_numpy(arrays["depth"]).float() * DEPTH_STEP

@@ -72,13 +72,23 @@ FrameFiles sortHeaders(const std::vector<ExrFile>& headers) {
   return sorted;
 }
 
-// The auxiliary inputs that the files have, of those that a model may want.
+// Whether the files hold a depth that goes with their albedo, or a layer was named for it.
+bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
+  try {
+    const Frame frame(files.colour, files.auxiliary, layers, {"albedo", "depth"});
+    return true;
+  } catch (const Error&) {
+    return !layers.depth.empty();
+  }
+}
+
+// The auxiliary inputs that the files have, of those that a model may want: models change while a frame is shown.
 std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& layers) {
   const ExrFile file = readExrHeader(files.auxiliary.empty() ? files.colour : files.auxiliary);
   std::vector<std::string> inputs;
   if (!layers.albedo.empty() || hasAov(file, AovRole::kAlbedo)) inputs.emplace_back("albedo");
   if (!layers.normal.empty() || hasAov(file, AovRole::kNormal)) inputs.emplace_back("normal");
-  if (hasDepth(files.colour, files.auxiliary, layers)) inputs.emplace_back("depth");
+  if (hasDepth(files, layers)) inputs.emplace_back("depth");
   return inputs;
 }
 

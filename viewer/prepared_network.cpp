@@ -72,11 +72,7 @@ bool PreparedNetwork::fits(const FrameSize& frame) const {
 
 void PreparedNetwork::take(const LoadedFrame& frame) {
   colour_ = viewOf(frame.colour);
-  auxiliary_.clear();
-  for (const std::string& input : model_.auxiliaryInputs()) {
-    const auto found = std::find(frame.inputs.begin(), frame.inputs.end(), input);
-    auxiliary_.push_back(viewOf(frame.auxiliary.at(static_cast<size_t>(found - frame.inputs.begin()))));
-  }
+  auxiliary_ = inputsOf(model_, frame.inputs, frame.auxiliary);
   if (isOnDevice()) EngineAccess::upload(upscaler_, colour_, auxiliary_);
 }
 

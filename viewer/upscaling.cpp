@@ -244,7 +244,7 @@ std::string Upscaling::wantedModel(const Wanted& wanted) const {
   if (!wanted.model.empty()) return wanted.model;
   if (live_) return "xrds-x4-mini";
   if (size_.inputs.empty()) return "xrds-x4-compact-plain";
-  return defaultModel(size_.scale, size_.has("normal"), size_.has("depth")).stem().string();
+  return defaultModel(size_.scale, size_.has("normal")).stem().string();
 }
 
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
