@@ -70,6 +70,24 @@ MatrixShape matrixShapeOf(const Linear& op, const DeviceTraits& device) {
   return matrixShape(device, inputType, op.weightType, inputChannels(op), outputChannels(op));
 }
 
+// What the kernels bind: the input in place of a view that is not there.
+const TensorView& residualOf(const Linear& op) { return op.residual.exists() ? op.residual : op.input; }
+const TensorView& appendedOf(const Linear& op) { return op.appended.exists() ? op.appended : op.input; }
+
+shader::LinearParams paramsOf(const Linear& op, RowRange rows) {
+  return {.source = sliceOf(op.input),
+          .appended = sliceOf(appendedOf(op)),
+          .residual = sliceOf(residualOf(op)),
+          .target = sliceOf(op.output),
+          .sourceChannels = op.input.channels,
+          .inputChannels = inputChannels(op),
+          .outputChannels = outputChannels(op),
+          .tokenBegin = rows.begin * op.input.width,
+          .tokenEnd = rows.end * op.input.width,
+          .storeOrigin = storeOrigin(op.output, rows),
+          .epsilon = op.norm.epsilon};
+}
+
 }  // namespace
 
 TensorShape outputShape(const Linear& op) {
@@ -87,26 +105,12 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   if (op.residual.exists()) checkView(op.residual, op.output.shape());
   const RowRange rows = resolve(op.rows, op.output.height);
-  const TensorView& residual = op.residual.exists() ? op.residual : op.input;
-  const TensorView& appended = op.appended.exists() ? op.appended : op.input;
-  shader::LinearParams params{};
-  params.source = sliceOf(op.input);
-  params.appended = sliceOf(appended);
-  params.residual = sliceOf(residual);
-  params.target = sliceOf(op.output);
-  params.sourceChannels = op.input.channels;
-  params.inputChannels = inputChannels(op);
-  params.outputChannels = outputChannels(op);
-  params.tokenBegin = rows.begin * op.input.width;
-  params.tokenEnd = rows.end * op.input.width;
-  params.storeOrigin = storeOrigin(op.output, rows);
-  params.epsilon = op.norm.epsilon;
-
+  const shader::LinearParams params = paramsOf(op, rows);
   const uint64_t tokens = params.tokenEnd - params.tokenBegin;
   const uint32_t activation = static_cast<uint32_t>(op.activation), hasResidual = op.residual.exists();
   const uint32_t normalized = normalizes(op), hasAppended = op.appended.exists();
-  Dispatch launch{.bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residual),
-                               writeRows(op.output, rows), readTexels(appended)},
+  Dispatch launch{.bindings = {readTexels(op.input), readWeights(op.weightType), readTexels(residualOf(op)),
+                               writeRows(op.output, rows), readTexels(appendedOf(op))},
                   .pushConstants = pushBytes(params),
                   .multiplyAdds = tokens * params.inputChannels * op.bias.size()};
   if (const uint32_t tile = laneTile(op, device)) {
