@@ -26,8 +26,8 @@ bool normalizes(const Linear& op) { return !op.norm.weight.empty(); }
 // Of the weights as the model has them: those of the first map, or of the tokens.
 size_t ownInputs(const Linear& op) { return op.first.bias.empty() ? inputChannels(op) : op.first.bias.size(); }
 
-// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of 8; 0: there is
-// none.
+// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of 8, or 4 of 4; 0:
+// there is none.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
   const uint32_t inputs = inputChannels(op), outputs = outputChannels(op);
   const uint32_t subgroups = ceilDivide(op.output.pixelCount(), device.subgroupSize);
@@ -35,12 +35,15 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
       subgroups / subgroupShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
+  const auto fits = [&](uint32_t tile) {
+    return inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes;
+  };
   const auto largest = [&](uint32_t limit) -> uint32_t {
     for (uint32_t tile = std::min(limit, outputs) / 8 * 8; tile > 0; tile -= 8)
-      if (outputs % tile == 0 && inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes)
-        return tile;
+      if (outputs % tile == 0 && fits(tile)) return tile;
     return 0;
   };
+  if (outputs == 4) return fits(4) ? 4 : 0;
   const uint32_t tile = largest(std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile));
   return tile < kGoodTile / 2 ? largest(kMaxTile) : tile;  // 56 outputs: not 8
 }

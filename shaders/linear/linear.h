@@ -42,9 +42,9 @@ struct Linear {
 /// activation(0). Throws std::logic_error if the weight or what is appended does not fit.
 TensorShape outputShape(const Linear& op);
 
-/// The kernel launch for the rows. The lane kernel takes multiples of eight outputs if the weights of eight fit its
-/// tile, the tile kernel all that the limits of the device allow; all else, and a norm that is not for the lane kernel,
-/// goes to the plain one. Throws std::logic_error on misuse. Pure.
+/// The kernel launch for the rows. The lane kernel takes four outputs and multiples of eight if the weights of eight
+/// fit its tile, the tile kernel all that the limits of the device allow; all else, and a norm that is not for the lane
+/// kernel, goes to the plain one. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const Linear& op, const DeviceTraits& device);
 
 /// [N][K] and [N] of the map, into which those of a norm or of a first map are multiplied, in double precision.

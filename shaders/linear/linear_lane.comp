@@ -24,6 +24,7 @@ layout(constant_id = 7) const bool kNormalizes = false;
 layout(constant_id = 8) const uint kSourceQuads = 1;  // those behind them are of `appended`
 layout(binding = 4) uniform samplerBuffer appended;
 const uint kTileQuads = kTile / 4;
+const bool kInPairs = kTileQuads > 1;  // else four outputs in all
 const uint kTexels = (kInputs + 1) * kTileQuads;
 shared vec4 tile[kTexels];
 
@@ -61,20 +62,20 @@ void main() {
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] *= scale;
   }
 
-  [[unroll]] for (uint m = 0; m < kTileQuads / 2; m++) {
+  [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;
-    vec4 a = tile[kInputs * kTileQuads + n], b = tile[kInputs * kTileQuads + n + 1];
+    vec4 a = tile[kInputs * kTileQuads + n], b = kInPairs ? tile[kInputs * kTileQuads + n + 1] : vec4(0);
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
       const vec4 v = x[k];
       const uint at = 4 * k * kTileQuads + n;
       a = plusProduct(a, v.x, tile[at]);
-      b = plusProduct(b, v.x, tile[at + 1]);
+      if (kInPairs) b = plusProduct(b, v.x, tile[at + 1]);
       a = plusProduct(a, v.y, tile[at + kTileQuads]);
-      b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
+      if (kInPairs) b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
       a = plusProduct(a, v.z, tile[at + 2 * kTileQuads]);
-      b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
+      if (kInPairs) b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
       a = plusProduct(a, v.w, tile[at + 3 * kTileQuads]);
-      b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
+      if (kInPairs) b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
     }
 #ifdef XRDS_F16
     // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
@@ -83,14 +84,14 @@ void main() {
       target[firstTarget + n + laneOffset[0]] = handedOut(word64(floatBitsToUint(vec2(a.x, b.x))), 0);
 #endif
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
-    const WIDE4 first = wide4(finished(a, token, quad)), second = wide4(finished(b, token, quad + 1));
+    const WIDE4 first = wide4(finished(a, token, quad)), second = kInPairs ? wide4(finished(b, token, quad + 1)) : first;
     const WIDE8 both = WIDE8(first, second);
     [[unroll]] for (uint l = 0; l < kLanes; l++)
-      if (kStoresEights) {
+      if (kInPairs && kStoresEights) {
         storeLane8((firstTarget + n + laneOffset[l]) / 2, both, l);
       } else {
         storeLane(firstTarget + n + laneOffset[l], first, l);
-        storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
+        if (kInPairs) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
       }
   }
 }

@@ -41,7 +41,8 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {2, 3, 1600, 8, Activation::none, false, false, 0, 0, 0, 0, {}, true},
                            {3, 5, 12, 20, Activation::relu, true, false, 4, 16, 0, 0, {1, 3}, true, 8},
                            {9, 40, 48, 53, Activation::none, false, false, 0, 0, 0, 0, {4, 9}, false, 16},
-                           {7, 33, 68, 64, Activation::none, true, true, 0, 0, 0, 0, {}, false, 36}};
+                           {7, 33, 68, 64, Activation::none, true, true, 0, 0, 0, 0, {}, false, 36},
+                           {9, 40, 24, 3, Activation::relu, false, false, 0, 0, 0, 0, {4, 9}, false, 8}};
 
 std::vector<float> halves(std::vector<float> numbers) {
   for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
