@@ -33,7 +33,8 @@ CONFIGS = {
                     aux_kernels=5, output_side=1),
     "small": dict(channels=32, aux_channels=16, groups=1, blocks=1, head_channels=32, kernels=5, aux_skip=True,
                   aux_kernels=5, output_side=1),
-    "nano": dict(channels=16, aux_channels=8, groups=1, blocks=1, head_channels=16, aux_skip=True),
+    "nano": dict(channels=16, aux_channels=8, groups=1, blocks=1, head_channels=16, aux_skip=True,
+                 output_side=1),
 }
 # Kernels of the engine that are not the network's.
 PIPELINE = ("box_mean", "decode_radiance", "encode_radiance", "exposure", "filter_auxiliary", "joint_bilateral", "pack_auxiliary")

@@ -41,5 +41,5 @@ filter="--aux-kernels 5"
     model xrds-x4-compact-plain 10 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
     case "$only" in *" xrds-x4 "*) model xrds-x4 100 "" --channels 64 --aux-channels 32 --blocks 5 --batch 16 --rate 3e-4 $filter ;; esac
     model xrds-x4-mini 65 "" --channels 16 --aux-channels 8 --head-channels 16 --groups 1 --output-side 1 --rate 1e-3 $filter
-    model xrds-x4-nano 15 "" --channels 16 --aux-channels 8 --head-channels 16 --groups 1 --kernels 0 --rate 1e-3
+    model xrds-x4-nano 50 "" --channels 16 --aux-channels 8 --head-channels 16 --groups 1 --kernels 0 --output-side 1 --rate 1e-3
 }
