@@ -6,7 +6,8 @@
 Needs `pip install -r bench/peers-requirements.txt`. Random weights, written by the engine, are loaded
 by training/weights.py. Every peer is a process of its own with one thread a core; in each round each peer in turn runs
 one frame that is not timed and one that is. Peers run the bare network on resident tensors. The engine's time includes more:
-upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download. On a GPU a
+upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download; the last
+column is the ratio without the share of those that are kernels, as the engine's profile has it. On a GPU a
 peer's output stays there, its fp32 is no TF32, and its memory is PyTorch's peak on the device. ncnn's time on Vulkan
 includes the transfers (peers_ncnn.py has its network).
 """
@@ -241,12 +242,12 @@ def measure(config, arguments, folder):
 def report(config, arguments, engine, samples):
     print(f"\n{config}, {arguments.size} x {arguments.size}, scale 4, engine {arguments.precision}, {arguments.rounds} rounds, {CORES} cores; "
           f"{engine.device}; image pipeline {100 * engine.pipeline:.1f} % of the engine's kernel time")
-    print(f"{'':25} {'median s':>9} {'least':>8} {'most':>8} {'peak MiB':>9} {'engine/peer':>12}")
+    print(f"{'':25} {'median s':>9} {'least':>8} {'most':>8} {'peak MiB':>9} {'engine/peer':>12} {'network/peer':>13}")
     medians = {name: statistics.median(seconds for seconds, _ in rows) for name, rows in samples.items()}
     for name, rows in samples.items():
         seconds = [time for time, _ in rows]
         print(f"{name:25} {medians[name]:9.5f} {min(seconds):8.5f} {max(seconds):8.5f} {max(peak for _, peak in rows):9.0f} "
-              f"{medians['xrds'] / medians[name]:12.2f}", flush=True)
+              f"{medians['xrds'] / medians[name]:12.2f} {medians['xrds'] * (1 - engine.pipeline) / medians[name]:13.2f}", flush=True)
 
 
 def main():

@@ -122,7 +122,7 @@ RowRange outputRows(const Node& node) {
 
 NodeCost cost(const Node& node) {
   if (const auto* op = std::get_if<Linear>(&node.op))
-    return {computedPixels(*op) * (op->input.channels + op->appended.channels) * op->bias.size(), 0};
+    return {computedPixels(*op) * inputChannels(*op) * op->bias.size(), 0};
   if (const auto* op = std::get_if<Conv3x3>(&node.op))
     return {computedPixels(*op) * 9 * op->inputChannels * op->outputChannels, 0};
   if (const auto* op = std::get_if<WindowAttention>(&node.op))

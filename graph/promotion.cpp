@@ -92,7 +92,7 @@ class MomentFlow {
   void follow(const DecodeRadiance&) {}
 
   void follow(const Linear& op) {
-    const uint32_t own = op.input.channels, inputs = own + op.appended.channels;
+    const uint32_t own = op.input.channels, inputs = inputChannels(op);
     XRDS_CHECK_EQ(op.norm.weight.size(), 0u);  // graphs are looked at with norms of their own
     const std::vector<float> weight = joinedWeight(op), bias = joinedBias(op);
     for (uint32_t o = 0; o < bias.size(); ++o) {

@@ -18,7 +18,6 @@ constexpr uint32_t kMaxBody = 6144, kGoodBody = 2048;
 constexpr uint32_t kMaxTile = 64, kGoodTile = 48;
 constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kernel
 
-uint32_t inputChannels(const Linear& op) { return op.input.channels + op.appended.channels; }
 uint32_t outputChannels(const Linear& op) { return ceilDivide(op.bias.size(), 4) * 4; }
 
 bool normalizes(const Linear& op) { return !op.norm.weight.empty(); }

@@ -38,6 +38,9 @@ struct Linear {
   RowRange rows{};                      // of the output
 };
 
+/// K: the channels of the input and of what is appended.
+inline uint32_t inputChannels(const Linear& op) { return op.input.channels + op.appended.channels; }
+
 /// [h, w, N], N being the length of the bias, rounded up to a multiple of four; the channels above it get
 /// activation(0). Throws std::logic_error if the weight or what is appended does not fit.
 TensorShape outputShape(const Linear& op);
