@@ -37,8 +37,8 @@ filter="--aux-kernels 5"
     model xrds-x2-compact 25 xrds-x4-compact --scale 2 --output-side 1 --rate 3e-4 --ratio 0.5 $filter
     model xrds-x8-compact 25 xrds-x4-compact --scale 8 --output-side 1 --crop 16 --rate 4e-4 $filter
     model xrds-x1-compact 120 xrds-x4-compact --scale 1 --crop 64 --batch 2 --rate 4e-4 --tone 0.4 $filter
-    model xrds-x4-compact-albedo 10 xrds-x4-compact --aux albedo --output-side 1 $filter
-    model xrds-x4-compact-plain 10 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
+    model xrds-x4-compact-albedo 50 xrds-x4-compact --aux albedo --output-side 1 $filter
+    model xrds-x4-compact-plain 50 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
     case "$only" in *" xrds-x4 "*) model xrds-x4 100 "" --channels 64 --aux-channels 32 --blocks 5 --batch 16 --rate 3e-4 $filter ;; esac
     model xrds-x4-mini 65 "" --channels 16 --aux-channels 8 --head-channels 16 --groups 1 --output-side 1 --rate 1e-3 $filter
     model xrds-x4-nano 50 "" --channels 16 --aux-channels 8 --head-channels 16 --groups 1 --kernels 0 --output-side 1 --rate 1e-3
