@@ -1,9 +1,11 @@
-// Products of 16 x 16 matrices of halves that lie in shared memory, added up in fp32, a subgroup each.
+// Products of 16 x 16 matrices of halves, added up in fp32, a subgroup each. `memory` is an array of texels, in shared memory or a
+// buffer; a texel is eight halves of a row (of stored sums four floats), and a matrix's rows lie `rowTexels` apart.
 // XRDS_MATRIX_NV, XRDS_MATRIX_KHR: by the matrix units, through that extension, in products of their size. XRDS_MATRIX_SOFTWARE: by plain arithmetic,
 // 32 invocations in the place of a subgroup, so that kernels are tested on devices without such units.
-// The kernel defines LEFT_TEXELS and RIGHT_TEXELS; a texel is eight halves of a row. A workgroup has kInvocations.
+// A workgroup has kInvocations. The kernel requires GL_EXT_control_flow_attributes.
 #ifndef XRDS_SHADERS_COMMON_MATRIX_GLSL
 #define XRDS_SHADERS_COMMON_MATRIX_GLSL
+#include "shaders/common/half.glsl"
 #include "shaders/common/matrix.h"
 #ifdef XRDS_MATRIX_SOFTWARE
 #else
@@ -20,25 +22,36 @@
 #endif
 
 layout(local_size_x_id = 9) in;
-layout(constant_id = 0) const uint kSubgroups = 8;        // of the workgroup
-layout(constant_id = 1) const uint kOutputFragments = 4;  // the workgroup's outputs, in sixteens
-layout(constant_id = 2) const uint kFragmentRows = 2;     // of a subgroup, of the kMatrixRows of the workgroup
-layout(constant_id = 3) const uint kFragmentColumns = 2;  // of a subgroup
+layout(constant_id = 0) const uint kSubgroups = 8;  // of the workgroup
 const uint kInvocations = gl_WorkGroupSize.x;
-const uint kRowGroups = kMatrixRows / kFragmentRows;
-shared uvec4 left[LEFT_TEXELS], right[RIGHT_TEXELS];
-shared float stored[kSubgroups * 256];  // a sum of each subgroup
 
 #ifdef XRDS_MATRIX_SOFTWARE
-#define LEFT_FRAGMENTS(name, count) uvec2 name[count]
-#define RIGHT_FRAGMENT(name) uvec2 name
-#define SUMS(name, rows, columns) float name[rows][columns][8]  // half a row
-#define LOAD_LEFT(fragment, texel, rowTexels) fragment = uvec2(texel, rowTexels)
-#define LOAD_RIGHT(fragment, texel, rowTexels) fragment = uvec2(texel, rowTexels)
+#define LEFT_FRAGMENT(name) uvec4 name[2]       // a row, for two invocations
+#define RIGHT_FRAGMENT(name) float name[16][8]  // eight columns
+#define SUM(name) float name[8]                 // half a row
+#define LEFT_FRAGMENTS(name, count) uvec4 name[count][2]
+#define SUMS(name, rows, columns) float name[rows][columns][8]
+#define LOAD_LEFT(fragment, memory, texel, rowTexels) \
+  for (uint h_ = 0; h_ < 2; h_++) fragment[h_] = memory[(texel) + lane() / 2 * (rowTexels) + h_]
+#define LOAD_RIGHT(fragment, memory, texel, rowTexels) \
+  for (uint k_ = 0; k_ < 16; k_++) fragment[k_] = halvesOf(memory[(texel) + k_ * (rowTexels) + lane() % 2])
+#define LOAD_RIGHT_TRANSPOSED(fragment, memory, texel, rowTexels)                                    \
+  for (uint k_ = 0; k_ < 16; k_++)                                                                   \
+    for (uint n_ = 0; n_ < 8; n_++)                                                                  \
+      fragment[k_][n_] = halvesOf(memory[(texel) + (lane() % 2 * 8 + n_) * (rowTexels) + k_ / 8])[k_ % 8]
+#define LOAD_SUM(sum, memory, texel, rowTexels) \
+  sum = halvesOf(memory[(texel) + lane() / 2 * (rowTexels) + lane() % 2])
 #define CLEAR_SUM(sum) sum = float[](0, 0, 0, 0, 0, 0, 0, 0)
+#define ADD_SUM(sum, other) \
+  for (uint n_ = 0; n_ < 8; n_++) sum[n_] += other[n_]
+#define APPLY(function, sum) \
+  for (uint n_ = 0; n_ < 8; n_++) sum[n_] = function(sum[n_])
 #define MULTIPLY_ADD(a, b, sum) addProduct(a, b, sum)
-#define STORE_SUM(sum) \
-  for (uint n = 0; n < 8; n++) stored[subgroupIndex() * 256 + lane() * 8 + n] = sum[n]
+#define STORE_SUM(sum, memory, texel, rowTexels) \
+  for (uint h_ = 0; h_ < 2; h_++)                \
+    memory[(texel) + lane() / 2 * (rowTexels) + lane() % 2 * 2 + h_] = floatBitsToUint(quadOf(sum, h_))
+#define STORE_HALVES(sum, memory, texel, rowTexels) \
+  memory[(texel) + lane() / 2 * (rowTexels) + lane() % 2] = roundedHalves(quadOf(sum, 0), quadOf(sum, 1))
 uint subgroupIndex() { return gl_LocalInvocationIndex / 32; }
 uint lane() { return gl_LocalInvocationIndex % 32; }
 
@@ -48,13 +61,13 @@ float[8] halvesOf(uvec4 texel) {
   return float[](a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y);
 }
 
-void addProduct(uvec2 a, uvec2 b, inout float sum[8]) {
-  for (uint half_ = 0; half_ < 2; half_++) {
-    const float row[8] = halvesOf(left[a.x + lane() / 2 * a.y + half_]);
-    for (uint k = 0; k < 8; k++) {
-      const float column[8] = halvesOf(right[b.x + (8 * half_ + k) * b.y + lane() % 2]);
-      for (uint n = 0; n < 8; n++) sum[n] += row[k] * column[n];
-    }
+vec4 quadOf(float sum[8], uint h) { return vec4(sum[4 * h], sum[4 * h + 1], sum[4 * h + 2], sum[4 * h + 3]); }
+
+void addProduct(uvec4 a[2], float b[16][8], inout float sum[8]) {
+  for (uint h = 0; h < 2; h++) {
+    const float row[8] = halvesOf(a[h]);
+    for (uint k = 0; k < 8; k++)
+      for (uint n = 0; n < 8; n++) sum[n] += row[k] * b[8 * h + k][n];
   }
 }
 #endif
@@ -63,16 +76,21 @@ void addProduct(uvec2 a, uvec2 b, inout float sum[8]) {
 #define UNIT_LEFT fcoopmatNV<16, gl_ScopeSubgroup, kUnitRows, kUnitDepth>
 #define UNIT_RIGHT fcoopmatNV<16, gl_ScopeSubgroup, kUnitDepth, kUnitColumns>
 #define UNIT_SUM fcoopmatNV<32, gl_ScopeSubgroup, kUnitRows, kUnitColumns>
-#define UNIT_LOAD(m, from, texel, rowTexels) coopMatLoadNV(m, from, texel, rowTexels, false)
-#define UNIT_STORE(m, at) coopMatStoreNV(m, stored, at, 16, false)
+#define UNIT_HALF_SUM fcoopmatNV<16, gl_ScopeSubgroup, kUnitRows, kUnitColumns>
+#define UNIT_LOAD(m, memory, texel, rowTexels) coopMatLoadNV(m, memory, texel, rowTexels, false)
+#define UNIT_LOAD_TRANSPOSED(m, memory, texel, rowTexels) coopMatLoadNV(m, memory, texel, rowTexels, true)
+#define UNIT_STORE(m, memory, texel, rowTexels) coopMatStoreNV(m, memory, texel, rowTexels, false)
 #define UNIT_MULTIPLY_ADD coopMatMulAddNV
 #endif
 #ifdef XRDS_MATRIX_KHR
 #define UNIT_LEFT coopmat<float16_t, gl_ScopeSubgroup, kUnitRows, kUnitDepth, gl_MatrixUseA>
 #define UNIT_RIGHT coopmat<float16_t, gl_ScopeSubgroup, kUnitDepth, kUnitColumns, gl_MatrixUseB>
 #define UNIT_SUM coopmat<float, gl_ScopeSubgroup, kUnitRows, kUnitColumns, gl_MatrixUseAccumulator>
-#define UNIT_LOAD(m, from, texel, rowTexels) coopMatLoad(m, from, texel, rowTexels, gl_CooperativeMatrixLayoutRowMajor)
-#define UNIT_STORE(m, at) coopMatStore(m, stored, at, 16, gl_CooperativeMatrixLayoutRowMajor)
+#define UNIT_HALF_SUM coopmat<float16_t, gl_ScopeSubgroup, kUnitRows, kUnitColumns, gl_MatrixUseAccumulator>
+#define UNIT_LOAD(m, memory, texel, rowTexels) coopMatLoad(m, memory, texel, rowTexels, gl_CooperativeMatrixLayoutRowMajor)
+#define UNIT_LOAD_TRANSPOSED(m, memory, texel, rowTexels) \
+  coopMatLoad(m, memory, texel, rowTexels, gl_CooperativeMatrixLayoutColumnMajor)
+#define UNIT_STORE(m, memory, texel, rowTexels) coopMatStore(m, memory, texel, rowTexels, gl_CooperativeMatrixLayoutRowMajor)
 #define UNIT_MULTIPLY_ADD coopMatMulAdd
 #endif
 
@@ -82,28 +100,51 @@ layout(constant_id = 7) const uint kUnitColumns = 16;
 layout(constant_id = 8) const uint kUnitDepth = 16;
 const uint kDown = 16 / kUnitRows, kAcross = 16 / kUnitColumns, kDeep = 16 / kUnitDepth;
 // A fragment of 16 x 16 has one to four pieces. Macros: drivers do badly with such matrices in structures and functions.
-#define LEFT_FRAGMENTS(name, count) UNIT_LEFT name[count][4]
+#define LEFT_FRAGMENT(name) UNIT_LEFT name[4]
 #define RIGHT_FRAGMENT(name) UNIT_RIGHT name[4]
+#define SUM(name) UNIT_SUM name[4]
+#define LEFT_FRAGMENTS(name, count) UNIT_LEFT name[count][4]
 #define SUMS(name, rows, columns) UNIT_SUM name[rows][columns][4]
-#define LOAD_LEFT(fragment, texel, rowTexels)                                                                             \
-  [[unroll]] for (uint i = 0; i < kDown; i++)                                                                             \
+#define EACH_PIECE(i_, j_)                         \
+  [[unroll]] for (uint i_ = 0; i_ < kDown; i_++) \
+    [[unroll]] for (uint j_ = 0; j_ < kAcross; j_++)
+#define LOAD_LEFT(fragment, memory, texel, rowTexels)                                                                     \
+  [[unroll]] for (uint i_ = 0; i_ < kDown; i_++)                                                                          \
     [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                        \
-      UNIT_LOAD(fragment[i * kDeep + k_], left, (texel) + i * kUnitRows * (rowTexels) + k_ * kUnitDepth / 8, (rowTexels))
-#define LOAD_RIGHT(fragment, texel, rowTexels)                                                                            \
+      UNIT_LOAD(fragment[i_ * kDeep + k_], memory, (texel) + i_ * kUnitRows * (rowTexels) + k_ * kUnitDepth / 8, rowTexels)
+#define LOAD_RIGHT(fragment, memory, texel, rowTexels)                                                                    \
   [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                          \
-    [[unroll]] for (uint j = 0; j < kAcross; j++)                                                                         \
-      UNIT_LOAD(fragment[k_ * kAcross + j], right, (texel) + k_ * kUnitDepth * (rowTexels) + j * kUnitColumns / 8, (rowTexels))
-#define CLEAR_SUM(sum) \
-  [[unroll]] for (uint i = 0; i < kDown * kAcross; i++) sum[i] = UNIT_SUM(0.0)
+    [[unroll]] for (uint j_ = 0; j_ < kAcross; j_++)                                                                      \
+      UNIT_LOAD(fragment[k_ * kAcross + j_], memory, (texel) + k_ * kUnitDepth * (rowTexels) + j_ * kUnitColumns / 8, rowTexels)
+#define LOAD_RIGHT_TRANSPOSED(fragment, memory, texel, rowTexels)                                                         \
+  [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                          \
+    [[unroll]] for (uint j_ = 0; j_ < kAcross; j_++)                                                                      \
+      UNIT_LOAD_TRANSPOSED(fragment[k_ * kAcross + j_], memory,                                                           \
+                           (texel) + j_ * kUnitColumns * (rowTexels) + k_ * kUnitDepth / 8, rowTexels)
+#define LOAD_SUM(sum, memory, texel, rowTexels)                                                                           \
+  EACH_PIECE(i_, j_) {                                                                                                    \
+    UNIT_HALF_SUM half_;                                                                                                  \
+    UNIT_LOAD(half_, memory, (texel) + i_ * kUnitRows * (rowTexels) + j_ * kUnitColumns / 8, rowTexels);                  \
+    sum[i_ * kAcross + j_] = UNIT_SUM(half_);                                                                             \
+  }
+#define CLEAR_SUM(sum) EACH_PIECE(i_, j_) sum[i_ * kAcross + j_] = UNIT_SUM(0.0)
+#define ADD_SUM(sum, other) EACH_PIECE(i_, j_) sum[i_ * kAcross + j_] += other[i_ * kAcross + j_]
+#define APPLY(function, sum)                                                                                              \
+  EACH_PIECE(i_, j_)                                                                                                      \
+    [[unroll]] for (uint n_ = 0; n_ < sum[i_ * kAcross + j_].length(); n_++)                                              \
+      sum[i_ * kAcross + j_][n_] = function(sum[i_ * kAcross + j_][n_])
 #define MULTIPLY_ADD(a, b, sum)                                                                                           \
-  [[unroll]] for (uint i = 0; i < kDown; i++)                                                                             \
-    [[unroll]] for (uint j = 0; j < kAcross; j++)                                                                         \
-      [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                      \
-        sum[i * kAcross + j] = UNIT_MULTIPLY_ADD(a[i * kDeep + k_], b[k_ * kAcross + j], sum[i * kAcross + j])
-#define STORE_SUM(sum)                                                                                                    \
-  [[unroll]] for (uint i = 0; i < kDown; i++)                                                                             \
-    [[unroll]] for (uint j = 0; j < kAcross; j++)                                                                         \
-      UNIT_STORE(sum[i * kAcross + j], subgroupIndex() * 256 + i * kUnitRows * 16 + j * kUnitColumns)
+  EACH_PIECE(i_, j_)                                                                                                      \
+    [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                        \
+      sum[i_ * kAcross + j_] = UNIT_MULTIPLY_ADD(a[i_ * kDeep + k_], b[k_ * kAcross + j_], sum[i_ * kAcross + j_])
+#define STORE_SUM(sum, memory, texel, rowTexels)                                                                          \
+  EACH_PIECE(i_, j_)                                                                                                      \
+    UNIT_STORE(sum[i_ * kAcross + j_], memory, (texel) + i_ * kUnitRows * (rowTexels) + j_ * kUnitColumns / 4, rowTexels)
+#define STORE_HALVES(sum, memory, texel, rowTexels)                                                                       \
+  EACH_PIECE(i_, j_) {                                                                                                    \
+    UNIT_HALF_SUM half_ = UNIT_HALF_SUM(sum[i_ * kAcross + j_]);                                                          \
+    UNIT_STORE(half_, memory, (texel) + i_ * kUnitRows * (rowTexels) + j_ * kUnitColumns / 8, rowTexels);                 \
+  }
 uint subgroupIndex() { return gl_SubgroupID; }
 #endif
 
@@ -112,11 +153,7 @@ uvec4 halves(vec4 a, vec4 b) {
   return uvec4(packHalf2x16(a.xy), packHalf2x16(a.zw), packHalf2x16(b.xy), packHalf2x16(b.zw));
 }
 
-// Four outputs of a row of the stored sums: quad i % 4 of row i % 64 / 4 of subgroup i / 64.
-vec4 storedQuad(uint i) { return vec4(stored[4 * i], stored[4 * i + 1], stored[4 * i + 2], stored[4 * i + 3]); }
-
-// First row and column of fragments of a subgroup.
-uint firstRow(uint subgroup) { return subgroup % kRowGroups * kFragmentRows; }
-uint firstColumn(uint subgroup) { return subgroup / kRowGroups * kFragmentColumns; }
+// Of any floats.
+uvec4 roundedHalves(vec4 a, vec4 b) { return uvec4(packHalf4(a), packHalf4(b)); }
 
 #endif

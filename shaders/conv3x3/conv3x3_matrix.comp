@@ -9,7 +9,7 @@
 #define RIGHT_TEXELS (3 * 8 * kConv3x3MatrixTexels * kRightStride)
 #define kLeftStride (kConv3x3MatrixTexels + 1)  // of a pixel; padded, so that neighbours lie in different banks
 #define kRightStride (2 * kOutputFragments + 1)
-#include "shaders/common/matrix.glsl"
+#include "shaders/common/matrix_tile.glsl"
 #include "shaders/common/activation.glsl"
 #include "shaders/common/storage.glsl"
 #include "shaders/conv3x3/conv3x3.h"
@@ -82,10 +82,10 @@ void main() {
         [[unroll]] for (uint k = 0; k < kConv3x3MatrixTexels; k += 2) {  // 16 inputs
           LEFT_FRAGMENTS(x, kFragmentRows);
           [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
-            LOAD_LEFT(x[r], ((row + r + ky) * kConv3x3MatrixStride + kx) * kLeftStride + k, kLeftStride);
+            LOAD_LEFT(x[r], left, ((row + r + ky) * kConv3x3MatrixStride + kx) * kLeftStride + k, kLeftStride);
           [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
             RIGHT_FRAGMENT(w);
-            LOAD_RIGHT(w, (kx * kStep + 8 * k) * kRightStride + 2 * (column + c), kRightStride);
+            LOAD_RIGHT(w, right, (kx * kStep + 8 * k) * kRightStride + 2 * (column + c), kRightStride);
             [[unroll]] for (uint r = 0; r < kFragmentRows; r++) MULTIPLY_ADD(x[r], w, sum[r][c]);
           }
         }
@@ -94,7 +94,7 @@ void main() {
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
       barrier();
-      STORE_SUM(sum[r][c]);
+      STORE_SUM(sum[r][c], stored, subgroupIndex() * 64, 4);
       barrier();
       for (uint i = gl_LocalInvocationIndex; i < kSubgroups * 64; i += kInvocations)
         finish(corner + uvec2(i % 64 / 4, firstRow(i / 64) + r), firstQuad + 4 * (firstColumn(i / 64) + c) + i % 4,

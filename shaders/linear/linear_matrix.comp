@@ -9,7 +9,7 @@
 #define RIGHT_TEXELS (8 * kLinearMatrixTexels * kRightStride)
 #define kLeftStride (kLinearMatrixTexels + 1)
 #define kRightStride (2 * kOutputFragments + 1)
-#include "shaders/common/matrix.glsl"
+#include "shaders/common/matrix_tile.glsl"
 #include "shaders/common/activation.glsl"
 #include "shaders/common/storage.glsl"
 #include "shaders/linear/linear.h"
@@ -87,10 +87,10 @@ void main() {
       [[unroll]] for (uint k = 0; k < kLinearMatrixTexels; k += 2) {  // 16 inputs
         LEFT_FRAGMENTS(x, kFragmentRows);
         [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
-          LOAD_LEFT(x[r], 16 * (row + r) * kLeftStride + k, kLeftStride);
+          LOAD_LEFT(x[r], left, 16 * (row + r) * kLeftStride + k, kLeftStride);
         [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
           RIGHT_FRAGMENT(w);
-          LOAD_RIGHT(w, 8 * k * kRightStride + 2 * (column + c), kRightStride);
+          LOAD_RIGHT(w, right, 8 * k * kRightStride + 2 * (column + c), kRightStride);
           [[unroll]] for (uint r = 0; r < kFragmentRows; r++) MULTIPLY_ADD(x[r], w, sum[r][c]);
         }
       }
@@ -100,7 +100,7 @@ void main() {
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
       barrier();
-      STORE_SUM(sum[r][c]);
+      STORE_SUM(sum[r][c], stored, subgroupIndex() * 64, 4);
       barrier();
       for (uint i = gl_LocalInvocationIndex; i < kSubgroups * 64; i += kInvocations) {
         const uint token = 16 * (firstRow(i / 64) + r) + i % 64 / 4;
