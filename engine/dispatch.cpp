@@ -6,7 +6,7 @@
 
 namespace xrds {
 namespace {
-constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix"};
+constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix", "fused"};
 }  // namespace
 
 const char* nameOf(KernelFamily family) { return kFamilies[static_cast<size_t>(family)]; }
@@ -19,7 +19,7 @@ const char* nameOf(MatrixUnits units) {
 KernelFamily kernelFamilyOf(std::string_view name) {
   const auto found = std::find(std::begin(kFamilies), std::end(kFamilies), name);
   if (found == std::end(kFamilies))
-    throw Error("there is no kernel family '" + std::string(name) + "'; choose plain, lane, tile or matrix");
+    throw Error("there is no kernel family '" + std::string(name) + "'; choose plain, lane, tile, matrix or fused");
   return static_cast<KernelFamily>(found - std::begin(kFamilies));
 }
 

@@ -13,10 +13,16 @@
 namespace xrds {
 
 /// The written version of a kernel: `plain` is the readable one and runs anywhere, `lane` keeps one token a lane for
-/// CPU devices, `tile` shares memory for GPUs, `matrix` uses matrix units. A missing one falls back to `plain`.
-enum class KernelFamily : uint8_t { plain, lane, tile, matrix };
+/// CPU devices, `tile` shares memory for GPUs, `matrix` uses matrix units, and `fused` besides makes whole layers in
+/// one kernel. A missing one falls back to `plain`.
+enum class KernelFamily : uint8_t { plain, lane, tile, matrix, fused };
 
-/// "plain", "lane", "tile" or "matrix".
+/// Whether the family's kernels use matrix units.
+constexpr bool usesMatrixUnits(KernelFamily family) {
+  return family == KernelFamily::matrix || family == KernelFamily::fused;
+}
+
+/// "plain", "lane", "tile", "matrix" or "fused".
 const char* nameOf(KernelFamily family);
 
 /// The family of that name. Throws Error that lists the names if there is none.
@@ -32,12 +38,13 @@ const char* nameOf(MatrixUnits units);
 /// The products that matrix units take: rows x depth by depth x columns, 8 or 16 each.
 struct MatrixSize {
   uint32_t rows = 16, columns = 16, depth = 16;
+  bool halfSums = true;  // the sums may be halves, too, so that fp32 ones are converted in registers
 };
 
 /// The properties of a device that decide how work is dispatched: plain numbers, testable without a device.
 struct DeviceTraits {
   KernelFamily family = KernelFamily::plain;
-  MatrixUnits matrixUnits = MatrixUnits::none;  // of the family `matrix`
+  MatrixUnits matrixUnits = MatrixUnits::none;  // of the families `matrix` and `fused`
   MatrixSize matrixSize;                        // of their products
   uint32_t subgroupSize = 8;
   uint64_t maxStorageBufferRange = uint64_t{128} << 20;

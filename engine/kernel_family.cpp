@@ -16,9 +16,9 @@ KernelFamily chosenFamily(const DeviceDescription& device, const std::string& as
   const KernelFamily family = kernelFamilyOf(wanted);
   if (family == KernelFamily::lane && device.kind != DeviceKind::cpu)
     throw Error("the kernel family 'lane' is for CPU devices, and " + device.name + " is none; choose plain or tile");
-  if (family == KernelFamily::matrix && device.matrixUnits == MatrixUnits::none)
-    throw Error("the kernel family 'matrix' needs matrix units that multiply 16-bit floats, and " + device.name +
-                " offers none to Vulkan; choose plain or tile");
+  if (usesMatrixUnits(family) && device.matrixUnits == MatrixUnits::none)
+    throw Error("the kernel family '" + wanted + "' needs matrix units that multiply 16-bit floats, and " +
+                device.name + " offers none to Vulkan; choose plain or tile");
   return family;
 }
 

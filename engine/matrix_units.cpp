@@ -1,5 +1,6 @@
 #include "engine/matrix_units.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "engine/vulkan_result.h"
@@ -51,15 +52,21 @@ std::vector<Properties> propertiesOf(const Instance& instance, VkPhysicalDevice 
   return properties;
 }
 
-// The largest product among those that a kernel's fragments of 16 x 16 are made of.
+// The largest product among those that a kernel's fragments of 16 x 16 are made of. fits() says of an offer whether it
+// is one of halves with sums of that type.
 template <class Properties, class Fits>
-std::optional<MatrixSize> largestOf(const std::vector<Properties>& offered, const Fits& fits) {
+std::optional<MatrixSize> largestOf(const std::vector<Properties>& offered, const Fits& fits, auto floats,
+                                    auto halves) {
   const auto divides = [](uint32_t side) { return side == 8 || side == 16; };
   std::optional<MatrixSize> best;
   for (const Properties& p : offered)
-    if (fits(p) && divides(p.MSize) && divides(p.NSize) && divides(p.KSize) &&
+    if (fits(p, floats) && divides(p.MSize) && divides(p.NSize) && divides(p.KSize) &&
         (!best || p.MSize * p.NSize * p.KSize > best->rows * best->columns * best->depth))
       best = {.rows = p.MSize, .columns = p.NSize, .depth = p.KSize};
+  if (best)
+    best->halfSums = std::any_of(offered.begin(), offered.end(), [&](const Properties& p) {
+      return fits(p, halves) && p.MSize == best->rows && p.NSize == best->columns && p.KSize == best->depth;
+    });
   return best;
 }
 
@@ -67,11 +74,11 @@ std::optional<MatrixSize> sizeOfNv(const Instance& instance, VkPhysicalDevice de
   const auto offered = propertiesOf<VkCooperativeMatrixPropertiesNV>(
       instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesNV",
       VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_NV);
-  return largestOf(offered, [](const VkCooperativeMatrixPropertiesNV& p) {
-    return p.AType == VK_COMPONENT_TYPE_FLOAT16_NV && p.BType == VK_COMPONENT_TYPE_FLOAT16_NV &&
-           p.CType == VK_COMPONENT_TYPE_FLOAT32_NV && p.DType == VK_COMPONENT_TYPE_FLOAT32_NV &&
-           p.scope == VK_SCOPE_SUBGROUP_NV;
-  });
+  const auto fits = [](const VkCooperativeMatrixPropertiesNV& p, VkComponentTypeNV sums) {
+    return p.AType == VK_COMPONENT_TYPE_FLOAT16_NV && p.BType == VK_COMPONENT_TYPE_FLOAT16_NV && p.CType == sums &&
+           p.DType == sums && p.scope == VK_SCOPE_SUBGROUP_NV;
+  };
+  return largestOf(offered, fits, VK_COMPONENT_TYPE_FLOAT32_NV, VK_COMPONENT_TYPE_FLOAT16_NV);
 }
 
 #ifdef XRDS_USES_KHR
@@ -79,11 +86,11 @@ std::optional<MatrixSize> sizeOfKhr(const Instance& instance, VkPhysicalDevice d
   const auto offered = propertiesOf<VkCooperativeMatrixPropertiesKHR>(
       instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR",
       VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_KHR);
-  return largestOf(offered, [](const VkCooperativeMatrixPropertiesKHR& p) {
-    return p.AType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.BType == VK_COMPONENT_TYPE_FLOAT16_KHR &&
-           p.CType == VK_COMPONENT_TYPE_FLOAT32_KHR && p.ResultType == VK_COMPONENT_TYPE_FLOAT32_KHR &&
-           p.scope == VK_SCOPE_SUBGROUP_KHR;
-  });
+  const auto fits = [](const VkCooperativeMatrixPropertiesKHR& p, VkComponentTypeKHR sums) {
+    return p.AType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.BType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.CType == sums &&
+           p.ResultType == sums && p.scope == VK_SCOPE_SUBGROUP_KHR;
+  };
+  return largestOf(offered, fits, VK_COMPONENT_TYPE_FLOAT32_KHR, VK_COMPONENT_TYPE_FLOAT16_KHR);
 }
 #endif
 

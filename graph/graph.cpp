@@ -127,6 +127,7 @@ NodeCost cost(const Node& node) {
     return {computedPixels(*op) * 9 * op->inputChannels * op->outputChannels, 0};
   if (const auto* op = std::get_if<WindowAttention>(&node.op))
     return {0, 2 * computedPixels(*op) * op->window * op->window * op->output.channels};
+  if (const auto* op = std::get_if<SwinLayer>(&node.op)) return {mapMultiplyAdds(*op), attentionMultiplyAdds(*op)};
   return {};
 }
 

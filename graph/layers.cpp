@@ -131,6 +131,34 @@ TensorView Layers::attention(const std::string& name, TensorView q, TensorView k
   return heads;
 }
 
+bool Layers::fusedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted,
+                            TensorView into) {
+  if (!options_.layersFusedOn) return false;
+  for (const char* part : {"norm1", "attn.qkv", "attn", "attn.proj", "norm2", "mlp.fc1", "mlp.fc2"})
+    if (stored(name + part) != DataType::f16 || storedWeights(name + part) != DataType::f16) return false;
+  if (!grow.empty() && storedWeights(grow) != DataType::f16) return false;
+  const uint32_t c = t.channels, side = 2 * config.window - 1;
+  const auto map = [&](const std::string& part, std::initializer_list<uint32_t> shape) -> SwinLayer::Map {
+    return {weight(part + ".weight", shape), weight(part + ".bias", {*shape.begin()})};
+  };
+  SwinLayer op{.input = t,
+               .output = into,
+               .norm1 = map(name + "norm1", {c}),
+               .norm2 = map(name + "norm2", {c}),
+               .qkv = map(name + "attn.qkv", {3 * c, c}),
+               .proj = map(name + "attn.proj", {c, c}),
+               .fc1 = map(name + "mlp.fc1", {2 * c, c}),
+               .fc2 = map(name + "mlp.fc2", {c, 2 * c})};
+  if (!grow.empty()) op.grow = map(grow, {into.channels, c, 1, 1});
+  op.biasTable = weight(name + "attn.relative_position_bias_table", {side * side, c / config.headChannels});
+  op.window = config.window;
+  op.headChannels = config.headChannels;
+  op.shift = shifted ? config.window / 2 : 0;
+  if (!fits(op, *options_.layersFusedOn)) return false;
+  graph.nodes.push_back({name + "layer", op});
+  return true;
+}
+
 bool Layers::isSmall(uint32_t height, uint32_t width) const {
   const uint64_t pixels = uint64_t{height} * width;
   return pixels <= kWholeColourPixels && pixels * config.scale * config.scale <= kWholeOutputPixels;

@@ -40,6 +40,10 @@ class Layers {
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
                        const WindowBand& band);
 
+  /// The Swin layer in one kernel, with the convolution `grow` behind it if that is named; false: the device does not
+  /// make it so, or something in it is stored in fp32.
+  bool fusedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted, TensorView into);
+
   /// The type of the value or of the layer's weights.
   DataType stored(const std::string& value) const { return graph.typeOf(value, false, precision()); }
   DataType storedWeights(const std::string& layer) const { return graph.typeOf(layer, true, precision()); }

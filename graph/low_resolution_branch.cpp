@@ -96,8 +96,9 @@ class LowResolutionBranch {
     layers_.conv1x1OfSum(name + "mlp.fc2", grow, hidden, u, into.channels, into);
   }
 
-  // The layer from t to `into`, band by band.
+  // The layer from t to `into`, in one kernel or band by band.
   void bandedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted, TensorView into) {
+    if (layers_.fusedSwinLayer(name, grow, t, shifted, into)) return;
     const uint32_t tensors = kSelfAttentionTensors * t.channels / config_.channels;
     for (const WindowBand& band : layers_.bands(t, shifted, tensors)) {
       const TensorView from = takeRows(layers_.graph, name + "rows", band, t);

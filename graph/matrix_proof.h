@@ -4,9 +4,10 @@
 
 namespace xrds {
 
-/// Compares the matrix kernels of a device that runs them with their double-precision reference, on a small linear map
-/// and a small convolution. Where they are wrong or fail, the device runs the tile kernels from then on. Returns
-/// whether they are right, or not in use.
+/// Compares the matrix kernels of a device that runs them with their double-precision reference, on a small linear map,
+/// a small convolution and, where layers are fused, a small Swin layer. Where they are wrong or fail, the device runs
+/// the tile kernels from then on, and layers operator by operator where only the fused one is wrong. Returns whether
+/// they are right, or not in use.
 bool proveMatrixKernels(Gpu& gpu);
 
 }  // namespace xrds

@@ -27,6 +27,24 @@ TEST(MatrixProof, GivesUpKernelsThatAreWrong) {
   EXPECT_TRUE(proveMatrixKernels(gpu));  // of those in use
 }
 
+TEST(MatrixProof, GivesUpAFusedLayerThatIsWrongAlone) {
+  DeviceOptions options = test::gpuOptions();
+  Gpu right(options);
+  right.setTraits(test::traitsOf(KernelFamily::fused));
+  EXPECT_TRUE(proveMatrixKernels(right));
+  EXPECT_EQ(right.traits().family, KernelFamily::fused);
+
+  // A program that writes nothing.
+  options.programs = [all = options.programs](std::string_view name) {
+    return all(name.starts_with("swin_layer_matrix") ? "twice_plus" : name);
+  };
+  Gpu wrong(options);
+  wrong.setTraits(test::traitsOf(KernelFamily::fused));
+  EXPECT_FALSE(proveMatrixKernels(wrong));
+  EXPECT_EQ(wrong.traits().family, KernelFamily::matrix);
+  EXPECT_NE(wrong.traits().matrixUnits, MatrixUnits::none);
+}
+
 TEST(MatrixProof, HasNothingToProveElsewhere) {
   Gpu gpu(test::gpuOptions());
   const KernelFamily family = gpu.traits().family;

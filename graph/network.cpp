@@ -11,6 +11,7 @@ namespace xrds {
 GraphOptions fastOn(const DeviceTraits& device, GraphOptions options) {
   options.normsInLinear = device.family == KernelFamily::lane;
   options.mapsJoined = true;
+  if (device.family == KernelFamily::fused) options.layersFusedOn = device;
   return options;
 }
 

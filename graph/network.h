@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "graph/config.h"
@@ -37,6 +38,8 @@ struct GraphOptions {
   /// Linear maps in a row with nothing between them are made as one, whose weights are their product: of an RDST a
   /// seventh fewer multiply-adds.
   bool mapsJoined = false;
+  /// The device on which Swin layers that fit() it are made by one kernel each, in fp16; none: nowhere.
+  std::optional<DeviceTraits> layersFusedOn{};
 };
 
 /// The options with what makes the graph fast on a device.

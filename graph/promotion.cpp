@@ -163,6 +163,8 @@ class MomentFlow {
     copy(op.values, op.output);
   }
 
+  void follow(const SwinLayer&) { throw std::logic_error("layers are fused after what they store is known"); }
+
   void checkRange(const std::string& name, const Channels& channels) {
     double peak = 0, square = 0;
     for (const Moment m : channels) {

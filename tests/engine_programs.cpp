@@ -4,6 +4,7 @@
 #include "conv3x3_matrix_software_f32.h"
 #include "linear_matrix_software_f16.h"
 #include "linear_matrix_software_f32.h"
+#include "swin_layer_matrix_software_f16.h"
 #include "to_half.h"
 #include "twice_plus.h"
 
@@ -16,6 +17,7 @@ std::span<const uint32_t> engineProgram(std::string_view name) {
   if (name == "linear_matrix_software_f16") return linear_matrix_software_f16;
   if (name == "conv3x3_matrix_software_f32") return conv3x3_matrix_software_f32;
   if (name == "conv3x3_matrix_software_f16") return conv3x3_matrix_software_f16;
+  if (name == "swin_layer_matrix_software_f16") return swin_layer_matrix_software_f16;
   return {};
 }
 

@@ -126,12 +126,14 @@ TEST(KernelFamily, MayBeAskedForWhereItRuns) {
   EXPECT_EQ(chosenFamily(cpu, "tile"), KernelFamily::tile);
   EXPECT_THROW(chosenFamily(gpu, "lane"), Error);
   EXPECT_THROW(chosenFamily(gpu, "matrix"), Error);
+  EXPECT_THROW(chosenFamily(gpu, "fused"), Error);
   EXPECT_EQ(chosenFamily({.matrixUnits = MatrixUnits::khr}, "matrix"), KernelFamily::matrix);
+  EXPECT_EQ(chosenFamily({.matrixUnits = MatrixUnits::khr}, "fused"), KernelFamily::fused);
   try {
     chosenFamily(cpu, "tiles");
     FAIL() << "a name of no family";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "there is no kernel family 'tiles'; choose plain, lane, tile or matrix");
+    EXPECT_STREQ(error.what(), "there is no kernel family 'tiles'; choose plain, lane, tile, matrix or fused");
   }
 }
 

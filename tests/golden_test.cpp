@@ -115,6 +115,22 @@ INSTANTIATE_TEST_SUITE_P(Some, GoldenOtherFamilies,
                                          "s1_kernels_aux_skip"),
                          [](const auto& info) { return info.param; });
 
+// With the paper's windows and heads, so that layers are fused: on lavapipe those whose window fits 32 KiB.
+class GoldenFused : public GoldenNetwork {};
+
+TEST_P(GoldenFused, Fp16Fused) {
+  const Golden golden(GetParam());
+  const DeviceTraits traits = test::traitsOf(KernelFamily::fused);
+  const Graph graph = buildGraph(golden.model.config(), golden.frame, golden.model.lookup(),
+                                 fastOn(traits, {.precision = Precision::fp16}));
+  const auto isFused = [](const Node& node) { return std::holds_alternative<SwinLayer>(node.op); };
+  EXPECT_GT(std::count_if(graph.nodes.begin(), graph.nodes.end(), isFused), 0);
+  expectMatch(KernelFamily::fused, Precision::fp16, 5e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Some, GoldenFused, testing::Values("s2_paper_width", "s4_compact"),
+                         [](const auto& info) { return info.param; });
+
 class GoldenReference : public testing::TestWithParam<std::string> {};
 
 TEST_P(GoldenReference, HostReplayMatchesToo) {

@@ -211,8 +211,7 @@ Gpu& gpu() {
 DeviceTraits traitsOf(KernelFamily family) {
   DeviceTraits traits = gpu().traits();
   traits.family = family;
-  if (family == KernelFamily::matrix && traits.matrixUnits == MatrixUnits::none)
-    traits.matrixUnits = MatrixUnits::software;
+  if (usesMatrixUnits(family) && traits.matrixUnits == MatrixUnits::none) traits.matrixUnits = MatrixUnits::software;
   return traits;
 }
 

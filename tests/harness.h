@@ -17,7 +17,7 @@ Gpu& gpu();
 /// The options with which gpu() is opened, for tests that open a device of their own.
 DeviceOptions gpuOptions();
 
-/// Its traits with that kernel family; `matrix` in software where the device has no matrix units.
+/// Its traits with that kernel family; `matrix` and `fused` in software where the device has no matrix units.
 DeviceTraits traitsOf(KernelFamily family);
 
 /// Messages collected since the last call; a test that provokes some takes them, so that they do not fail it.

@@ -35,7 +35,7 @@ inline MatrixShape matrixShape(const DeviceTraits& device, DataType inputType, D
                                uint32_t inputChannels, uint32_t outputChannels) {
   constexpr uint32_t kSoftwareSubgroup = 32, kLeastChannels = 16, kStagedBytes = 15552;  // of the larger kernel
   constexpr uint32_t kMostInvocations = 256, kMostSubgroups = 16;                        // of a workgroup
-  if (device.family != KernelFamily::matrix || device.matrixUnits == MatrixUnits::none || inputType != DataType::f16 ||
+  if (!usesMatrixUnits(device.family) || device.matrixUnits == MatrixUnits::none || inputType != DataType::f16 ||
       weightType != DataType::f16 || inputChannels < kLeastChannels || outputChannels < kLeastChannels ||
       device.maxGroupInvocations < kMostInvocations)
     return {};

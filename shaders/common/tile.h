@@ -6,9 +6,9 @@ namespace xrds {
 
 inline constexpr uint32_t kTileInvocations = 256;  // of a workgroup of a tile kernel
 
-/// Whether the device takes the tile kernels: its own family, or that of the operators without a matrix kernel.
+/// Whether the device takes the tile kernels: its own family, or one of the operators without a matrix kernel.
 inline bool takesTiles(const DeviceTraits& device) {
-  return (device.family == KernelFamily::tile || device.family == KernelFamily::matrix) &&
+  return (device.family == KernelFamily::tile || usesMatrixUnits(device.family)) &&
          device.maxGroupInvocations >= kTileInvocations;
 }
 

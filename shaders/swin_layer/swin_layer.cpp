@@ -1,0 +1,324 @@
+#include "shaders/swin_layer/swin_layer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shaders/common/activation.h"
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kTokens = shader::kSwinTokens;
+constexpr double kLog2E = 1.4426950408889634;
+
+uint32_t channelsOf(const SwinLayer& op) { return op.input.channels; }
+uint32_t hiddenOf(const SwinLayer& op) { return static_cast<uint32_t>(op.fc1.bias.size()); }
+uint32_t headCount(const SwinLayer& op) { return channelsOf(op) / op.headChannels; }
+bool grows(const SwinLayer& op) { return !op.grow.bias.empty(); }
+
+/// How a workgroup goes about its window.
+struct WindowShare {
+  uint32_t subgroups = 0;    // 0: the device has no kernel for the layer
+  uint32_t invocations = 0;  // of the workgroup
+  uint32_t scoreRows = 0;    // queries at a time
+  uint32_t hiddenPart = 0;   // hidden features at a time
+  uint32_t poolTexels = 0;   // of shared memory
+};
+
+/// The most queries and hidden features at a time for which there is room.
+WindowShare windowShare(const SwinLayer& op, const DeviceTraits& device) {
+  constexpr uint32_t kSoftwareSubgroup = 32, kLeastSubgroups = 4, kLeastInvocations = 128, kMostHidden = 128;
+  constexpr uint32_t kTexelBytes = 16, kTexelHalves = 8, kMostShares = 8;  // invocations for a row of scores
+  const bool inSoftware = device.matrixUnits == MatrixUnits::none || device.matrixUnits == MatrixUnits::software;
+  const uint32_t lanes = inSoftware ? kSoftwareSubgroup : device.subgroupSize;
+  WindowShare share{.subgroups = std::max(kLeastSubgroups, kLeastInvocations / lanes)};
+  share.invocations = share.subgroups * lanes;
+  const uint32_t tokenTexels = kTokens * (channelsOf(op) / kTexelHalves + 1);
+  const uint32_t headTexels = kTokens * (3 * op.headChannels / kTexelHalves + 1), scoreStride = kTokens / 4 + 1;
+  const auto byteSize = [&](uint32_t texels) { return texels * kTexelBytes + share.invocations * 4; };
+  for (share.scoreRows = kTokens; share.scoreRows >= 16; share.scoreRows /= 2) {
+    share.poolTexels = tokenTexels + headTexels + share.scoreRows * scoreStride;
+    if (byteSize(share.poolTexels) <= device.maxSharedBytes && share.invocations <= kMostShares * share.scoreRows)
+      break;
+  }
+  for (share.hiddenPart = kMostHidden; share.hiddenPart >= 16; share.hiddenPart -= 16) {
+    const uint32_t texels = tokenTexels + kTokens * (share.hiddenPart / kTexelHalves + 1);
+    if (hiddenOf(op) % share.hiddenPart != 0 || byteSize(texels) > device.maxSharedBytes) continue;
+    share.poolTexels = std::max(share.poolTexels, texels);
+    break;
+  }
+  const bool isPossible = share.scoreRows >= 16 && share.hiddenPart >= 16 && share.invocations % kTokens == 0 &&
+                          share.invocations <= device.maxGroupInvocations;
+  if (!isPossible) share.subgroups = 0;
+  return share;
+}
+
+/// [N][K] in double precision, as the kernel's tiles are made from it.
+struct Matrix {
+  uint32_t outputs = 0, inputs = 0;
+  std::vector<double> weight, bias;
+};
+
+Matrix matrixOf(const SwinLayer::Map& map) {
+  const size_t outputs = map.bias.size();
+  return {static_cast<uint32_t>(outputs),
+          static_cast<uint32_t>(map.weight.size() / outputs),
+          {map.weight.begin(), map.weight.end()},
+          {map.bias.begin(), map.bias.end()}};
+}
+
+/// The map of norm(x) as one of (x - mean) / deviation.
+Matrix normed(const SwinLayer::Map& norm, const SwinLayer::Map& map) {
+  Matrix matrix = matrixOf(map);
+  for (size_t i = 0; i < matrix.weight.size(); ++i) {
+    matrix.bias[i / matrix.inputs] += matrix.weight[i] * norm.bias[i % matrix.inputs];
+    matrix.weight[i] *= norm.weight[i % matrix.inputs];
+  }
+  return matrix;
+}
+
+/// Scores are powers of two in the kernel.
+Matrix scaledQueries(const SwinLayer& op) {
+  Matrix matrix = normed(op.norm1, op.qkv);
+  const double scale = kLog2E / std::sqrt(op.headChannels);
+  for (uint32_t n = 0; n < channelsOf(op); ++n) {
+    matrix.bias[n] *= scale;
+    for (uint32_t k = 0; k < matrix.inputs; ++k) matrix.weight[size_t{n} * matrix.inputs + k] *= scale;
+  }
+  return matrix;
+}
+
+/// fc2, or grow of fc2.
+Matrix lastMap(const SwinLayer& op) {
+  const Matrix inner = matrixOf(op.fc2);
+  if (!grows(op)) return inner;
+  const Matrix outer = matrixOf(op.grow);
+  Matrix product{outer.outputs, inner.inputs, std::vector<double>(size_t{outer.outputs} * inner.inputs), outer.bias};
+  for (uint32_t n = 0; n < outer.outputs; ++n)
+    for (uint32_t m = 0; m < outer.inputs; ++m) {
+      const double w = outer.weight[size_t{n} * outer.inputs + m];
+      product.bias[n] += w * inner.bias[m];
+      for (uint32_t k = 0; k < inner.inputs; ++k)
+        product.weight[size_t{n} * inner.inputs + k] += w * inner.weight[size_t{m} * inner.inputs + k];
+    }
+  return product;
+}
+
+/// Writes tiles of 16 x 16, row by row.
+class Tiles {
+ public:
+  std::vector<float> numbers;
+
+  void add(auto&& at) {
+    for (uint32_t row = 0; row < 16; ++row)
+      for (uint32_t column = 0; column < 16; ++column) numbers.push_back(static_cast<float>(at(row, column)));
+  }
+  /// The outputs from `first` on, `count` of them in sixteens.
+  void addMap(const Matrix& matrix, uint32_t first, uint32_t count, bool withBias = true) {
+    for (uint32_t n = first; n < first + count; n += 16) {
+      if (withBias) add([&](uint32_t, uint32_t column) { return matrix.bias[n + column]; });
+      for (uint32_t k = 0; k < matrix.inputs; k += 16)
+        add([&](uint32_t row, uint32_t column) { return matrix.weight[size_t{n + column} * matrix.inputs + k + row]; });
+    }
+  }
+  void addMap(const Matrix& matrix, bool withBias = true) { addMap(matrix, 0, matrix.outputs, withBias); }
+};
+
+double bias(const SwinLayer& op, uint32_t query, uint32_t key, uint32_t head) {
+  const uint32_t w = op.window;
+  const uint32_t row = (query / w + w - 1 - key / w) * (2 * w - 1) + query % w + w - 1 - key % w;
+  return op.biasTable[row * headCount(op) + head];
+}
+
+/// Whether the wrap-around alone brought the tokens together: class 1 in x, 2 in y, 3 in both.
+bool isMasked(const SwinLayer& op, uint32_t query, uint32_t key, uint32_t windowClass) {
+  const uint32_t w = op.window, edge = w - op.shift;
+  return ((windowClass & 1) && (query % w >= edge) != (key % w >= edge)) ||
+         ((windowClass & 2) && (query / w >= edge) != (key / w >= edge));
+}
+
+void addScoreBiases(const SwinLayer& op, Tiles& tiles) {
+  constexpr double kMasked = -1e4;  // 2 to that is 0, whatever the largest score
+  for (uint32_t windowClass = 0; windowClass < (op.shift ? 4 : 1); ++windowClass)
+    for (uint32_t head = 0; head < headCount(op); ++head)
+      for (uint32_t query = 0; query < kTokens; query += 16)
+        for (uint32_t key = 0; key < kTokens; key += 16)
+          tiles.add([&](uint32_t row, uint32_t column) {
+            return isMasked(op, query + row, key + column, windowClass)
+                       ? kMasked
+                       : bias(op, query + row, key + column, head) * kLog2E;
+          });
+}
+
+}  // namespace
+
+TensorShape outputShape(const SwinLayer& op) {
+  const uint32_t c = channelsOf(op);
+  checkView(op.input, op.input.shape());
+  XRDS_CHECK_LE(2u, op.window);
+  XRDS_CHECK(op.shift == 0 || 2 * op.shift == op.window);
+  XRDS_CHECK_EQ(op.input.height % op.window, 0u);
+  XRDS_CHECK_EQ(op.input.width % op.window, 0u);
+  XRDS_CHECK_LT(0u, op.headChannels);
+  XRDS_CHECK_EQ(c % op.headChannels, 0u);
+  const auto checkMap = [](const SwinLayer::Map& map, size_t outputs, size_t inputs) {
+    XRDS_CHECK_EQ(map.bias.size(), outputs);
+    XRDS_CHECK_EQ(map.weight.size(), outputs * inputs);
+  };
+  for (const SwinLayer::Map* norm : {&op.norm1, &op.norm2}) checkMap(*norm, c, 1);
+  checkMap(op.qkv, 3 * c, c);
+  checkMap(op.proj, c, c);
+  checkMap(op.fc1, hiddenOf(op), c);
+  checkMap(op.fc2, c, hiddenOf(op));
+  checkMap(op.grow, op.grow.bias.size(), c);
+  const size_t relativePositions = size_t{2 * op.window - 1} * (2 * op.window - 1);
+  XRDS_CHECK_EQ(op.biasTable.size(), relativePositions * headCount(op));
+  return {op.input.height, op.input.width, grows(op) ? static_cast<uint32_t>(op.grow.bias.size()) : c};
+}
+
+bool fits(const SwinLayer& op, const DeviceTraits& device) {
+  constexpr float kLargestBias = 16;  // of which a half is off by less than findPromotions() allows a score
+  const TensorShape shape = outputShape(op);
+  const auto isHeldWell = [](float bias) { return std::abs(bias) <= kLargestBias; };
+  return device.family == KernelFamily::fused && device.matrixSize.halfSums && op.input.type == DataType::f16 &&
+         op.output.type == DataType::f16 && op.window == shader::kSwinWindow &&
+         (op.headChannels | hiddenOf(op) | shape.channels) % 16 == 0 && shape.channels <= channelsOf(op) &&
+         std::all_of(op.biasTable.begin(), op.biasTable.end(), isHeldWell) && windowShare(op, device).subgroups > 0;
+}
+
+uint64_t mapMultiplyAdds(const SwinLayer& op) {
+  const RowRange rows = resolve(op.rows, op.output.height);
+  const uint64_t c = channelsOf(op), last = op.output.channels,
+                 tokens = uint64_t{rows.end - rows.begin} * op.output.width;
+  return tokens * (4 * c * c + c * hiddenOf(op) + hiddenOf(op) * last + (grows(op) ? c * last : 0));
+}
+
+uint64_t attentionMultiplyAdds(const SwinLayer& op) {
+  const RowRange rows = resolve(op.rows, op.output.height);
+  return 2ull * (rows.end - rows.begin) * op.output.width * channelsOf(op) * op.window * op.window;
+}
+
+Dispatch dispatch(const SwinLayer& op, const DeviceTraits& device) {
+  const TensorShape shape = outputShape(op);
+  checkView(op.output, shape);
+  const RowRange rows = resolve(op.rows, shape.height);
+  const uint32_t shiftedBegin = (rows.begin + shape.height - op.shift) % shape.height;
+  const uint32_t windowRows =
+      std::min(ceilDivide(shiftedBegin % op.window + rows.end - rows.begin, op.window), shape.height / op.window);
+  const shader::SwinLayerParams params{.source = sliceOf(op.input),
+                                       .target = sliceOf(op.output),
+                                       .width = shape.width,
+                                       .height = shape.height,
+                                       .rowBegin = rows.begin,
+                                       .rowEnd = rows.end,
+                                       .shift = op.shift,
+                                       .firstWindowRow = shiftedBegin / op.window,
+                                       .storeOrigin = storeOrigin(op.output, rows),
+                                       .epsilon = op.epsilon};
+  const bool inSoftware = device.matrixUnits == MatrixUnits::none;
+  const WindowShare share = windowShare(op, device);
+  const MatrixSize unit = device.matrixSize;
+  Dispatch launch{.bindings = {readTexels(op.input),
+                               {kWeights, Access::read, BindingKind::storage, DataType::f16, 0, 0},
+                               writeRows(op.output, rows)},
+                  .pushConstants = pushBytes(params),
+                  .multiplyAdds = mapMultiplyAdds(op) + attentionMultiplyAdds(op)};
+  launch.program =
+      matrixProgramName("swin_layer", inSoftware ? MatrixUnits::software : device.matrixUnits, DataType::f16);
+  launch.specialization = {share.subgroups, channelsOf(op),   op.headChannels,  hiddenOf(op), shape.channels,
+                           grows(op),       unit.rows,        unit.columns,     unit.depth,   share.invocations,
+                           share.scoreRows, share.hiddenPart, share.poolTexels, op.shift > 0};
+  launch.fullSubgroups = device.matrixUnits == MatrixUnits::nv || device.matrixUnits == MatrixUnits::khr;
+  launch.groupCount = {shape.width / op.window, windowRows, 1};
+  return launch;
+}
+
+std::vector<float> packedWeights(const SwinLayer& op, const DeviceTraits&) {
+  const uint32_t c = channelsOf(op), d = op.headChannels;
+  Tiles tiles;
+  const Matrix qkv = scaledQueries(op);
+  for (uint32_t head = 0; head < headCount(op); ++head)
+    for (uint32_t part = 0; part < 3; ++part) tiles.addMap(qkv, part * c + head * d, d);
+  addScoreBiases(op, tiles);
+  tiles.addMap(matrixOf(op.proj));
+  tiles.addMap(normed(op.norm2, op.fc1));
+  tiles.addMap(lastMap(op));
+  if (grows(op)) tiles.addMap(matrixOf(op.grow), false);
+  return std::move(tiles.numbers);
+}
+
+namespace {
+
+using Tokens = std::vector<std::vector<double>>;  // of a window
+
+std::vector<double> mapped(const SwinLayer::Map& map, const std::vector<double>& x) {
+  std::vector<double> y(map.bias.begin(), map.bias.end());
+  for (size_t i = 0; i < map.weight.size(); ++i) y[i / x.size()] += map.weight[i] * x[i % x.size()];
+  return y;
+}
+
+void add(const std::vector<double>& x, std::vector<double>& sum) {
+  for (size_t i = 0; i < x.size(); ++i) sum[i] += x[i];
+}
+
+std::vector<double> normalized(const SwinLayer& op, const SwinLayer::Map& norm, std::vector<double> x) {
+  const auto count = static_cast<double>(x.size());
+  double mean = 0, variance = 0;
+  for (const double v : x) mean += v / count;
+  for (const double v : x) variance += (v - mean) * (v - mean) / count;
+  for (size_t i = 0; i < x.size(); ++i)
+    x[i] = (x[i] - mean) / std::sqrt(variance + op.epsilon) * norm.weight[i] + norm.bias[i];
+  return x;
+}
+
+// WMSA without the map behind it.
+Tokens attended(const SwinLayer& op, const Tokens& qkv, uint32_t windowClass) {
+  const uint32_t c = channelsOf(op), d = op.headChannels;
+  Tokens heads(qkv.size(), std::vector<double>(c));
+  std::vector<double> weights(qkv.size());
+  for (uint32_t head = 0; head < headCount(op); ++head)
+    for (uint32_t query = 0; query < qkv.size(); ++query) {
+      double total = 0;
+      for (uint32_t key = 0; key < qkv.size(); ++key) {
+        double score = bias(op, query, key, head);
+        for (uint32_t i = head * d; i < (head + 1) * d; ++i) score += qkv[query][i] * qkv[key][c + i] / std::sqrt(d);
+        total += weights[key] = isMasked(op, query, key, windowClass) ? 0 : std::exp(score);
+      }
+      for (uint32_t key = 0; key < qkv.size(); ++key)
+        for (uint32_t i = head * d; i < (head + 1) * d; ++i)
+          heads[query][i] += weights[key] / total * qkv[key][2 * c + i];
+    }
+  return heads;
+}
+
+}  // namespace
+
+void reference(const SwinLayer& op, HostMemory& memory) {
+  const TensorShape shape = outputShape(op);
+  const RowRange rows = resolve(op.rows, shape.height);
+  const uint32_t w = op.window;
+  for (uint32_t top = 0; top < shape.height; top += w)
+    for (uint32_t left = 0; left < shape.width; left += w) {
+      const auto yOf = [&](uint32_t token) { return (top + token / w + op.shift) % shape.height; };
+      const auto xOf = [&](uint32_t token) { return (left + token % w + op.shift) % shape.width; };
+      Tokens tokens(w * w, std::vector<double>(channelsOf(op))), qkv;
+      for (uint32_t token = 0; token < w * w; ++token) {
+        for (uint32_t k = 0; k < channelsOf(op); ++k) tokens[token][k] = memory.at(op.input, yOf(token), xOf(token), k);
+        qkv.push_back(mapped(op.qkv, normalized(op, op.norm1, tokens[token])));
+      }
+      const uint32_t windowClass = op.shift ? (left + w == shape.width) + 2 * (top + w == shape.height) : 0;
+      const Tokens heads = attended(op, qkv, windowClass);
+      for (uint32_t token = 0; token < w * w; ++token) {
+        std::vector<double>& u = tokens[token];
+        add(mapped(op.proj, heads[token]), u);
+        std::vector<double> hidden = mapped(op.fc1, normalized(op, op.norm2, u));
+        for (double& v : hidden) v = activate(Activation::gelu, v);
+        add(mapped(op.fc2, hidden), u);
+        const std::vector<double> y = grows(op) ? mapped(op.grow, u) : u;
+        if (yOf(token) < rows.begin || yOf(token) >= rows.end) continue;
+        for (uint32_t n = 0; n < y.size(); ++n) memory.at(op.output, yOf(token), xOf(token), n) = y[n];
+      }
+    }
+}
+
+}  // namespace xrds
