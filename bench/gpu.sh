@@ -7,7 +7,7 @@
 # beside each other), bands.txt (frames in bands of rows and in one piece), peers_fp32.txt and peers_fp16.txt,
 # machine.txt and report.html. SCENES is a folder of validation renders for the image error. BUILD is the build's folder
 # (default build/release), DEVICE the engine's device as xrds --device takes it (default: the best one), FAMILIES the
-# kernel families to compare (default plain,tile,matrix; what a device does not run is reported as refused), PYTHON a
+# kernel families to compare (default plain,tile,matrix,fused; what a device does not run is reported as refused), PYTHON a
 # Python with training/requirements.txt and PyTorch (default python3), PEERS what bench/peers.py shall run (default:
 # those on the GPU), SIZES the sides of the outputs (default 256,512,1024,2048,4096), SIDE that of operators, families
 # and peers (default 1024), CONFIGS the peers' networks (default paper,compact,nano), RUNS the frames or rounds that
@@ -18,7 +18,7 @@ out=$1 scenes=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
 build=${BUILD:-$here/../build/release}
 python=${PYTHON:-python3}
-side=${SIDE:-1024} runs=${RUNS:-5} families=${FAMILIES:-plain,tile,matrix}
+side=${SIDE:-1024} runs=${RUNS:-5} families=${FAMILIES:-plain,tile,matrix,fused}
 mkdir -p "$out"
 device=()
 [ -z "${DEVICE:-}" ] || device=(--device "$DEVICE")

@@ -153,9 +153,9 @@ void addCases(CLI::App& verb, BenchNetworkOptions& options) {
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->capture_default_str();
   verb.add_option("--family", options.families,
-                  "Kernels to compare, with commas: plain, lane, tile, matrix (default: those that suit the device)")
+                  "Kernels to compare, with commas: plain, lane, tile, matrix, fused (default: those that suit the device)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"plain", "lane", "tile", "matrix"}));
+      ->check(CLI::IsMember({"plain", "lane", "tile", "matrix", "fused"}));
   verb.add_option("--runs", options.runs, "Frames that count, after the first one")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -185,7 +185,7 @@ void addBenchNetwork(CLI::App& group) {
       "anew. A frame that a device refuses is reported with its reason. bench/report.py makes a page of the JSON.\n\n"
       "Examples:\n"
       "  xrds bench network\n"
-      "  xrds bench network --family plain,tile,matrix\n"
+      "  xrds bench network --family tile,matrix,fused\n"
       "  xrds bench network --device all --model all --size 256,512,1024,2048,4096 --json network.json\n"
       "  xrds bench network --model run/best.safetensors --precision fp16 --scenes val");
   verb->callback([options] { run(*options); });
