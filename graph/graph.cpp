@@ -90,6 +90,11 @@ TensorView Graph::createRows(std::string name, DataType type, TensorShape shape,
   return asRowsOf(create(std::move(name), type, shape), height, rows.begin);
 }
 
+std::span<const float> Graph::keep(std::vector<float> weights) {
+  madeWeights.push_back(std::make_shared<const std::vector<float>>(std::move(weights)));
+  return *madeWeights.back();
+}
+
 DataType Graph::typeOf(const std::string& name, bool weights, DataType precision) const {
   for (const Promotion& promotion : promoted)
     if (promotion.weights == weights && promotion.name == name) return DataType::f32;

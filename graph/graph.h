@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "shaders/encode_radiance/encode_radiance.h"
 #include "shaders/exposure/exposure.h"
 #include "shaders/filter_auxiliary/filter_auxiliary.h"
+#include "shaders/fold/fold.h"
 #include "shaders/joint_bilateral/joint_bilateral.h"
 #include "shaders/layer_norm/layer_norm.h"
 #include "shaders/linear/linear.h"
@@ -24,7 +27,7 @@ namespace xrds {
 
 /// Any operator of shaders/, as a value.
 using Operator = std::variant<Linear, Conv3x3, LayerNorm, WindowAttention, SwinLayer, PackAuxiliary, BoxMean, Exposure,
-                              EncodeRadiance, Bicubic, JointBilateral, FilterAuxiliary, DecodeRadiance>;
+                              EncodeRadiance, Bicubic, JointBilateral, FilterAuxiliary, Fold, DecodeRadiance>;
 
 /// One step of the forward pass.
 struct Node {
@@ -57,12 +60,15 @@ struct Graph {
   TensorView exposure;   // input or computed [1, 1, 4] f32: (e, 1/e, count, 0)
   TensorView network;    // the network's raw output, padded; absent without a network or where bands of it are made
   TensorView output;     // [s h, s w, 4] f32: linear radiance; 4th channel 1 where the network's share was left out
-  std::vector<Promotion> promoted;  // what fp16 does not store
+  std::vector<Promotion> promoted;                                     // what fp16 does not store
+  std::vector<std::shared_ptr<const std::vector<float>>> madeWeights;  // that operators refer to, shared with copies
 
   /// Adds a value and returns the view of all of it.
   TensorView create(std::string name, DataType type, TensorShape shape);
   /// Adds a value that stores these rows alone, and returns the view of the whole image.
   TensorView createRows(std::string name, DataType type, TensorShape shape, RowRange rows);
+  /// Keeps weights that were made of the model's as long as the graph or a copy of it.
+  std::span<const float> keep(std::vector<float> weights);
   std::vector<TensorView> inputs() const;
   /// The type of a value, or of a layer's weights, in a graph of that precision.
   DataType typeOf(const std::string& name, bool weights, DataType precision) const;

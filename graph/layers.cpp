@@ -89,6 +89,67 @@ TensorView Layers::conv1x1Rows(const std::string& name, TensorView x, TensorView
                     .rows = rows});
 }
 
+ConvWeights Layers::madeOnce(const std::string& name, const std::function<JoinedWeights()>& make) {
+  auto made = made_.find(name);
+  if (made == made_.end()) {
+    JoinedWeights weights = make();
+    made = made_.emplace(name, ConvWeights{graph.keep(std::move(weights.weight)), graph.keep(std::move(weights.bias))})
+               .first;
+  }
+  return made->second;
+}
+
+Conv3x3 Layers::joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined) {
+  Conv3x3 op{.input = x, .weight = joined.weight, .bias = joined.bias};
+  op.inputChannels = x.channels;
+  op.outputChannels = static_cast<uint32_t>(joined.bias.size());
+  op.inFours = config.mayRoundInFours();
+  op.weightType = storedWeights(doubling);
+  return op;
+}
+
+ConvWeights Layers::doublingWeights(const std::string& doubling, uint32_t channels) {
+  return {weight(doubling + ".weight", {4 * channels, channels, 3, 3}), weight(doubling + ".bias", {4 * channels})};
+}
+
+// Nothing stands between the two, and a 1x1 convolution sees no border.
+void Layers::outputOfDoubling(const std::string& doubling, const std::string& name, TensorView x, TensorView appended,
+                              uint32_t outputs, TensorView into, RowRange rows) {
+  const uint32_t c = x.channels, inputs = c + appended.channels;
+  const ConvWeights output{weight(name + ".weight", {outputs, inputs, 1, 1}), weight(name + ".bias", {outputs})};
+  Conv3x3 op = joinedConvolution(
+      doubling, x, madeOnce(doubling, [&] { return joinedWithOutput(doublingWeights(doubling, c), output, c); }));
+  op.output = into;
+  op.shuffleOutput = true;
+  op.rows = {rows.begin / 2, rows.end / 2};
+  if (appended.exists()) {
+    const ConvWeights rest = madeOnce(name, [&] {
+      JoinedWeights made{.bias = std::vector<float>(outputs)};
+      for (auto row = output.weight.begin(); row != output.weight.end(); row += inputs)
+        made.weight.insert(made.weight.end(), row + c, row + inputs);
+      return made;
+    });
+    Linear linear{.input = appended, .weight = rest.weight, .bias = rest.bias};
+    linear.output = graph.createRows(name + ".appended", stored(name), into.shape(), rows);
+    linear.weightType = storedWeights(name);
+    linear.rows = rows;
+    graph.nodes.push_back({name, linear});
+    op.residual = linear.output;
+  }
+  graph.nodes.push_back({doubling, op});
+}
+
+void Layers::patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
+                               TensorView into, RowRange rows) {
+  const uint32_t c = x.channels;
+  const ConvWeights output{weight(name + ".weight", {outputs, c, 3, 3}), weight(name + ".bias", {outputs})};
+  Conv3x3 op = joinedConvolution(
+      doubling, x, madeOnce(doubling, [&] { return joinedAsPatches(doublingWeights(doubling, c), output, c); }));
+  op.output = into;
+  op.rows = rows;
+  graph.nodes.push_back({doubling, op});
+}
+
 TensorView Layers::conv1x1OfSum(const std::string& first, const std::string& name, TensorView x, TensorView t,
                                 uint32_t outputs, TensorView into) {
   static constexpr std::array<float, 512> kZeros{};  // as many as there are channels

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <functional>
+#include <map>
+#include <string>
+
 #include "graph/bands.h"
+#include "graph/joined_weights.h"
 #include "graph/network.h"
 
 namespace xrds {
@@ -33,6 +38,13 @@ class Layers {
   /// Of the rows of x and of the channels of `appended` behind its own.
   TensorView conv1x1Rows(const std::string& name, TensorView x, TensorView appended, uint32_t outputs, TensorView into,
                          RowRange rows);
+  /// The 1x1 convolution `name` of the doubling pixel_shuffle(conv3x3(x)) and of `appended`, joined; rows of the
+  /// output.
+  void outputOfDoubling(const std::string& doubling, const std::string& name, TensorView x, TensorView appended,
+                        uint32_t outputs, TensorView into, RowRange rows);
+  /// The 3x3 convolution `name` of the doubling, joined, as the patches that Fold adds up; rows of x.
+  void patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
+                         TensorView into, RowRange rows);
   /// A linear layer of LN(x).
   TensorView normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
                           Activation activation = Activation::none);
@@ -44,6 +56,8 @@ class Layers {
   /// make it so, or something in it is stored in fp32.
   bool fusedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted, TensorView into);
 
+  /// Whether maps in a row are made as one.
+  bool joinsMaps() const { return options_.mapsJoined; }
   /// The type of the value or of the layer's weights.
   DataType stored(const std::string& value) const { return graph.typeOf(value, false, precision()); }
   DataType storedWeights(const std::string& layer) const { return graph.typeOf(layer, true, precision()); }
@@ -68,11 +82,16 @@ class Layers {
   uint64_t bandRows(const TensorView& image, uint32_t tensors) const;
   DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
   TensorView layerNorm(const std::string& name, TensorView x);
+  // Of that layer: the steps of a sweep share them.
+  ConvWeights madeOnce(const std::string& name, const std::function<JoinedWeights()>& make);
+  Conv3x3 joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined);
+  ConvWeights doublingWeights(const std::string& doubling, uint32_t channels);
   TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
   std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
     return weights_(name, std::span(shape.begin(), shape.size()));
   }
 
+  std::map<std::string, ConvWeights> made_;
   const WeightLookup& weights_;
   const GraphOptions& options_;
 };

@@ -88,7 +88,7 @@ std::string shapesText(const OperatorViews& views) {
 }
 
 Graph single(const Graph& graph, const Node& node) {
-  Graph one{.values = graph.values, .exposure = graph.exposure};
+  Graph one{.values = graph.values, .exposure = graph.exposure, .madeWeights = graph.madeWeights};
   one.nodes.push_back(node);
   return one;
 }

@@ -130,6 +130,16 @@ class MomentFlow {
     checkWeights(op.weight, op.inputChannels * 9);
   }
 
+  // A pixel is in the patches of four pixels, with four of their 16 elements.
+  void follow(const Fold& op) {
+    constexpr uint32_t kPatch = 16, kPatches = 4;
+    for (uint32_t n = 0; n < op.input.channels / kPatch; ++n) {
+      Moment sum;
+      for (uint32_t i = 0; i < kPatch; ++i) sum = sum + at(op.input, n * kPatch + i);
+      at(op.output, n) = {sum.mean / kPatches, sum.variance / kPatches};
+    }
+  }
+
   void follow(const LayerNorm& op) {
     gains_[op.output.value] = op.weight;
     const double centre = mean(op.input, [](Moment m) { return m.mean; });

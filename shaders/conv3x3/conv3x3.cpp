@@ -52,7 +52,7 @@ uint32_t largestDivisor(uint32_t channels, uint32_t step, uint32_t limit) {
 LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
   const uint32_t outputs = kernelOutputs(op), step = outputShape(op).channels % 8 ? 4 : 8;
   const uint32_t width = convolutionShape(op).width;
-  if (device.family != KernelFamily::lane || !device.shaderInt64 || (op.shuffleOutput && step == 4) || width % 2 != 0 ||
+  if (device.family != KernelFamily::lane || !device.shaderInt64 || width % 2 != 0 ||
       device.subgroupSize * kMaxSubgroups > device.maxGroupInvocations)
     return {};
   uint32_t tile = largestDivisor(outputs, step, 16), rows = 4;
