@@ -69,10 +69,20 @@ KernelExamination examine(Gpu& gpu, const Graph& graph, uint32_t runs) {
 std::vector<KernelExamination> examineKernels(Gpu& gpu, Precision precision, uint32_t runs) {
   const ModelWeights network = KnownFrame().model();
   NetworkConfig bicubic{.scale = 2, .auxInputs = {}, .groups = 0, .base = BaseImage::bicubic};
-  const ModelWeights untrained = ModelWeights::random(bicubic, 1);
+  // The least with a 3x3 output convolution that is joined with a doubling.
+  const NetworkConfig folded{.scale = 2,
+                             .channels = 16,
+                             .auxInputs = {},
+                             .groups = 1,
+                             .blocks = 1,
+                             .headChannels = 16,
+                             .base = BaseImage::bicubic,
+                             .block = BlockKind::rdb,
+                             .cross = CrossKind::concat};
+  const ModelWeights untrained = ModelWeights::random(bicubic, 1), small = ModelWeights::random(folded, 2);
   std::vector<KernelExamination> kernels;
   std::set<std::pair<std::string, std::vector<uint32_t>>> known;
-  for (const ModelWeights* model : {&network, &untrained}) {
+  for (const ModelWeights* model : {&network, &untrained, &small}) {
     const Graph graph =
         buildGraph(model->config(), kFrame, model->lookup(), fastOn(gpu.traits(), {.precision = precision}));
     for (const Node& node : graph.nodes) {

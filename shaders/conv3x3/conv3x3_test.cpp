@@ -52,6 +52,7 @@ constexpr Case kCases[] = {
     {6, 36, 16, 48, Layout::unshuffled, Activation::gelu},
     {2, 1180, 4, 8, Layout::straight, Activation::none, true, true},
     {7, 34, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}},
+    {7, 34, 16, 16, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 12, {1, 7}},
     // By fours: one of them, groups that end within a subgroup and behind it, none left over, the layouts.
     inFours({3, 4, 8, 8}),
     inFours({5, 140, 16, 16, Layout::straight, Activation::relu, true}),
@@ -59,6 +60,7 @@ constexpr Case kCases[] = {
     inFours({2, 1180, 4, 8, Layout::straight, Activation::none, true, true}),
     inFours({6, 36, 16, 48, Layout::unshuffled, Activation::gelu}),
     inFours({7, 36, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}}),
+    inFours({7, 36, 16, 16, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 12, {1, 7}}),
 };
 
 std::vector<float> halves(std::vector<float> numbers) {
