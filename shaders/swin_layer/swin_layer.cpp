@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "shaders/common/activation.h"
+#include "shaders/common/windows.h"
 
 namespace xrds {
 namespace {
@@ -124,27 +126,21 @@ class Tiles {
   void addMap(const Matrix& matrix, bool withBias = true) { addMap(matrix, 0, matrix.outputs, withBias); }
 };
 
-double bias(const SwinLayer& op, uint32_t query, uint32_t key, uint32_t head) {
-  const uint32_t w = op.window;
-  const uint32_t row = (query / w + w - 1 - key / w) * (2 * w - 1) + query % w + w - 1 - key % w;
-  return op.biasTable[row * headCount(op) + head];
-}
+Windows windowsOf(const SwinLayer& op) { return {op.window, op.shift}; }
 
-/// Whether the wrap-around alone brought the tokens together: class 1 in x, 2 in y, 3 in both.
-bool isMasked(const SwinLayer& op, uint32_t query, uint32_t key, uint32_t windowClass) {
-  const uint32_t w = op.window, edge = w - op.shift;
-  return ((windowClass & 1) && (query % w >= edge) != (key % w >= edge)) ||
-         ((windowClass & 2) && (query / w >= edge) != (key / w >= edge));
+double bias(const SwinLayer& op, uint32_t query, uint32_t key, uint32_t head) {
+  return op.biasTable[windowsOf(op).relativePosition(query, key) * headCount(op) + head];
 }
 
 void addScoreBiases(const SwinLayer& op, Tiles& tiles) {
   constexpr double kMasked = -1e4;  // 2 to that is 0, whatever the largest score
-  for (uint32_t windowClass = 0; windowClass < (op.shift ? 4 : 1); ++windowClass)
+  const Windows windows = windowsOf(op);
+  for (uint32_t windowClass = 0; windowClass < windows.classCount(); ++windowClass)
     for (uint32_t head = 0; head < headCount(op); ++head)
       for (uint32_t query = 0; query < kTokens; query += 16)
         for (uint32_t key = 0; key < kTokens; key += 16)
           tiles.add([&](uint32_t row, uint32_t column) {
-            return isMasked(op, query + row, key + column, windowClass)
+            return windows.isParted(query + row, key + column, windowClass)
                        ? kMasked
                        : bias(op, query + row, key + column, head) * kLog2E;
           });
@@ -202,9 +198,7 @@ Dispatch dispatch(const SwinLayer& op, const DeviceTraits& device) {
   const TensorShape shape = outputShape(op);
   checkView(op.output, shape);
   const RowRange rows = resolve(op.rows, shape.height);
-  const uint32_t shiftedBegin = (rows.begin + shape.height - op.shift) % shape.height;
-  const uint32_t windowRows =
-      std::min(ceilDivide(shiftedBegin % op.window + rows.end - rows.begin, op.window), shape.height / op.window);
+  const Windows::Rows windowRows = windowsOf(op).rowsThatMeet(rows, shape.height);
   const shader::SwinLayerParams params{.source = sliceOf(op.input),
                                        .target = sliceOf(op.output),
                                        .width = shape.width,
@@ -212,7 +206,7 @@ Dispatch dispatch(const SwinLayer& op, const DeviceTraits& device) {
                                        .rowBegin = rows.begin,
                                        .rowEnd = rows.end,
                                        .shift = op.shift,
-                                       .firstWindowRow = shiftedBegin / op.window,
+                                       .firstWindowRow = windowRows.first,
                                        .storeOrigin = storeOrigin(op.output, rows),
                                        .epsilon = op.epsilon};
   const bool inSoftware = device.matrixUnits == MatrixUnits::none;
@@ -229,7 +223,7 @@ Dispatch dispatch(const SwinLayer& op, const DeviceTraits& device) {
                            grows(op),       unit.rows,        unit.columns,     unit.depth,   share.invocations,
                            share.scoreRows, share.hiddenPart, share.poolTexels, op.shift > 0};
   launch.fullSubgroups = device.matrixUnits == MatrixUnits::nv || device.matrixUnits == MatrixUnits::khr;
-  launch.groupCount = {shape.width / op.window, windowRows, 1};
+  launch.groupCount = {shape.width / op.window, windowRows.count, 1};
   return launch;
 }
 
@@ -271,22 +265,24 @@ std::vector<double> normalized(const SwinLayer& op, const SwinLayer::Map& norm, 
   return x;
 }
 
-// WMSA without the map behind it.
-Tokens attended(const SwinLayer& op, const Tokens& qkv, uint32_t windowClass) {
+// WMSA without the map behind it. `isSeen` tells whether a query sees a key.
+Tokens attended(const SwinLayer& op, const Tokens& qkv, const std::function<bool(uint32_t, uint32_t)>& isSeen) {
   const uint32_t c = channelsOf(op), d = op.headChannels;
   Tokens heads(qkv.size(), std::vector<double>(c));
   std::vector<double> weights(qkv.size());
   for (uint32_t head = 0; head < headCount(op); ++head)
     for (uint32_t query = 0; query < qkv.size(); ++query) {
-      double total = 0;
       for (uint32_t key = 0; key < qkv.size(); ++key) {
-        double score = bias(op, query, key, head);
-        for (uint32_t i = head * d; i < (head + 1) * d; ++i) score += qkv[query][i] * qkv[key][c + i] / std::sqrt(d);
-        total += weights[key] = isMasked(op, query, key, windowClass) ? 0 : std::exp(score);
+        double product = 0;
+        for (uint32_t i = head * d; i < (head + 1) * d; ++i) product += qkv[query][i] * qkv[key][c + i];
+        weights[key] = isSeen(query, key) ? product / std::sqrt(d) + bias(op, query, key, head) : -INFINITY;
       }
+      const double highest = *std::max_element(weights.begin(), weights.end());
+      double sum = 0;
+      for (double& weight : weights) sum += weight = std::exp(weight - highest);
       for (uint32_t key = 0; key < qkv.size(); ++key)
         for (uint32_t i = head * d; i < (head + 1) * d; ++i)
-          heads[query][i] += weights[key] / total * qkv[key][2 * c + i];
+          heads[query][i] += weights[key] / sum * qkv[key][2 * c + i];
     }
   return heads;
 }
@@ -306,8 +302,12 @@ void reference(const SwinLayer& op, HostMemory& memory) {
         for (uint32_t k = 0; k < channelsOf(op); ++k) tokens[token][k] = memory.at(op.input, yOf(token), xOf(token), k);
         qkv.push_back(mapped(op.qkv, normalized(op, op.norm1, tokens[token])));
       }
-      const uint32_t windowClass = op.shift ? (left + w == shape.width) + 2 * (top + w == shape.height) : 0;
-      const Tokens heads = attended(op, qkv, windowClass);
+      const auto regionOf = [&](uint32_t token) {
+        const Windows windows = windowsOf(op);
+        return std::pair{windows.region(top + token / w, shape.height), windows.region(left + token % w, shape.width)};
+      };
+      const Tokens heads =
+          attended(op, qkv, [&](uint32_t query, uint32_t key) { return regionOf(query) == regionOf(key); });
       for (uint32_t token = 0; token < w * w; ++token) {
         std::vector<double>& u = tokens[token];
         add(mapped(op.proj, heads[token]), u);

@@ -5,6 +5,7 @@
 
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
+#include "shaders/common/windows.h"
 
 namespace xrds {
 namespace {
@@ -48,32 +49,17 @@ uint32_t tileKeys(const WindowAttention& op, const DeviceTraits& device) {
   return std::min(ceilDivide(tokens, kStep), (sharedBytes - biasBytes) / keyBytes / kStep) * kStep;
 }
 
-/// Number of rows of windows that meet the rows, which are contiguous and cyclic in the shifted image.
-uint32_t windowRowCount(const WindowAttention& op, RowRange rows, uint32_t shiftedBegin) {
-  const uint32_t met = ceilDivide(shiftedBegin % op.window + rows.end - rows.begin, op.window);
-  return std::min(met, op.output.height / op.window);
-}
-
-/// Which of the bands that the shift keeps apart a position in the shifted image lies in.
-uint32_t region(uint32_t position, uint32_t size, const WindowAttention& op) {
-  return (position >= size - op.window) + (position >= size - op.shift);
-}
+Windows windowsOf(const WindowAttention& op) { return {op.window, op.shift}; }
 
 double bias(const WindowAttention& op, uint32_t query, uint32_t key, uint32_t head) {
-  const uint32_t w = op.window;
-  const uint32_t row = (query / w + w - 1 - key / w) * (2 * w - 1) + query % w + w - 1 - key % w;
-  return op.biasTable[row * headCount(op) + head];
+  return op.biasTable[windowsOf(op).relativePosition(query, key) * headCount(op) + head];
 }
 
 std::vector<float> laneBias(const WindowAttention& op, const LaneShares& shares, uint32_t lanes) {
   constexpr double kLog2E = 1.4426950408889634;
-  const uint32_t w = op.window, tokens = w * w;
-  const uint32_t classes = op.shift == 0 ? 1 : 4, paddedQueries = shares.blocks * lanes * shares.queries;
-  const auto hidden = [&](uint32_t query, uint32_t key, uint32_t windowClass) {
-    const uint32_t edge = w - op.shift;
-    return ((windowClass & 1) && (query % w >= edge) != (key % w >= edge)) ||
-           ((windowClass & 2) && (query / w >= edge) != (key / w >= edge));
-  };
+  const Windows windows = windowsOf(op);
+  const uint32_t tokens = op.window * op.window, classes = windows.classCount();
+  const uint32_t paddedQueries = shares.blocks * lanes * shares.queries;
   std::vector<float> packed;
   packed.reserve(size_t{classes} * headCount(op) * shares.keySteps * paddedQueries * shares.keys);
   for (uint32_t windowClass = 0; windowClass < classes; ++windowClass)
@@ -82,7 +68,7 @@ std::vector<float> laneBias(const WindowAttention& op, const LaneShares& shares,
         for (uint32_t padded = 0; padded < paddedQueries; ++padded)
           for (uint32_t key = step * shares.keys; key < (step + 1) * shares.keys; ++key) {
             const uint32_t query = std::min(padded, tokens - 1);
-            const bool seen = key < tokens && !hidden(query, key, windowClass);
+            const bool seen = key < tokens && !windows.isParted(query, key, windowClass);
             packed.push_back(seen ? static_cast<float>(bias(op, query, key, head) * kLog2E) : -1e30f);
           }
   return packed;
@@ -112,8 +98,8 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
   const TensorShape shape = outputShape(op);
   checkView(op.output, shape);
   const RowRange rows = resolve(op.rows, shape.height);
-  const uint32_t shiftedBegin = (rows.begin + shape.height - op.shift) % shape.height;
-  const uint32_t windowRows = windowRowCount(op, rows, shiftedBegin), windowColumns = shape.width / op.window;
+  const Windows::Rows windowRows = windowsOf(op).rowsThatMeet(rows, shape.height);
+  const uint32_t windowColumns = shape.width / op.window;
   shader::WindowAttentionParams params{.queries = sliceOf(op.queries),
                                        .keys = sliceOf(op.keys),
                                        .values = sliceOf(op.values),
@@ -123,33 +109,34 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
                                        .rowBegin = rows.begin,
                                        .rowEnd = rows.end,
                                        .shift = op.shift,
-                                       .firstWindowRow = shiftedBegin / op.window,
+                                       .firstWindowRow = windowRows.first,
                                        .headCount = headCount(op),
                                        .storeOrigin = storeOrigin(op.output, rows)};
   Dispatch result{.bindings = {readTexels(op.queries), readTexels(op.keys), readTexels(op.values),
                                readWeights(DataType::f32), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params)};
   result.multiplyAdds =
-      2ull * windowRows * windowColumns * shape.channels * op.window * op.window * op.window * op.window;
+      2ull * windowRows.count * windowColumns * shape.channels * op.window * op.window * op.window * op.window;
   if (laneFits(op, device)) {
     const LaneShares shares = laneShares(op, device.subgroupSize);
     result.program = programName("window_attention", KernelFamily::lane, op.output.type);
     const bool oneTensor = op.keys.value == op.values.value && op.keys.type == op.values.type;
     const bool queriesApart = op.queries.value != op.keys.value;
     const uint32_t rowCount = rows.end - rows.begin;
-    const bool allRows = rowCount == shape.height || (shiftedBegin % op.window == 0 && rowCount % op.window == 0);
+    const bool allRows =
+        rowCount == shape.height || ((rows.begin + op.window - op.shift) % op.window == 0 && rowCount % op.window == 0);
     result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries,
                              shares.keys,         oneTensor, queriesApart,    allRows};
     result.pushConstants = pushBytesWithDigits(params);
-    result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows, 1};
+    result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows.count, 1};
   } else if (const uint32_t keys = tileKeys(op, device)) {
     result.program = programName("window_attention", KernelFamily::tile, op.output.type);
     result.specialization = {op.window * op.window, op.window, op.headChannels, keys};
-    result.groupCount = {windowColumns, windowRows, headCount(op)};
+    result.groupCount = {windowColumns, windowRows.count, headCount(op)};
   } else {
     result.program = programName("window_attention", KernelFamily::plain, op.output.type);
     result.specialization = {op.window, op.headChannels};
-    result.groupCount = {ceilDivide(shape.width * op.window, 64), windowRows, headCount(op)};
+    result.groupCount = {ceilDivide(shape.width * op.window, 64), windowRows.count, headCount(op)};
   }
   return result;
 }
@@ -167,6 +154,7 @@ void reference(const WindowAttention& op, HostMemory& memory) {
   const uint32_t height = shape.height, width = shape.width, channels = shape.channels;
   const RowRange rows = resolve(op.rows, height);
   const uint32_t w = op.window, d = op.headChannels;
+  const Windows windows = windowsOf(op);
   std::vector<double> weights(w * w);
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < width; ++x)
@@ -184,8 +172,8 @@ void reference(const WindowAttention& op, HostMemory& memory) {
           double product = 0;
           for (uint32_t c = head * d; c < (head + 1) * d; ++c)
             product += memory.at(op.queries, y, x, c) * memory.at(op.keys, py, px, c);
-          const bool seen =
-              region(ky, height, op) == region(sy, height, op) && region(kx, width, op) == region(sx, width, op);
+          const bool seen = windows.region(ky, height) == windows.region(sy, height) &&
+                            windows.region(kx, width) == windows.region(sx, width);
           weights[key] = seen ? product / std::sqrt(d) + bias(op, sy % w * w + sx % w, key, head) : -INFINITY;
           highest = std::max(highest, weights[key]);
         }
