@@ -36,7 +36,7 @@ struct GraphOptions {
   /// Layer norms are made by the linear layers behind them, as the lane and the plain kernels can.
   bool normsInLinear = false;
   /// Linear maps in a row with nothing between them are made as one, whose weights are their product: of an RDST a
-  /// seventh fewer multiply-adds.
+  /// seventh fewer multiply-adds; so are the last doubling and the output convolution where that is less work.
   bool mapsJoined = false;
   /// The device on which Swin layers that fit() it are made by one kernel each, in fp16; none: nowhere.
   std::optional<DeviceTraits> layersFusedOn{};
