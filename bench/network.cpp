@@ -114,7 +114,8 @@ int main(int argc, char** argv) {
   app.add_option("--runs", options.runs, "Steady runs")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--device", options.device, "As xrds --device");
   app.add_option("--band-rows", options.bandRows, "Low-resolution rows of a band; 0: chosen by size, 65536: none");
-  app.add_option("--family", options.family, "Kernels: plain, lane, tile, matrix or fused (default: what suits the device)");
+  app.add_option("--family", options.family,
+                 "Kernels: plain, lane, tile, matrix or fused (default: what suits the device)");
   app.add_option("--write-model", options.writeModel, "Also write the model to this file, for xrds info");
   CLI11_PARSE(app, argc, argv);
   try {

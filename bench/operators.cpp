@@ -159,7 +159,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(8, 16384))
       ->capture_default_str();
   app.add_option("--device", options.device, "As xrds --device");
-  app.add_option("--family", options.family, "Kernels: plain, lane, tile, matrix or fused (default: what suits the device)");
+  app.add_option("--family", options.family,
+                 "Kernels: plain, lane, tile, matrix or fused (default: what suits the device)");
   if (std::none_of(argv + 1, argv + argc, [](const std::string& word) { return word == "--help" || word == "-h"; }))
     benchmark::Initialize(&argc, argv);
   CLI11_PARSE(app, argc, argv);

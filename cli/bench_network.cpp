@@ -152,8 +152,9 @@ void addCases(CLI::App& verb, BenchNetworkOptions& options) {
       ->delimiter(',')
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->capture_default_str();
-  verb.add_option("--family", options.families,
-                  "Kernels to compare, with commas: plain, lane, tile, matrix, fused (default: those that suit the device)")
+  verb.add_option(
+          "--family", options.families,
+          "Kernels to compare, with commas: plain, lane, tile, matrix, fused (default: those that suit the device)")
       ->delimiter(',')
       ->check(CLI::IsMember({"plain", "lane", "tile", "matrix", "fused"}));
   verb.add_option("--runs", options.runs, "Frames that count, after the first one")
