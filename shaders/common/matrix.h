@@ -15,6 +15,13 @@ XRDS_SHARED_END
 
 namespace xrds {
 
+/// Invocations that multiply fragments together: a subgroup, or those in its place where there are no matrix units.
+inline uint32_t matrixLanes(const DeviceTraits& device) {
+  constexpr uint32_t kSoftwareSubgroup = 32;
+  const bool inSoftware = device.matrixUnits == MatrixUnits::none || device.matrixUnits == MatrixUnits::software;
+  return inSoftware ? kSoftwareSubgroup : device.subgroupSize;
+}
+
 /// How a workgroup shares its 8 rows of `outputs` fragments among its subgroups.
 struct MatrixShape {
   uint32_t subgroups = 0;          // 0: the device, the types or the channels are not for the matrix kernel
@@ -33,13 +40,13 @@ inline std::vector<uint32_t> matrixConstants(const MatrixShape& shape, MatrixSiz
 /// For inputs and weights of halves alone: what is stored in fp32 stays exact.
 inline MatrixShape matrixShape(const DeviceTraits& device, DataType inputType, DataType weightType,
                                uint32_t inputChannels, uint32_t outputChannels) {
-  constexpr uint32_t kSoftwareSubgroup = 32, kLeastChannels = 16, kStagedBytes = 15552;  // of the larger kernel
-  constexpr uint32_t kMostInvocations = 256, kMostSubgroups = 16;                        // of a workgroup
+  constexpr uint32_t kLeastChannels = 16, kStagedBytes = 15552;    // of the larger kernel
+  constexpr uint32_t kMostInvocations = 256, kMostSubgroups = 16;  // of a workgroup
   if (!usesMatrixUnits(device.family) || device.matrixUnits == MatrixUnits::none || inputType != DataType::f16 ||
       weightType != DataType::f16 || inputChannels < kLeastChannels || outputChannels < kLeastChannels ||
       device.maxGroupInvocations < kMostInvocations)
     return {};
-  const uint32_t lanes = device.matrixUnits == MatrixUnits::software ? kSoftwareSubgroup : device.subgroupSize;
+  const uint32_t lanes = matrixLanes(device);
   MatrixShape shape{.subgroups = std::min(kMostInvocations / lanes, kMostSubgroups), .outputs = 4};
   if (shape.subgroups * 16 * 16 * sizeof(float) + kStagedBytes > device.maxSharedBytes) return {};
   const uint32_t fragments = ceilDivide(outputChannels, 16);

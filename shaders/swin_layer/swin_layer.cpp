@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "shaders/common/activation.h"
+#include "shaders/common/matrix.h"
 #include "shaders/common/windows.h"
 
 namespace xrds {
@@ -29,10 +30,9 @@ struct WindowShare {
 
 /// The most queries and hidden features at a time for which there is room.
 WindowShare windowShare(const SwinLayer& op, const DeviceTraits& device) {
-  constexpr uint32_t kSoftwareSubgroup = 32, kLeastSubgroups = 4, kLeastInvocations = 128, kMostHidden = 128;
+  constexpr uint32_t kLeastSubgroups = 4, kLeastInvocations = 128, kMostHidden = 128;
   constexpr uint32_t kTexelBytes = 16, kTexelHalves = 8, kMostShares = 8;  // invocations for a row of scores
-  const bool inSoftware = device.matrixUnits == MatrixUnits::none || device.matrixUnits == MatrixUnits::software;
-  const uint32_t lanes = inSoftware ? kSoftwareSubgroup : device.subgroupSize;
+  const uint32_t lanes = matrixLanes(device);
   WindowShare share{.subgroups = std::max(kLeastSubgroups, kLeastInvocations / lanes)};
   share.invocations = share.subgroups * lanes;
   const uint32_t tokenTexels = kTokens * (channelsOf(op) / kTexelHalves + 1);
