@@ -1,7 +1,7 @@
-// out = T^-1(clamp(base + network, 0, max(11, base))) (a + 0.02) / e; without base T^-1(network), without albedo no
-// (a + 0.02). network: [>= H, >= W, >= 4], zero if absent; base: [>= H, >= W, 4]; aux: [>= H, >= W, c], a in three
-// channels; out: [H, W, 4], finite; the fourth channel is 1 where the network was not and its share was left out, else 0.
-// One pixel an invocation, fp32.
+// out = T^-1(clamp(base + network, 0, max(min(11, c), base))) (a + 0.02) / e; without base T^-1(network), without albedo
+// no (a + 0.02). network: [>= H, >= W, >= 4], zero if absent; base: [>= H, >= W, 4]; ceiling c: [>= H / s, >= W / s, 4];
+// aux: [>= H, >= W, k], a in three channels; out: [H, W, 4], finite; the fourth channel is 1 where the network was not and
+// its share was left out, else 0. One pixel an invocation, fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -11,14 +11,16 @@ layout(constant_id = 0) const uint kTransfer = 0;
 layout(constant_id = 1) const int kAlbedoOffset = -1;
 layout(constant_id = 2) const bool kHasBase = false;
 layout(constant_id = 3) const bool kHasNetwork = true;
+layout(constant_id = 4) const int kCeilingScale = 0;  // 0: no ceiling
 layout(binding = 0) uniform samplerBuffer network;
 layout(binding = 1) uniform samplerBuffer base;
-layout(binding = 2) uniform samplerBuffer aux;
-layout(binding = 3) uniform samplerBuffer exposure;
+layout(binding = 2) uniform samplerBuffer ceiling;
+layout(binding = 3) uniform samplerBuffer aux;
+layout(binding = 4) uniform samplerBuffer exposure;
 #define PARAMS DecodeRadianceParams
-#define TARGET_BINDING 4
+#define TARGET_BINDING 5
 #define RUN 1
-#define LANE_ID 4
+#define LANE_ID 5
 #include "shaders/common/image_kernel.glsl"
 
 void main() {
@@ -29,7 +31,9 @@ void main() {
   value = lost ? vec3(0) : value;
   if (kHasBase) {
     const vec3 start = texelFetch(base, texelAt(p.base, at)).rgb;
-    value = clamp(start + value, vec3(0), max(start, kTransformedMax));
+    vec3 most = vec3(kTransformedMax);
+    if (kCeilingScale > 0) most = min(most, texelFetch(ceiling, texelAt(p.ceiling, at / max(kCeilingScale, 1))).rgb);
+    value = clamp(start + value, vec3(0), max(start, most));
   }
   vec3 factor = vec3(1);
   if (kAlbedoOffset >= 0) factor = fetchThree(aux, texelAt(p.aux, at), kAlbedoOffset) + kAlbedoEpsilon;

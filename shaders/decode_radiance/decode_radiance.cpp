@@ -12,6 +12,10 @@ TensorShape outputShape(const DecodeRadiance& op) {
   checkView(op.exposure, {1, 1, 4});
   XRDS_CHECK_LE(-1, op.albedoOffset);
   if (op.base.exists()) checkHolds(op.base, shape);
+  if (op.ceiling.exists()) {
+    checkScale(op.scale);
+    checkHolds(op.ceiling, {ceilDivide(shape.height, op.scale), ceilDivide(shape.width, op.scale), 4});
+  }
   if (op.albedoOffset >= 0) checkHolds(op.aux, {shape.height, shape.width, op.albedoOffset + 3u});
   return shape;
 }
@@ -22,18 +26,20 @@ Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits& device) {
   // An unread binding must still name something.
   const TensorView& network = op.network.exists() ? op.network : op.base;
   const TensorView& base = op.base.exists() ? op.base : op.network;
+  const TensorView& ceiling = op.ceiling.exists() ? op.ceiling : network;
   const TensorView& aux = op.albedoOffset >= 0 ? op.aux : network;
   const shader::DecodeRadianceParams params{.network = imageOf(network),
                                             .base = imageOf(base),
+                                            .ceiling = imageOf(ceiling),
                                             .aux = imageOf(aux),
                                             .target = imageOf(op.output),
                                             .rows = targetRows(op.output, rows),
                                             .exposure = imageOf(op.exposure).offset};
-  return imageDispatch(
-      "decode_radiance", device, op.output, rows, 1, params,
-      {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset), op.base.exists(),
-       op.network.exists()},
-      {readTexels(network), readTexels(base), readTexels(aux), readTexels(op.exposure), writeRows(op.output, rows)});
+  return imageDispatch("decode_radiance", device, op.output, rows, 1, params,
+                       {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset), op.base.exists(),
+                        op.network.exists(), op.ceiling.exists() ? op.scale : 0},
+                       {readTexels(network), readTexels(base), readTexels(ceiling), readTexels(aux),
+                        readTexels(op.exposure), writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const DecodeRadiance&, const DeviceTraits&) { return {}; }
@@ -51,7 +57,9 @@ void reference(const DecodeRadiance& op, HostMemory& memory) {
         double value = lost ? 0 : raw[c];
         if (op.base.exists()) {
           const double base = memory.at(op.base, y, x, c);
-          value = std::clamp(base + value, 0.0, std::max(base, double{shader::kTransformedMax}));
+          double most = shader::kTransformedMax;
+          if (op.ceiling.exists()) most = std::min(most, memory.at(op.ceiling, y / op.scale, x / op.scale, c));
+          value = std::clamp(base + value, 0.0, std::max(base, most));
         }
         value = inverseTransform(op.transfer, value);
         if (op.albedoOffset >= 0) value *= memory.at(op.aux, y, x, op.albedoOffset + c) + shader::kAlbedoEpsilon;

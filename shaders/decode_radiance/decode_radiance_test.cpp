@@ -80,6 +80,36 @@ TEST(DecodeRadiance, ClampsWhatIsAddedToABase) {
   test::expectMatchesReference(op, contents);
 }
 
+// Ceilings between 0 and 12 over a residual of either sign, pixels of the output that share one.
+TEST(DecodeRadiance, KeepsTheNetworkBelowTheCeiling) {
+  for (const uint32_t scale : {1u, 4u}) {
+    DecodeRadiance op = decodeOf({12, 20, 16, 32});
+    op.ceiling = view(5, DataType::f32, 4 * 4 / scale, 8 * 4 / scale, 4);
+    op.scale = scale;
+    auto contents = contentsOf(op);
+    contents[0] = test::randomNumbers(16 * 32 * 4, 2);
+    for (float& value : contents[0]) value *= 10;
+    contents[5] = test::randomNumbers(op.ceiling.pixelCount() * 4, 9);
+    for (float& value : contents[5]) value = std::max(0.f, 12 * value);
+    test::expectMatchesReference(op, contents);
+  }
+}
+
+// Where nothing around is lit, nothing comes out, whatever the network says.
+TEST(DecodeRadiance, IsBlackUnderACeilingOfZero) {
+  DecodeRadiance op = decodeOf({2, 4, 2, 4});
+  op.ceiling = view(5, DataType::f32, 1, 2, 4);
+  op.scale = 2;
+  HostMemory memory;
+  memory.storage(op.exposure) = {1, 1, 0, 0};
+  for (double& value : memory.storage(op.network)) value = 3;
+  memory.at(op.ceiling, 0, 1, 1) = 2;
+  reference(op, memory);
+  for (uint32_t y = 0; y < 2; ++y)
+    for (uint32_t x = 0; x < 4; ++x)
+      for (uint32_t c = 0; c < 3; ++c) EXPECT_EQ(memory.at(op.output, y, x, c) > 0, x >= 2 && c == 1);
+}
+
 TEST(DecodeRadiance, NeverClampsTheBaseItself) {
   const DecodeRadiance op = decodeOf({1, 4, 1, 4, Transfer::log1p, true, -1});
   HostMemory memory;
@@ -161,6 +191,10 @@ TEST(DecodeRadiance, RefusesWhatDoesNotFit) {
   op.base.height = 7;
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
   EXPECT_THROW(dispatch(decodeOf({8, 8, 8, 7}), {}), std::logic_error);
+  op = decodeOf({8, 8, 8, 8});
+  op.ceiling = view(5, DataType::f32, 2, 1, 4);
+  op.scale = 4;
+  EXPECT_THROW(dispatch(op, {}), std::logic_error);
   op = decodeOf({8, 8, 8, 8});
   op.network = op.base = {};
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
