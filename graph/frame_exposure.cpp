@@ -1,25 +1,16 @@
 #include "graph/frame_exposure.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "graph/frame_input.h"
 #include "shaders/exposure/exposure.h"
 
 namespace xrds {
 
 FrameExposure exposureOnHost(const PixelView& colour) {
-  double sum = 0, count = 0;
-  for (uint64_t p = 0; p < uint64_t{colour.width} * colour.height; ++p) {
-    const float* rgb = colour.pixels + p * colour.stride;
-    const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-    if (!std::isfinite(luminance) || luminance <= double{shader::kExposureMinLuminance}) continue;
-    sum += std::log(luminance);
-    ++count;
-  }
-  const double exposure = count > 0 ? double{shader::kExposureKey} / std::exp(sum / count) : 1;
-  const double bounded = std::max(exposure, double{shader::kExposureMin});
-  return {static_cast<float>(bounded), static_cast<float>(1 / bounded)};
+  const auto [exposure, count] = automaticExposure(uint64_t{colour.width} * colour.height, [&](uint64_t i) {
+    const float* rgb = colour.pixels + i * colour.stride;
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+  });
+  return {static_cast<float>(exposure), static_cast<float>(1 / exposure)};
 }
 
 FrameExposure exposureOf(Gpu& gpu, const PixelView& colour, Buffer& scratch) {

@@ -1,6 +1,7 @@
-// e = 0.18 / exp(mean(log L)) >= 1e-37 over the pixels with finite Rec. 709 luminance L > 1e-8; 1 if there are none.
-// colour: [pixels][4]; target: (e, 1 / e, count, 0). One workgroup; each invocation sums every 256th pixel, 64 at a
-// time (long sums of single pixels would lose digits), then a tree: the order never changes. fp32.
+// e = 0.18 / exp(mean(log L)) >= 1e-37 over the pixels with finite Rec. 709 luminance L > 1e-8 M; 1 if there are none.
+// M = (mean(L^(1/8)))^8 over those with finite L > 1e-37. colour: [pixels][4]; target: (e, 1 / e, count, 0). One
+// workgroup; each invocation sums every 256th pixel, 64 at a time (long sums of single pixels would lose digits), then a
+// tree: the order never changes. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/common/storage.glsl"
@@ -10,9 +11,10 @@ layout(binding = 0) uniform samplerBuffer colour;
 layout(binding = 1, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { ExposureParams p; };
 
-shared vec2 partial[kExposureGroup];  // sum of logarithms, count
+shared vec2 partial[kExposureGroup];  // sum of what is asked for, count
 
-void main() {
+// The sum of L^(1/8) or log(L) over the pixels with finite L > darkest, and their number, in partial[0].
+void sumOver(bool roots, float darkest) {
   const uint lane = gl_LocalInvocationIndex;
   vec2 total = vec2(0);
   for (uint begin = lane; begin < p.pixelCount; begin += 64 * kExposureGroup) {
@@ -22,18 +24,26 @@ void main() {
       const vec3 value = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
       const float luminance = dot(value, vec3(0.2126, 0.7152, 0.0722));
       // The second comparison fails for infinity, both fail for NaN.
-      const bool counts = luminance > kExposureMinLuminance && luminance < 3.4e38;
-      sum += counts ? vec2(log(luminance), 1.0) : vec2(0);
+      const bool counts = luminance > darkest && luminance < 3.4e38;
+      sum += counts ? vec2(roots ? sqrt(sqrt(sqrt(luminance))) : log(luminance), 1.0) : vec2(0);
     }
     total += sum;
   }
+  barrier();
   partial[lane] = total;
-
   for (uint width = kExposureGroup / 2; width > 0; width /= 2) {
     barrier();
     if (lane < width) partial[lane] += partial[lane + width];
   }
-  if (lane != 0) return;
+  barrier();
+}
+
+void main() {
+  sumOver(true, kExposureMin);
+  const float root = partial[0].y > 0.0 ? partial[0].x / partial[0].y : 0.0;
+  const float square = root * root, fourth = square * square;
+  sumOver(false, max(kExposureDarkest * fourth * fourth, kExposureMin));
+  if (gl_LocalInvocationIndex != 0) return;
   const float count = partial[0].y;
   const float exposure = count > 0.0 ? max(kExposureKey / exp(partial[0].x / count), kExposureMin) : 1.0;
   target[p.target] = stored4(vec4(exposure, 1.0 / exposure, count, 0));

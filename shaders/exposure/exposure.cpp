@@ -1,8 +1,5 @@
 #include "shaders/exposure/exposure.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace xrds {
 
 TensorShape outputShape(const Exposure& op) {
@@ -26,17 +23,12 @@ std::vector<float> packedWeights(const Exposure&, const DeviceTraits&) { return 
 
 void reference(const Exposure& op, HostMemory& memory) {
   outputShape(op);
-  double sum = 0, count = 0;
-  for (uint32_t y = 0; y < op.colour.height; ++y)
-    for (uint32_t x = 0; x < op.colour.width; ++x) {
-      const double luminance = 0.2126 * memory.at(op.colour, y, x, 0) + 0.7152 * memory.at(op.colour, y, x, 1) +
-                               0.0722 * memory.at(op.colour, y, x, 2);
-      if (!std::isfinite(luminance) || luminance <= 1e-8) continue;
-      sum += std::log(luminance);
-      ++count;
-    }
-  const double exposure = count > 0 ? std::max(0.18 / std::exp(sum / count), double{shader::kExposureMin}) : 1;
-  const double result[] = {exposure, 1 / exposure, count, 0};
+  const auto [exposure, count] = automaticExposure(op.colour.pixelCount(), [&](uint64_t i) {
+    const auto y = static_cast<uint32_t>(i / op.colour.width), x = static_cast<uint32_t>(i % op.colour.width);
+    return 0.2126 * memory.at(op.colour, y, x, 0) + 0.7152 * memory.at(op.colour, y, x, 1) +
+           0.0722 * memory.at(op.colour, y, x, 2);
+  });
+  const double result[] = {exposure, 1 / exposure, static_cast<double>(count), 0};
   for (uint32_t c = 0; c < 4; ++c) memory.at(op.output, 0, 0, c) = result[c];
 }
 

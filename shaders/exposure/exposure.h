@@ -11,15 +11,19 @@ struct ExposureParams {
 
 const uint kExposureGroup = 256;
 const float kExposureKey = 0.18f;
-const float kExposureMinLuminance = 1e-8f;
-const float kExposureMin = 1e-37f;  // of which the reciprocal is a float too
+const float kExposureDarkest = 1e-8f;  // over the power mean: darker pixels do not count
+const float kExposureMin = 1e-37f;     // of which the reciprocal is a float too; also of luminances
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include <algorithm>
+#include <cmath>
 namespace xrds {
 
-/// The automatic exposure of an image: 0.18 over the geometric mean of its Rec. 709 luminances L, taken over the pixels
-/// with finite L > 1e-8, at least 1e-37; 1 if there are none.
+/// The automatic exposure of an image: e = 0.18 over the geometric mean of its Rec. 709 luminances L, at least 1e-37; 1
+/// if the image is black. Pixels count that are finite and brighter than 1e-8 of the power mean (mean of L^(1/8))^8 of
+/// all that are finite and above 1e-37: nearly black ones do not, however bright the image is, and fireflies hardly
+/// move it. So the exposure of k times the image is e / k.
 struct Exposure {
   TensorView colour;  // [h, w, 4] linear radiance
   TensorView output;  // [1, 1, 4] f32: e, 1 / e, the number of pixels that count, 0
@@ -36,6 +40,34 @@ std::vector<float> packedWeights(const Exposure& op, const DeviceTraits& device)
 
 /// Double precision, in the order of the formula.
 void reference(const Exposure& op, HostMemory& memory);
+
+/// The same of pixelCount pixels, where luminanceOf(i) is the Rec. 709 luminance of pixel i.
+struct ExposureResult {
+  double exposure = 1;
+  uint64_t count = 0;  // pixels that count
+};
+template <class LuminanceOf>
+ExposureResult automaticExposure(uint64_t pixelCount, const LuminanceOf& luminanceOf) {
+  double roots = 0, logarithms = 0;
+  uint64_t lit = 0, count = 0;
+  const auto isAbove = [](double luminance, double bound) { return std::isfinite(luminance) && luminance > bound; };
+  for (uint64_t i = 0; i < pixelCount; ++i) {
+    const double luminance = luminanceOf(i);
+    if (!isAbove(luminance, shader::kExposureMin)) continue;
+    roots += std::pow(luminance, 0.125);
+    ++lit;
+  }
+  if (lit == 0) return {};
+  const double darkest = shader::kExposureDarkest * std::pow(roots / static_cast<double>(lit), 8);
+  for (uint64_t i = 0; i < pixelCount; ++i) {
+    const double luminance = luminanceOf(i);
+    if (!isAbove(luminance, std::max(darkest, double{shader::kExposureMin}))) continue;
+    logarithms += std::log(luminance);
+    ++count;
+  }
+  const double exposure = 0.18 / std::exp(logarithms / static_cast<double>(count));
+  return {std::max(exposure, double{shader::kExposureMin}), count};
+}
 
 }  // namespace xrds
 #endif

@@ -61,10 +61,44 @@ TEST(Exposure, OfAConstantImageIsTheKeyOverItsLuminance) {
 
 TEST(Exposure, LeavesOutBlackAndNonFinitePixels) {
   const float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-  const std::vector<float> pixels{1e-3f, 2e-3f, 3e-3f, 9,        1e-9f, 1e-9f, 1e-9f, 0,         nan, 1,
-                                  1,     0,     1,     infinity, 1,     0,     1,     -infinity, 1,   0,
-                                  -1,    -1,    -1,    0,        4e-3f, 1e-3f, 0,     nan};
+  const std::vector<float> pixels{1e-3f, 2e-3f, 3e-3f, 9,        1e-12f, 1e-12f, 1e-12f, 0,         nan, 1,
+                                  1,     0,     1,     infinity, 1,      0,      1,      -infinity, 1,   0,
+                                  -1,    -1,    -1,    0,        4e-3f,  1e-3f,  0,      nan};
   test::expectMatchesReference(exposureOf(1, 7), {{0, pixels}});
+}
+
+double exposureOnHostOf(const std::vector<float>& luminances) {
+  return automaticExposure(luminances.size(), [&](uint64_t i) { return double{luminances[i]}; }).exposure;
+}
+
+// The exposure of k times the image is e / k.
+TEST(Exposure, FollowsTheScaleOfTheImage) {
+  const auto pixels = radiances(40 * 30 * 4, 1);
+  const Exposure op = exposureOf(30, 40);
+  HostMemory memory;
+  const auto exposureTimes = [&](double factor) {
+    auto& stored = memory.storage(op.colour);
+    for (size_t i = 0; i < pixels.size(); ++i) stored[i] = factor * pixels[i];
+    reference(op, memory);
+    return memory.at(op.output, 0, 0, 0);
+  };
+  const double exposure = exposureTimes(1);
+  for (const float factor : {1e-20f, 1e-12f, 1e-6f, 1e6f, 1e20f}) {
+    EXPECT_NEAR(exposureTimes(factor) * double{factor} / exposure, 1, 1e-12) << factor;
+    auto scaled = pixels;
+    for (float& value : scaled) value *= factor;
+    test::expectMatchesReference(op, {{0, scaled}});
+  }
+}
+
+// What is hardly lit does not count beside what is, and a firefly does not keep the rest from counting.
+TEST(Exposure, IsThatOfTheLitPixels) {
+  std::vector<float> luminances(1000, 1e-20f);
+  std::fill_n(luminances.begin(), 100, 0.18f);
+  EXPECT_NEAR(exposureOnHostOf(luminances), 1, 1e-6);
+  std::fill(luminances.begin(), luminances.end(), 0.18f);
+  luminances.front() = 1e30f;
+  EXPECT_NEAR(exposureOnHostOf(luminances), std::pow(1e30 / 0.18, -1e-3), 1e-6);
 }
 
 TEST(Exposure, OfABlackImageIsOne) {
