@@ -29,6 +29,7 @@ inline constexpr LedgerEntry kErrorLedger[] = {
     {"encode_radiance", {5e-7, 5e-7}},
     {"exposure", {1e-6, 1e-6}},
     {"joint_bilateral", {1e-6, 1e-6}},
+    {"radiance_ceiling", {1e-6, 1e-6}},
     // Rounded to 11 bits in fp16, which alone is 2.8e-4; the weights of the last two are too.
     {"box_mean", {5e-7, 4e-4}},
     {"filter_auxiliary", {5e-7, 4e-4}},

@@ -20,14 +20,16 @@
 #include "shaders/layer_norm/layer_norm.h"
 #include "shaders/linear/linear.h"
 #include "shaders/pack_auxiliary/pack_auxiliary.h"
+#include "shaders/radiance_ceiling/radiance_ceiling.h"
 #include "shaders/swin_layer/swin_layer.h"
 #include "shaders/window_attention/window_attention.h"
 
 namespace xrds {
 
 /// Any operator of shaders/, as a value.
-using Operator = std::variant<Linear, Conv3x3, LayerNorm, WindowAttention, SwinLayer, PackAuxiliary, BoxMean, Exposure,
-                              EncodeRadiance, Bicubic, JointBilateral, FilterAuxiliary, Fold, DecodeRadiance>;
+using Operator =
+    std::variant<Linear, Conv3x3, LayerNorm, WindowAttention, SwinLayer, PackAuxiliary, BoxMean, Exposure,
+                 EncodeRadiance, Bicubic, JointBilateral, RadianceCeiling, FilterAuxiliary, Fold, DecodeRadiance>;
 
 /// One step of the forward pass.
 struct Node {

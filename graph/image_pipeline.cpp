@@ -26,6 +26,15 @@ TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& p
   return base;
 }
 
+// The most that the network may make of its surroundings, so that it draws nothing where they are black.
+TensorView ceilingRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, RowRange rows) {
+  const TensorShape shape{graph.output.height / config.scale, graph.output.width / config.scale, 4};
+  const RowRange low{rows.begin / config.scale, ceilDivide(rows.end, config.scale)};
+  const TensorView ceiling = graph.createRows("ceiling", DataType::f32, shape, low);
+  graph.nodes.push_back({"radiance_ceiling", RadianceCeiling{prepared.x, ceiling, config.transfer, low}});
+  return ceiling;
+}
+
 }  // namespace
 
 Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const GraphOptions& options, Graph& graph) {
@@ -78,6 +87,8 @@ void decodeRows(const NetworkConfig& config, Graph& graph, const Prepared& prepa
   DecodeRadiance decode;
   decode.network = network;
   decode.base = baseRows(config, graph, prepared, network, rows);
+  if (decode.base.exists() && network.exists()) decode.ceiling = ceilingRows(config, graph, prepared, rows);
+  decode.scale = config.scale;
   decode.exposure = graph.exposure;
   decode.output = graph.output;
   decode.transfer = config.transfer;

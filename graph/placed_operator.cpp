@@ -72,6 +72,7 @@ OperatorViews viewsOf(const Node& node) {
         if constexpr (requires { op.auxMean; }) add(op.auxMean);
         if constexpr (requires { op.network; }) add(op.network);
         if constexpr (requires { op.base; }) add(op.base);
+        if constexpr (requires { op.ceiling; }) add(op.ceiling);
         if constexpr (requires { op.exposure; }) add(op.exposure);
         if constexpr (requires { op.appended; }) add(op.appended);
         if constexpr (requires { op.residual; }) add(op.residual);

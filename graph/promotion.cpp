@@ -89,6 +89,7 @@ class MomentFlow {
   void follow(const FilterAuxiliary& op) { copy(op.aux, op.output); }
   void follow(const Bicubic&) {}  // from here on fp32
   void follow(const JointBilateral&) {}
+  void follow(const RadianceCeiling&) {}
   void follow(const DecodeRadiance&) {}
 
   void follow(const Linear& op) {

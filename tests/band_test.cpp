@@ -117,6 +117,10 @@ TEST_P(Band, ImagePipeline) {
                              .scale = 4,
                              .rows = {16, 28}});
   expectMatch(Bicubic{.input = x, .output = output, .scale = 4, .rows = {16, 30}});
+  expectMatch(RadianceCeiling{.input = x,
+                              .output = band(view(6, DataType::f32, 12, 5, 4), {4, 7}),
+                              .transfer = Transfer::log1p,
+                              .rows = {4, 7}});
   expectMatch(FilterAuxiliary{.aux = aux,
                               .network = network,
                               .output = band(view(6, type(), 48, 20, 8), {16, 32}),
@@ -125,10 +129,12 @@ TEST_P(Band, ImagePipeline) {
                               .rows = {16, 32}});
   expectMatch(DecodeRadiance{.network = network,
                              .base = output,
+                             .ceiling = band(view(8, DataType::f32, 12, 5, 4), {4, 8}),
                              .aux = aux,
                              .exposure = exposure,
                              .output = view(6, DataType::f32, 47, 20, 4),
                              .albedoOffset = 0,
+                             .scale = 4,
                              .rows = {17, 31}},
               contents);
   expectMatch(EncodeRadiance{.colour = band(view(7, DataType::f32, 11, 5, 4), {0, 11}),

@@ -1,0 +1,113 @@
+// The result scales with the colour, and nothing comes out of black, whatever a shipped model was trained to.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "graph/session.h"
+#include "tests/harness.h"
+#include "tests/noise_frame.h"
+
+namespace xrds {
+namespace {
+
+constexpr FrameShape kFrame{14, 13};
+constexpr uint32_t kReach = 2;  // low-resolution pixels that a result may take its light from
+
+std::vector<std::string> shippedModels() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(XRDS_SOURCE_FOLDER "/models"))
+    if (entry.path().extension() == ".safetensors") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// RMS of the difference over the RMS of `expected`.
+double relativeRms(const std::vector<float>& found, const std::vector<float>& expected, double factor) {
+  double difference = 0, power = 0;
+  for (size_t i = 0; i < found.size(); ++i) {
+    const double scaled = factor * expected[i];
+    difference += (found[i] - scaled) * (found[i] - scaled);
+    power += scaled * scaled;
+  }
+  return std::sqrt(difference / power);
+}
+
+class Homogeneity : public testing::TestWithParam<std::tuple<std::string, Precision>> {
+ protected:
+  Homogeneity()
+      : model_(ModelWeights::read(XRDS_SOURCE_FOLDER "/models/" + std::get<0>(GetParam()) + ".safetensors")),
+        frame_(model_.config(), kFrame) {}
+
+  std::vector<float> run(bool autoExposure, const std::vector<float>& colour, float exposure = 1) {
+    std::optional<Session>& session = autoExposure ? automatic_ : given_;
+    if (!session)
+      session.emplace(test::gpu(), model_, kFrame,
+                      SessionOptions{.precision = std::get<1>(GetParam()), .autoExposure = autoExposure});
+    test::NoiseFrame frame = frame_;
+    frame.colour = colour;
+    session->run(frame.input(autoExposure ? std::nullopt : std::optional(exposure)), frame.output);
+    return frame.output;
+  }
+
+  const ModelWeights model_;
+  const test::NoiseFrame frame_;
+  std::optional<Session> automatic_, given_;
+};
+
+// A factor that is no power of two rounds every pixel anew, which fp16 storage amplifies to some 1e-4.
+TEST_P(Homogeneity, ResultScalesWithTheColour) {
+  constexpr float kExposure = 0.7f;
+  const std::vector<float> automatic = run(true, frame_.colour), given = run(false, frame_.colour, kExposure);
+  for (const float factor : {1e-12f, 1e-6f, 0.3f, 1e3f, 1e6f}) {
+    std::vector<float> colour = frame_.colour;
+    for (float& value : colour) value *= factor;
+    EXPECT_LT(relativeRms(run(true, colour), automatic, factor), 1e-3) << factor;
+    EXPECT_LT(relativeRms(run(false, colour, kExposure / factor), given, factor), 1e-3) << factor;
+  }
+}
+
+TEST_P(Homogeneity, BlackGivesBlack) {
+  const std::vector<float> black(frame_.colour.size(), 0.f), expected(frame_.output.size(), 0.f);
+  EXPECT_EQ(run(true, black), expected);
+  EXPECT_EQ(run(false, black, 1), expected);
+}
+
+// One half of the frame, and one channel of all of it.
+TEST_P(Homogeneity, NothingIsDrawnWhereNothingAroundIsLit) {
+  constexpr uint32_t kLit = 5;  // columns
+  std::vector<float> colour = frame_.colour;
+  for (uint32_t y = 0; y < kFrame.height; ++y)
+    for (uint32_t x = 0; x < kFrame.width; ++x)
+      for (uint32_t c = 0; c < 3; ++c)
+        if (x >= kLit || c == 2) colour[3 * (y * kFrame.width + x) + c] = 0;
+  const std::vector<float> output = run(true, colour);
+  const uint32_t s = model_.config().scale, width = s * kFrame.width;
+  float brightest = 0;
+  for (uint32_t y = 0; y < s * kFrame.height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t c = 0; c < 3; ++c) {
+        const float value = output[3 * (size_t{y} * width + x) + c];
+        if (x >= s * (kLit + kReach) || c == 2) ASSERT_EQ(value, 0) << x << " " << y << " " << c;
+        brightest = std::max(brightest, value);
+      }
+  EXPECT_GT(brightest, 0.1f);
+}
+
+std::string nameOf(const testing::TestParamInfo<Homogeneity::ParamType>& info) {
+  std::string name = std::get<0>(info.param);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Fp32, Homogeneity,
+                         testing::Combine(testing::ValuesIn(shippedModels()), testing::Values(Precision::fp32)),
+                         nameOf);
+INSTANTIATE_TEST_SUITE_P(Fp16, Homogeneity,
+                         testing::Combine(testing::Values("xrds-x4-compact", "xrds-x4-nano"),
+                                          testing::Values(Precision::fp16)),
+                         nameOf);
+
+}  // namespace
+}  // namespace xrds
