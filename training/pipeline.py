@@ -12,16 +12,23 @@ ALBEDO_MAX = 4.0
 TRANSFORMED_MAX = 11.0
 SIGMA_SPACE, SIGMA_NORMAL, SIGMA_ALBEDO = 0.75, 0.2, 0.5
 LOGIT_MAX = 8.0
+CEILING_FACTOR, CEILING_SIDE = 4.0, 5    # of the result to the largest radiance around, low-resolution pixels
 DEPTH_SCALES = (0.25, 1.0, 4.0)     # distances, over the median, that become one half
 DEPTH_MAX = 1e8                     # what is as far is background
 REC709 = (0.2126, 0.7152, 0.0722)
 
 
 def auto_exposure(colour):
-    """0.18 / exp(mean(log L)) over the pixels [3, h, w] with finite Rec. 709 luminance L > 1e-8; 1 if there are none."""
+    """0.18 / exp(mean(log L)) over the pixels [3, h, w] with finite Rec. 709 luminance L > 1e-8 (mean(L^(1/8)))^8; 1 if there are none.
+
+    The inner mean is over all finite L > 1e-37. The exposure of k times the image is that of the image over k.
+    """
     luminance = sum(weight * channel for weight, channel in zip(REC709, colour.double()))
-    luminance = luminance[torch.isfinite(luminance) & (luminance > 1e-8)]
-    return 0.18 / math.exp(luminance.log().mean().item()) if luminance.numel() else 1.0
+    luminance = luminance[torch.isfinite(luminance) & (luminance > 1e-37)]
+    if not luminance.numel():
+        return 1.0
+    luminance = luminance[luminance > 1e-8 * luminance.pow(1 / 8).mean() ** 8]
+    return 0.18 / math.exp(luminance.log().mean().item())
 
 
 def relative_depth(depth):
@@ -184,11 +191,26 @@ def filtered(aux_neighbours, logits):
     return (weights[:, None] * aux_neighbours).sum(2) / weights.sum(1, keepdim=True)
 
 
-def to_radiance(residual, base, albedo, exposure, config):
-    """Inverse of the pipeline: base (None: there is none) and residual, their sum clamped, T^-1, times albedo for the bases that demodulate, over exposure."""
+def ceiling(x, config):
+    """The most that the network may make of its surroundings [b, 3, h, w]: T(4 T^-1(m)), m the largest of the 5 x 5 x around, at least 0."""
+    return inner_ceiling(F.pad(x, (CEILING_SIDE // 2,) * 4, mode="replicate"), config)
+
+
+def inner_ceiling(bordered, config):
+    """The same of an image that has its border of CEILING_SIDE // 2 pixels already."""
+    largest = F.max_pool2d(bordered, CEILING_SIDE, 1).clamp(min=0)
+    if config.transfer == "none":
+        return CEILING_FACTOR * largest
+    return largest + torch.log1p((CEILING_FACTOR - 1) * -torch.expm1(-largest))
+
+
+def to_radiance(residual, base, ceiling, albedo, exposure, config):
+    """Inverse of the pipeline: base (None: there is none) and residual, their sum clamped to 0 and the ceiling [b, 3, h, w] (or 11, if
+    that is less), T^-1, times albedo for the bases that demodulate, over exposure."""
     transformed = residual
-    if base is not None:  # a highlight of the base itself is never clamped
-        transformed = torch.minimum((base + residual).clamp(min=0), base.clamp(min=TRANSFORMED_MAX))
+    if base is not None:  # the base itself is never clamped
+        most = ceiling.clamp(max=TRANSFORMED_MAX).repeat_interleave(config.scale, 2).repeat_interleave(config.scale, 3)
+        transformed = torch.minimum((base + residual).clamp(min=0), torch.maximum(base, most))
     radiance = inverse_transform(transformed, config.transfer)
     if config.base in ("demodulated", "guided"):
         radiance = radiance * (albedo + EPSILON)
@@ -209,7 +231,7 @@ def baseline(colour, aux, config, exposure=None):
     albedo = clamped_albedo(aux, config)
     x = network_colour(colour * exposure, albedo, config)
     base = base_image(x, aux, config)
-    return to_radiance(torch.zeros_like(base), base, albedo, exposure, config)
+    return to_radiance(torch.zeros_like(base), base, ceiling(x, config), albedo, exposure, config)
 
 
 def upscale(network, colour, aux=None, exposure=None):
@@ -228,4 +250,4 @@ def upscale(network, colour, aux=None, exposure=None):
         aux = filtered(neighbours(aux, config.aux_kernels), aux_logits)
         x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
     base = base_image(x, aux, config, logits)
-    return to_radiance(residual, base, clamped_albedo(aux, config), exposure, config), raw, exposure
+    return to_radiance(residual, base, ceiling(x, config), clamped_albedo(aux, config), exposure, config), raw, exposure

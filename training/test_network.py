@@ -138,6 +138,38 @@ def test_exposure_ignores_black_and_non_finite_pixels():
     assert pipeline.auto_exposure(torch.zeros(3, 2, 2)) == 1.0
 
 
+def test_exposure_follows_the_scale_of_the_image():
+    colour = torch.rand(3, 8, 9, generator=torch.Generator().manual_seed(1)).double()
+    exposure = pipeline.auto_exposure(colour)
+    for factor in (1e-12, 1e-6, 1e6):
+        assert pipeline.auto_exposure(factor * colour) == pytest.approx(exposure / factor)
+    colour[:, 2:] = 1e-20
+    assert pipeline.auto_exposure(colour) == pytest.approx(pipeline.auto_exposure(colour[:, :2]))
+
+
+@pytest.mark.parametrize("fields", [dict(), dict(base="bicubic", aux_inputs=()), dict(transfer="none")])
+def test_nothing_is_drawn_where_nothing_around_is_lit(fields):
+    config = NetworkConfig(scale=4, **{**SMALL, **fields})
+    network = Network(config).eval()
+    with torch.no_grad():
+        network.out.bias.fill_(2.0)      # a ghost everywhere
+        colour, aux = torch.rand(1, 3, 8, 10), torch.rand(1, 6, 32, 40)
+        aux = aux if config.aux_inputs else None
+        colour[..., 4:] = 0
+        radiance, _, _ = pipeline.upscale(network, colour, aux)
+        assert not radiance[..., 4 * 6:].any() and radiance[..., :4 * 4].min() > 0
+        assert not pipeline.upscale(network, torch.zeros_like(colour), aux)[0].any()
+
+
+def test_ceiling_against_the_formula():
+    config = NetworkConfig(scale=4, **SMALL)
+    x = torch.rand(1, 3, 7, 9, generator=torch.Generator().manual_seed(2)).double() * 3
+    found = pipeline.ceiling(x, config)
+    for y, column in [(0, 0), (3, 4), (6, 8), (1, 7)]:
+        around = x[0, :, max(0, y - 2):y + 3, max(0, column - 2):column + 3].flatten(1).max(1).values
+        assert torch.allclose(found[0, :, y, column], torch.log1p(4 * torch.expm1(around)))
+
+
 def test_model_file_round_trip(tmp_path):
     config = NetworkConfig(scale=2, kernels=5, aux_skip=1, **SMALL)
     network = Network(config)

@@ -92,7 +92,8 @@ def forward(network, batch, device):
         bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
     base = crop_base(bordered, aux, logits, config)
     aux = None if aux is None else aux[:, :, high, high]
-    result = pipeline.to_radiance(residual, base, pipeline.clamped_albedo(aux, config), 1.0, config)
+    ceiling = pipeline.inner_ceiling(bordered, config)
+    result = pipeline.to_radiance(residual, base, ceiling, pipeline.clamped_albedo(aux, config), 1.0, config)
     return result, batch["exposure"].view(-1, 1, 1, 1) * batch["target"], aux
 
 
