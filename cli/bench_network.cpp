@@ -156,7 +156,7 @@ void addCases(CLI::App& verb, BenchNetworkOptions& options) {
           "--family", options.families,
           "Kernels to compare, with commas: plain, lane, tile, matrix, fused (default: those that suit the device)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"plain", "lane", "tile", "matrix", "fused"}));
+      ->check(CLI::IsMember(Device::kernelFamilies()));
   verb.add_option("--runs", options.runs, "Frames that count, after the first one")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

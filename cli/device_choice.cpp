@@ -54,4 +54,14 @@ void onDevice(const std::string& select, const std::function<void(Device&)>& wor
   runOn(candidates.back().select, work);
 }
 
+std::string usualKernelFamily() {
+  std::vector<Device::Description> devices;
+  try {
+    devices = Device::list();
+  } catch (const Error&) {  // no Vulkan
+  }
+  if (devices.empty()) return "tile";
+  return devices[std::stoul(bestFirst(devices).front().select)].kernelFamily;
+}
+
 }  // namespace xrds

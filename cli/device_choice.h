@@ -12,4 +12,7 @@ namespace xrds {
 /// with ExitCode::device if the last device fails; other failures of the work end it.
 void onDevice(const std::string& select, const std::function<void(Device&)>& work);
 
+/// The kernel family with which commands run that name no device: of the best device, or "tile" where there is none.
+std::string usualKernelFamily();
+
 }  // namespace xrds

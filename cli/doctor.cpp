@@ -18,13 +18,13 @@ struct DoctorOptions {
 };
 
 // A doctor should not need models: without one the question is left out.
-std::optional<UsualFrame> usualFrame() {
+std::optional<UsualFrame> usualFrame(const std::string& kernelFamily) {
   try {
     const std::string name = defaultModelName(4);
     const Model model(resolveModel(name));
     UsualFrame usual{name, 1920, 1080};
     const auto bytes = [&](bool fp16) {
-      const Model::Cost cost = model.cost(usual.width, usual.height, fp16);
+      const Model::Cost cost = model.cost(usual.width, usual.height, fp16, kernelFamily);
       return cost.plannedBytes + cost.weightBytes;
     };
     usual.fp32Bytes = bytes(false);
@@ -36,7 +36,8 @@ std::optional<UsualFrame> usualFrame() {
 }
 
 Findings examine(Device& device, const DoctorOptions& options) {
-  Findings findings{device.description(), Examination::capabilities(device), {}, usualFrame(), options.runs};
+  Findings findings{device.description(), Examination::capabilities(device), {}, {}, options.runs};
+  findings.usual = usualFrame(findings.device.kernelFamily);
   ProgressBar bar(options.quiet);
   for (const bool fp16 : {false, true}) {
     PrecisionExamination& precision = findings.precisions.emplace_back(PrecisionExamination{fp16});

@@ -1,18 +1,23 @@
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/byte_count.h"
 #include "app/models.h"
 #include "app/stage.h"
 #include "cli/commands.h"
+#include "cli/device_choice.h"
+#include "cli/output_file.h"
 #include "image/exr_file.h"
 #include "xrds/xrds.h"
 
 namespace xrds {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct InfoOptions {
-  std::string model, size = "1024x1024", memory, tiles = "bounded";
+  std::string model, size = "1024x1024", memory, tiles = "bounded", kernels, json;
   bool wrap = false;
 };
 
@@ -35,22 +40,38 @@ void printMetadata(const Model& model) {
   std::printf("%-26s %s\n", "hash", model.hash().c_str());
 }
 
-struct Costs {
+/// All that is asked of a model; the tilings if an amount of memory is given.
+struct Answer {
+  Size size;
+  std::string kernelFamily;
   Model::Cost fp32, fp16;
+  std::optional<Tiling> fp32Tiling{}, fp16Tiling{};
 };
 
-Costs costsOf(const Model& model, Size size) {
+Answer answerOf(const Model& model, Size size, const InfoOptions& options) {
   if (uint64_t{size.width} * size.height > static_cast<uint64_t>(kMaxPixelCount))
     throw Error("--size is too large: expected at most " + std::to_string(kMaxPixelCount) + " pixels.");
-  return {model.cost(size.width, size.height, false), model.cost(size.width, size.height, true)};
+  const std::string family = options.kernels.empty() ? usualKernelFamily() : options.kernels;
+  Answer answer{size, family, model.cost(size.width, size.height, false, family),
+                model.cost(size.width, size.height, true, family)};
+  if (options.memory.empty()) return answer;
+  const TileOptions tiles{
+      .memoryBytes = parseBytes(options.memory), .exact = options.tiles == "exact", .wrap = options.wrap};
+  answer.fp32Tiling = model.tiling(size.width, size.height, false, tiles, family);
+  answer.fp16Tiling = model.tiling(size.width, size.height, true, tiles, family);
+  return answer;
 }
 
-void printCosts(const Costs& costs, Size size) {
-  const auto& [fp32, fp16] = costs;
-  std::printf("\nFor an output of %u x %u:\n", size.width, size.height);
+void printCosts(const Answer& answer) {
+  const auto& [size, family, fp32, fp16, fp32Tiling, fp16Tiling] = answer;
+  const auto printMultiplyAdds = [](const char* name, uint64_t count) {
+    std::printf("%-26s %.2f G\n", name, static_cast<double>(count) / 1e9);
+  };
+  std::printf("\nFor an output of %u x %u, with the %s kernels:\n", size.width, size.height, family.c_str());
   std::printf("%-26s %.3f M\n", "parameters", static_cast<double>(fp32.parameters) / 1e6);
-  std::printf("%-26s %.2f G\n", "MACs", static_cast<double>(fp32.multiplyAdds) / 1e9);
-  std::printf("%-26s %.2f G\n", "attention MACs (more)", static_cast<double>(fp32.attentionMultiplyAdds) / 1e9);
+  printMultiplyAdds("MACs of the network", fp32.networkMultiplyAdds);
+  printMultiplyAdds("MACs executed", fp32.multiplyAdds + fp32.attentionMultiplyAdds);
+  printMultiplyAdds("  of these, attention", fp32.attentionMultiplyAdds);
   std::printf("%-26s %10s %10s\n", "device memory in MB", "fp32", "fp16");
   const auto row = [](const char* name, uint64_t a, uint64_t b) {
     std::printf("%-26s %10.1f %10.1f\n", name, static_cast<double>(a) / 1e6, static_cast<double>(b) / 1e6);
@@ -74,30 +95,71 @@ void printTiling(const char* precision, const Tiling& tiling) {
       static_cast<double>(tiling.arenaBytes + tiling.weightBytes) / 1e6, tiling.work);
 }
 
-void printTilings(const Model& model, Size size, const InfoOptions& options) {
-  const TileOptions tiles{
-      .memoryBytes = parseBytes(options.memory), .exact = options.tiles == "exact", .wrap = options.wrap};
-  const Tiling fp32 = model.tiling(size.width, size.height, false, tiles);
-  const Tiling fp16 = model.tiling(size.width, size.height, true, tiles);
-  std::printf("\nIn %s of device memory:\n", options.memory.c_str());
-  printTiling("fp32", fp32);
-  printTiling("fp16", fp16);
+void printTilings(const Answer& answer, const std::string& memory) {
+  std::printf("\nIn %s of device memory:\n", memory.c_str());
+  printTiling("fp32", *answer.fp32Tiling);
+  printTiling("fp16", *answer.fp16Tiling);
 }
 
-void listModels() {
+Json jsonOf(const char* precision, const Model::Cost& cost, const std::optional<Tiling>& tiling) {
+  Json json{{"precision", precision},
+            {"multiplyAdds", cost.multiplyAdds},
+            {"attentionMultiplyAdds", cost.attentionMultiplyAdds},
+            {"memory",
+             {{"plannedBytes", cost.plannedBytes},
+              {"lowerBoundBytes", cost.lowerBoundBytes},
+              {"unaliasedBytes", cost.unaliasedBytes},
+              {"weightBytes", cost.weightBytes}}}};
+  if (tiling)
+    json["tiling"] = {{"columns", tiling->columns},
+                      {"rows", tiling->rows},
+                      {"halo", tiling->halo},
+                      {"tileWidth", tiling->tileWidth},
+                      {"tileHeight", tiling->tileHeight},
+                      {"work", tiling->work},
+                      {"arenaBytes", tiling->arenaBytes},
+                      {"weightBytes", tiling->weightBytes}};
+  return json;
+}
+
+Json jsonOf(const Model& model, const std::string& name, const Answer& answer) {
+  Json json{{"version", XRDS_VERSION},
+            {"model", name},
+            {"modelHash", model.hash()},
+            {"metadata", model.metadata()},
+            {"width", answer.size.width},
+            {"height", answer.size.height},
+            {"kernelFamily", answer.kernelFamily},
+            {"parameters", answer.fp32.parameters},
+            {"networkMultiplyAdds", answer.fp32.networkMultiplyAdds}};
+  json["precisions"] = {jsonOf("fp32", answer.fp32, answer.fp32Tiling), jsonOf("fp16", answer.fp16, answer.fp16Tiling)};
+  return json;
+}
+
+void writeJson(const std::string& file, const Json& json) {
+  if (file.empty()) return;
+  stage(ExitCode::output,
+        [&] { writeText(file, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"); });
+}
+
+void listModels(const InfoOptions& options) {
   for (const std::string& name : shippedModels()) std::printf("%s\n", name.c_str());
+  writeJson(options.json, {{"version", XRDS_VERSION}, {"models", shippedModels()}});
 }
 
 void run(const InfoOptions& options) {
-  if (options.model.empty()) return listModels();
+  if (!options.json.empty()) {
+    requireExtension(options.json, ".json", "--json");
+    requireWritable(options.json);
+  }
+  if (options.model.empty()) return listModels(options);
   const Size size = parseSize(options.size);
   const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
-  stage(ExitCode::usage, [&] {
-    const Costs costs = costsOf(model, size);
-    printMetadata(model);
-    printCosts(costs, size);
-    if (!options.memory.empty()) printTilings(model, size, options);
-  });
+  const Answer answer = stage(ExitCode::usage, [&] { return answerOf(model, size, options); });
+  printMetadata(model);
+  printCosts(answer);
+  if (answer.fp32Tiling) printTilings(answer, options.memory);
+  writeJson(options.json, jsonOf(model, options.model, answer));
 }
 
 }  // namespace
@@ -114,10 +176,17 @@ void addInfo(CLI::App& app) {
       ->check(CLI::IsMember({"exact", "bounded"}))
       ->capture_default_str();
   verb->add_flag("--wrap", options->wrap, "As in xrds upscale");
+  verb->add_option("--kernels", options->kernels,
+                   "Kernels that run the model: plain, lane, tile, matrix or fused (default: those of the best device)")
+      ->check(CLI::IsMember(Device::kernelFamilies()))
+      ->type_name("FAMILY");
+  verb->add_option("--json", options->json, "Write every number to this file, too")->type_name("JSON");
   verb->footer(
       "Planned peak is the arena that a run allocates; the largest live set is the least that any plan needs;\n"
-      "without aliasing is the sum of all tensors. MB are 10^6 bytes. MACs are multiplications of linear maps\n"
-      "and convolutions, the token pairs of attention come on top.\n\nExamples:\n  xrds info\n  xrds info "
+      "without aliasing is the sum of all tensors. MB are 10^6 bytes. MACs of the network are multiplications of\n"
+      "linear maps and convolutions as papers count them, without the token pairs of attention. MACs executed are\n"
+      "those of a run: maps in a row are made as one, and the token pairs count.\n\nExamples:\n  xrds info\n  xrds "
+      "info "
       "xrds-x4-compact --size 1920x1080\n  xrds info xrds-x4-compact --size 8192x8192 --memory 512M");
   verb->callback([options] { run(*options); });
 }

@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "app/exit_code.h"
+#include "app/kernel_family.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
 
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "xrds " XRDS_VERSION);
   app.require_subcommand(1);
   app.footer(kFooter);
+  app.parse_complete_callback(xrds::checkKernelFamilyVariable);
   xrds::addUpscale(app);
   xrds::addCompare(app);
   xrds::addInfo(app);

@@ -12,6 +12,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::pair<const char*, const char*> kDefinitions[] = {
     {"family", "the kernels that were asked for; empty: those that suit the device, which kernelFamily names"},
+    {"networkMultiplyAdds", "as papers count them: of linear maps and convolutions as the network is written"},
+    {"multiplyAdds", "those that run; attentionMultiplyAdds are beside them, of its token pairs"},
     {"openSeconds", "opening the device"},
     {"preparationSeconds",
      "planning, packing and uploading the weights, recording, compiling where the driver does it"},
@@ -92,6 +94,7 @@ Json jsonOf(const NetworkRow& row) {
   json["modelHash"] = row.networkCase.model->model.hash();
   json["width"] = json["height"] = row.networkCase.side;
   json["parameters"] = measured.cost.parameters;
+  json["networkMultiplyAdds"] = measured.cost.networkMultiplyAdds;
   json["multiplyAdds"] = measured.cost.multiplyAdds;
   json["attentionMultiplyAdds"] = measured.cost.attentionMultiplyAdds;
   Json& memory = json["memory"] = {{"plannedBytes", measured.cost.plannedBytes},

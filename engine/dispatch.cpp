@@ -11,6 +11,8 @@ constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix", "fused"}
 
 const char* nameOf(KernelFamily family) { return kFamilies[static_cast<size_t>(family)]; }
 
+std::span<const char* const> kernelFamilyNames() { return kFamilies; }
+
 const char* nameOf(MatrixUnits units) {
   static constexpr const char* kNames[] = {"none", "software", "nv", "khr"};
   return kNames[static_cast<size_t>(units)];

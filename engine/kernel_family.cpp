@@ -19,7 +19,28 @@ KernelFamily chosenFamily(const DeviceDescription& device, const std::string& as
   if (usesMatrixUnits(family) && device.matrixUnits == MatrixUnits::none)
     throw Error("the kernel family '" + wanted + "' needs matrix units that multiply 16-bit floats, and " +
                 device.name + " offers none to Vulkan; choose plain or tile");
+  if (family == KernelFamily::fused && !device.matrixSize.halfSums)
+    throw Error("the kernel family 'fused' needs matrix units that add up in 16 bits, too, and those of " +
+                device.name + " do not; choose matrix, plain or tile");
   return family;
+}
+
+KernelFamily likelyFamily(const DeviceDescription& device) {
+  if (const std::string wanted = wantedKernelFamily(); !wanted.empty()) kernelFamilyOf(wanted);
+  try {
+    return chosenFamily(device, "");
+  } catch (const Error&) {
+    return suitableFamily(device);
+  }
+}
+
+DeviceTraits usualTraits(KernelFamily family) {
+  const bool isCpu = family == KernelFamily::lane;
+  return {.family = family,
+          .matrixUnits = usesMatrixUnits(family) ? MatrixUnits::khr : MatrixUnits::none,
+          .subgroupSize = isCpu ? 8u : 32u,
+          .maxSharedBytes = isCpu ? 32768u : 49152u,
+          .shaderInt64 = isCpu};
 }
 
 }  // namespace xrds

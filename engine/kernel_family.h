@@ -11,4 +11,11 @@ KernelFamily suitableFamily(const DeviceDescription& device);
 /// Throws Error if there is none of that name, or if the device cannot run it.
 KernelFamily chosenFamily(const DeviceDescription& device, const std::string& asked);
 
+/// What a device would run if it were opened without asking for a family: what $XRDS_KERNEL_FAMILY names, or where the
+/// device cannot run that, what suits it. Throws Error if the variable names no family.
+KernelFamily likelyFamily(const DeviceDescription& device);
+
+/// A device of which no more is known than its kernel family: the usual limits of those that run it.
+DeviceTraits usualTraits(KernelFamily family);
+
 }  // namespace xrds

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "shaders/common/groups.h"
+
 namespace xrds {
 namespace {
 
@@ -56,6 +58,31 @@ std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, u
   for (uint64_t row = first + step; row < rows.end; row += step) bounds.push_back(static_cast<uint32_t>(row));
   bounds.push_back(rows.end);
   return bounds;
+}
+
+bool isGridOfAnyDevice(const Dispatch& launch) {
+  return std::all_of(launch.groupCount.begin(), launch.groupCount.end(),
+                     [](uint32_t count) { return count <= kMaxGroupCount; });
+}
+
+// The dispatch of the operator's rows, or where devices would not take its grid, those of their halves.
+template <class Op>
+void addDispatches(uint32_t node, const std::string& label, Op op, const DeviceTraits& device,
+                   std::vector<LoweredDispatch>& lowered) {
+  Dispatch launch = dispatch(op, device);
+  if constexpr (requires { op.rows; }) {
+    const auto [begin, end] = computedRows(op);
+    if (!isGridOfAnyDevice(launch) && end - begin > 1) {
+      const uint32_t middle = begin + (end - begin) / 2;
+      for (const RowRange half : {RowRange{begin, middle}, RowRange{middle, end}}) {
+        op.rows = half;
+        addDispatches(node, label, op, device, lowered);
+      }
+      return;
+    }
+  }
+  launch.label = label;
+  lowered.push_back({node, std::move(launch)});
 }
 
 // Whether the views put the same element at the same byte of values of the same size.
@@ -136,15 +163,22 @@ NodeCost cost(const Node& node) {
   return {};
 }
 
+NodeCost cost(const Graph& graph) {
+  NodeCost sum;
+  for (const Node& node : graph.nodes) {
+    const NodeCost part = cost(node);
+    sum.multiplyAdds += part.multiplyAdds;
+    sum.attentionMultiplyAdds += part.attentionMultiplyAdds;
+  }
+  return sum;
+}
+
 std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device) {
   std::vector<LoweredDispatch> lowered;
   for (uint32_t n = 0; n < graph.nodes.size(); ++n) {
     const Node& node = graph.nodes[n];
     const NodeCost work = cost(node);
-    const auto add = [&](const auto& op) {
-      lowered.push_back({n, dispatch(op, device)});
-      lowered.back().dispatch.label = node.name;
-    };
+    const auto add = [&](const auto& op) { addDispatches(n, node.name, op, device, lowered); };
     std::visit(
         [&](auto op) {
           if constexpr (requires { op.rows; }) {

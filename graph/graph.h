@@ -86,6 +86,7 @@ struct NodeCost {
   uint64_t multiplyAdds = 0, attentionMultiplyAdds = 0;
 };
 NodeCost cost(const Node& node);
+NodeCost cost(const Graph& graph);  // the sum of its nodes
 
 /// One dispatch of a node; a node becomes several where its output exceeds what the device can bind at once.
 struct LoweredDispatch {

@@ -70,7 +70,7 @@ bool isFusedLayerRight(Gpu& gpu) {
                         .window = 8,
                         .headChannels = kHeadChannels,
                         .shift = 4};
-  return !fits(layer, gpu.traits()) || isRight(gpu, layer);
+  return fits(layer, gpu.traits()) && isRight(gpu, layer);
 }
 
 // A driver that does not compile the kernels is wrong, too.
@@ -97,6 +97,14 @@ bool proveMatrixKernels(Gpu& gpu) {
   }
   gpu.setTraits(traits);
   return false;
+}
+
+void proveAskedKernels(Gpu& gpu, const std::string& asked) {
+  proveMatrixKernels(gpu);
+  const KernelFamily family = gpu.traits().family;
+  if (asked.empty() || family == kernelFamilyOf(asked)) return;
+  throw Error("the " + asked + " kernels do not run or give wrong results on " + gpu.description().name + "; choose " +
+              (family == KernelFamily::matrix ? "matrix, plain or tile" : "plain or tile"));
 }
 
 }  // namespace xrds

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/harness.h"
+#include "xrds/error.h"
 
 namespace xrds {
 namespace {
@@ -43,6 +44,50 @@ TEST(MatrixProof, GivesUpAFusedLayerThatIsWrongAlone) {
   EXPECT_FALSE(proveMatrixKernels(wrong));
   EXPECT_EQ(wrong.traits().family, KernelFamily::matrix);
   EXPECT_NE(wrong.traits().matrixUnits, MatrixUnits::none);
+}
+
+// With programs that compute something else in place of those whose name begins so.
+Gpu gpuWithout(const char* spoilt, KernelFamily family) {
+  DeviceOptions options = test::gpuOptions();
+  options.programs = [all = options.programs, spoilt](std::string_view name) {
+    if (!name.starts_with(spoilt)) return all(name);
+    return all(name.starts_with("linear") ? "linear_plain_f16" : "twice_plus");
+  };
+  Gpu gpu(options);
+  gpu.setTraits(test::traitsOf(family));
+  return gpu;
+}
+
+TEST(MatrixProof, RefusesAFamilyThatWasAskedForAndIsWrong) {
+  const auto messageOf = [](const char* spoilt, const char* asked) -> std::string {
+    Gpu gpu = gpuWithout(spoilt, kernelFamilyOf(asked));
+    try {
+      proveAskedKernels(gpu, asked);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(messageOf("nothing", "matrix"), "");
+  EXPECT_EQ(messageOf("nothing", "fused"), "");
+  EXPECT_EQ(messageOf("swin_layer_matrix", "matrix"), "");  // which does without
+  for (const char* asked : {"matrix", "fused"})
+    EXPECT_TRUE(messageOf("linear_matrix", asked).starts_with("the " + std::string(asked) + " kernels")) << asked;
+  const std::string fused = messageOf("swin_layer_matrix", "fused");
+  EXPECT_TRUE(fused.starts_with("the fused kernels")) << fused;
+  EXPECT_TRUE(fused.ends_with("choose matrix, plain or tile")) << fused;
+
+  Gpu unasked = gpuWithout("linear_matrix", KernelFamily::matrix);
+  proveAskedKernels(unasked, "");
+  EXPECT_EQ(unasked.traits().family, KernelFamily::tile);
+}
+
+TEST(MatrixProof, RefusesAskedLayersThatDoNotFitTheDevice) {
+  Gpu gpu(test::gpuOptions());
+  DeviceTraits traits = test::traitsOf(KernelFamily::fused);
+  traits.maxSharedBytes = 16384;
+  gpu.setTraits(traits);
+  EXPECT_THROW(proveAskedKernels(gpu, "fused"), Error);
 }
 
 TEST(MatrixProof, HasNothingToProveElsewhere) {

@@ -42,7 +42,11 @@ struct GraphOptions {
   std::optional<DeviceTraits> layersFusedOn{};
 };
 
-/// The options with what makes the graph fast on a device.
+/// The network as its definition is written, in one piece: what papers count, and what references are made of.
+inline const GraphOptions kAsWritten{.bandRows = kWholeFrame};
+
+/// The options with what makes the graph fast on a device: whatever is to be true of the graph that a device runs
+/// builds it with these.
 GraphOptions fastOn(const DeviceTraits& device, GraphOptions options);
 
 /// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).

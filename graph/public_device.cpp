@@ -1,7 +1,8 @@
+#include "engine/environment.h"
+#include "engine/kernel_family.h"
 #include "graph/matrix_proof.h"
 #include "graph/public_state.h"
 #include "shaders/programs.h"
-#include "xrds/error.h"
 
 namespace xrds {
 namespace {
@@ -21,8 +22,16 @@ Device::Description describeDevice(const DeviceDescription& device) {
 
 std::vector<Device::Description> Device::list() {
   std::vector<Description> descriptions;
-  for (const DeviceDescription& device : listDevices()) descriptions.push_back(describeDevice(device));
+  for (const DeviceDescription& device : listDevices()) {
+    descriptions.push_back(describeDevice(device));
+    descriptions.back().kernelFamily = nameOf(likelyFamily(device));
+  }
   return descriptions;
+}
+
+std::vector<std::string> Device::kernelFamilies() {
+  const auto names = kernelFamilyNames();
+  return {names.begin(), names.end()};
 }
 
 Device::Device(const Options& options)
@@ -34,8 +43,7 @@ Device::Device(const Options& options)
                             .deviceExtensions = options.deviceExtensions,
                             .kernelFamily = options.kernelFamily,
                             .programs = embeddedProgram})}) {
-  if (!proveMatrixKernels(state_->gpu) && options.kernelFamily == "matrix")
-    throw Error("the matrix kernels give wrong results on " + description().name + "; choose plain or tile");
+  proveAskedKernels(state_->gpu, options.kernelFamily.empty() ? wantedKernelFamily() : options.kernelFamily);
 }
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;

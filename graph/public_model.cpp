@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <cstdio>
 
+#include "engine/kernel_family.h"
 #include "graph/halo.h"
+#include "graph/public_checks.h"
 #include "graph/public_state.h"
 #include "graph/quiet_windows.h"
 #include "graph/tile_choice.h"
@@ -16,6 +19,19 @@ FrameShape frameOf(const NetworkConfig& config, uint32_t outputWidth, uint32_t o
   return {outputHeight / config.scale, outputWidth / config.scale};
 }
 
+// Columns and rows that the frame cannot be cut into would be fewer without a word.
+void checkGrid(const TileOptions& asked, const Tiling& found, FrameShape frame) {
+  const auto check = [&](const char* name, uint32_t wanted, uint32_t possible) {
+    if (wanted > possible)
+      throw Error("A frame of " + sizeText(frame.width, frame.height) + " pixels cannot be cut into " +
+                  std::to_string(wanted) + " " + name + " of tiles: whole windows and a halo of " +
+                  std::to_string(found.halo) + " pixels make " + std::to_string(possible) +
+                  "; ask for fewer, or for 0.");
+  };
+  check("columns", asked.columns, found.columns);
+  check("rows", asked.rows, found.rows);
+}
+
 }  // namespace
 
 Tiling tilingOf(const ModelWeights& model, FrameShape frame, bool fp16, const TileOptions& options,
@@ -28,7 +44,11 @@ Tiling tilingOf(const ModelWeights& model, FrameShape frame, bool fp16, const Ti
                 ".");
   const TileChoice choice = chooseTiles(model, frame, fp16 ? Precision::fp16 : Precision::fp32,
                                         {options.columns, options.rows, halo, options.wrap}, limits);
-  Tiling tiling{.columns = choice.cut.columns, .rows = choice.cut.rows, .halo = halo};
+  const std::vector<Tile> tiles = cutFrame(frame, config.window, choice.cut);
+  const auto columns = static_cast<uint32_t>(
+      std::count_if(tiles.begin(), tiles.end(), [](const Tile& tile) { return tile.inner.y == 0; }));
+  Tiling tiling{.columns = columns, .rows = static_cast<uint32_t>(tiles.size()) / columns, .halo = halo};
+  checkGrid(options, tiling, frame);
   if (tiling.columns * tiling.rows == 1 && !options.wrap) tiling.halo = 0;
   tiling.tileWidth = config.scale * choice.crop.width;
   tiling.tileHeight = config.scale * choice.crop.height;
@@ -65,18 +85,20 @@ std::string Model::hash() const {
 
 std::string Model::whyNeverSkipped() const { return whyNeverQuiet(state_->weights.config()); }
 
-Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) const {
+Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const std::string& kernelFamily) const {
   const NetworkConfig& config = state_->weights.config();
-  const GraphOptions options{fp16 ? Precision::fp16 : Precision::fp32};
-  const Graph graph = buildGraph(config, frameOf(config, outputWidth, outputHeight), state_->weights.lookup(), options);
-  Cost sum;
-  sum.parameters = state_->weights.parameterCount();
-  for (const Node& node : graph.nodes) {
-    const NodeCost part = xrds::cost(node);
-    sum.multiplyAdds += part.multiplyAdds;
-    sum.attentionMultiplyAdds += part.attentionMultiplyAdds;
-  }
-  const MemoryNeeds needs = memoryNeeds(graph, DeviceTraits{});
+  const FrameShape frame = frameOf(config, outputWidth, outputHeight);
+  const DeviceTraits device = usualTraits(kernelFamilyOf(kernelFamily));
+  const auto graphOf = [&](const GraphOptions& options) {
+    return buildGraph(config, frame, state_->weights.lookup(), options);
+  };
+  const Graph graph = graphOf(fastOn(device, {fp16 ? Precision::fp16 : Precision::fp32}));
+  const NodeCost executed = xrds::cost(graph);
+  Cost sum{.parameters = state_->weights.parameterCount(),
+           .networkMultiplyAdds = xrds::cost(graphOf(kAsWritten)).multiplyAdds,
+           .multiplyAdds = executed.multiplyAdds,
+           .attentionMultiplyAdds = executed.attentionMultiplyAdds};
+  const MemoryNeeds needs = memoryNeeds(graph, device);
   sum.plannedBytes = needs.planned;
   sum.lowerBoundBytes = needs.lowerBound;
   sum.unaliasedBytes = needs.unaliased;
@@ -84,10 +106,13 @@ Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) 
   return sum;
 }
 
-Tiling Model::tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options) const {
+Tiling Model::tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options,
+                     const std::string& kernelFamily) const {
   const FrameShape frame = frameOf(state_->weights.config(), outputWidth, outputHeight);
+  checkOptions(options);
+  checkShape(state_->weights.config(), frame);
   constexpr uint64_t kNoLimit = uint64_t{1} << 50;
-  MemoryLimits limits{options.memoryBytes ? options.memoryBytes : kNoLimit};
+  MemoryLimits limits{options.memoryBytes ? options.memoryBytes : kNoLimit, usualTraits(kernelFamilyOf(kernelFamily))};
   limits.traits.maxAllocationBytes = limits.traits.maxTexelBufferElements = kNoLimit;
   return tilingOf(state_->weights, frame, fp16, options, limits);
 }

@@ -23,8 +23,4 @@ struct Model::State {
 Tiling tilingOf(const ModelWeights& model, FrameShape frame, bool fp16, const TileOptions& options,
                 const MemoryLimits& limits);
 
-inline std::string sizeText(uint32_t width, uint32_t height) {
-  return std::to_string(width) + " x " + std::to_string(height);
-}
-
 }  // namespace xrds

@@ -4,6 +4,7 @@
 
 #include "graph/ensemble.h"
 #include "graph/halo.h"
+#include "graph/public_checks.h"
 #include "graph/public_state.h"
 #include "graph/quiet_windows.h"
 #include "graph/reference.h"
@@ -54,45 +55,6 @@ FrameInput inputOf(const PixelView& colour, std::span<const PixelView> auxiliary
   return {colour, {auxiliary.begin(), auxiliary.end()}, options.exposure};
 }
 
-void checkExposure(const Upscaler::Options& options) {
-  constexpr float kLargest = 1e30f;
-  const float e = options.exposure.value_or(1);
-  if (!(e >= 1 / kLargest && e <= kLargest))
-    throw Error("An exposure of " + std::to_string(e) + " was given, expected a number between 1e-30 and 1e30.");
-}
-
-void checkEnsemble(const Upscaler::Options& options) {
-  mirrorsOf(options.ensemble);
-  if (options.ensemble > 1 && options.skip.keepUnchanged)
-    throw Error(
-        "Windows that did not change are kept from pass to pass, not from frame to frame: no ensemble, please.");
-  if (options.ensemble == 8 && options.tiles.wrap)
-    throw Error("A panorama cannot be mirrored on its diagonal: take an ensemble of 4.");
-}
-
-void checkFrame(const NetworkConfig& config, FrameShape frame, const PixelView& colour,
-                std::span<const PixelView> auxiliary) {
-  if (colour.width != frame.width || colour.height != frame.height)
-    throw Error("The colour image is " + sizeText(colour.width, colour.height) + " pixels, expected " +
-                sizeText(frame.width, frame.height) + ".");
-  if (auxiliary.size() != config.auxInputs.size())
-    throw Error("The model takes " + std::to_string(config.auxInputs.size()) + " auxiliary images, found " +
-                std::to_string(auxiliary.size()) + ".");
-  for (size_t i = 0; i < auxiliary.size(); ++i)
-    if (auxiliary[i].width != config.scale * frame.width || auxiliary[i].height != config.scale * frame.height)
-      throw Error("The " + config.auxInputs[i] + " image is " + sizeText(auxiliary[i].width, auxiliary[i].height) +
-                  " pixels, expected " + sizeText(config.scale * frame.width, config.scale * frame.height) + ": " +
-                  std::to_string(config.scale) + " times the colour's " + sizeText(frame.width, frame.height) + ".");
-}
-
-void checkOutput(const NetworkConfig& config, FrameShape frame, std::span<const float> output) {
-  const size_t numbers = size_t{3} * config.scale * frame.width * config.scale * frame.height;
-  if (output.size() != numbers)
-    throw Error("The output has room for " + std::to_string(output.size()) + " numbers, expected " +
-                std::to_string(numbers) + ": 3 for each of its " +
-                sizeText(config.scale * frame.width, config.scale * frame.height) + " pixels.");
-}
-
 SessionOptions sessionOptions(const Upscaler::Options& options) {
   return {.precision = options.fp16 ? Precision::fp16 : Precision::fp32,
           .autoExposure = !options.exposure.has_value(),
@@ -127,7 +89,6 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 struct Upscaler::State {
   State(Gpu& gpu, const ModelWeights& model, FrameShape shape, const Options& given)
       : config(model.config()), frame(shape), options(given) {
-    checkEnsemble(options);
     if (options.ensemble == 8 && frame.width != frame.height) {
       options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
       Options once = options;
@@ -238,15 +199,15 @@ struct Upscaler::State {
 };
 
 Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
-    : state_((checkExposure(options), new State(device.state_->gpu, model.state_->weights, {height, width}, options))) {
-}
+    : state_((checkOptions(options), checkShape(model.state_->weights.config(), {height, width}),
+              new State(device.state_->gpu, model.state_->weights, {height, width}, options))) {}
 Upscaler::~Upscaler() = default;
 Upscaler::Upscaler(Upscaler&&) noexcept = default;
 Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
 
 bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                    const Progress& progress) {
-  checkFrame(state_->config, state_->frame, colour, auxiliary);
+  checkImages(state_->config, state_->frame, colour, auxiliary);
   checkOutput(state_->config, state_->frame, output);
   Repairs repairs;
   const FiniteImage finiteColour(colour, repairs.colour);
@@ -293,7 +254,9 @@ std::vector<Upscaler::ProfileRow> Upscaler::profile() const {
 std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& model, const PixelView& colour,
                                                 std::span<const PixelView> auxiliary, const Options& options) {
   const FrameShape frame{colour.height, colour.width};
-  checkFrame(model.state_->weights.config(), frame, colour, auxiliary);
+  checkOptions(options);
+  checkShape(model.state_->weights.config(), frame);
+  checkImages(model.state_->weights.config(), frame, colour, auxiliary);
   const CheckResult result = checkAgainstReference(device.state_->gpu, model.state_->weights, frame,
                                                    inputOf(colour, auxiliary, options), sessionOptions(options));
   std::vector<CheckRow> rows;
@@ -318,7 +281,7 @@ DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
 
 void EngineAccess::upload(Upscaler& upscaler, const PixelView& colour, std::span<const PixelView> auxiliary) {
   Upscaler::State& state = *upscaler.state_;
-  checkFrame(state.config, state.frame, colour, auxiliary);
+  checkImages(state.config, state.frame, colour, auxiliary);
   state.wholeSession().upload(inputOf(colour, auxiliary, state.options));
 }
 
@@ -327,12 +290,16 @@ bool EngineAccess::replay(Upscaler& upscaler, const Upscaler::Progress& progress
 }
 
 void EngineAccess::download(const Upscaler& upscaler, std::span<float> output) {
+  checkOutput(upscaler.state_->config, upscaler.state_->frame, output);
   upscaler.state_->wholeSession().download(output);
 }
 
 StressReport Upscaler::stress(Device& device, const StressOptions& options) {
   std::vector<StressModel> models;
-  for (const auto& [name, model] : options.models) models.push_back({name, model->state_->weights, true});
+  for (const auto& [name, model] : options.models) {
+    if (!model) throw Error("Model '" + name + "' of a stress run is a null pointer, expected a model.");
+    models.push_back({name, model->state_->weights, true});
+  }
   return runStress(device.state_->gpu, models, options);
 }
 

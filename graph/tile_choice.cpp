@@ -8,8 +8,6 @@
 namespace xrds {
 namespace {
 
-constexpr uint32_t kMostTiles = 256;  // in a row or column
-
 /// A grid and its largest crop.
 struct Candidate {
   Cut cut;
@@ -59,6 +57,8 @@ std::vector<Candidate> candidatesOf(FrameShape frame, uint32_t window, const Cut
   return candidates;
 }
 
+constexpr uint64_t kNoGraph = ~uint64_t{0};  // what a crop needs that is larger than graphs may be
+
 /// What a session of a crop needs, and which share of its pixels would fit the limits: all if that is 1 or more.
 struct Needs {
   uint64_t arenaByteSize = 0, largestTexels = 0;  // of one tensor
@@ -77,7 +77,7 @@ class Planner {
 
   Needs needs(FrameShape crop) const {
     const uint32_t side = std::max(crop.width, crop.height), most = kMaxSide / model_.config().scale;
-    if (side > most) return {.arenaByteSize = ~uint64_t{0}, .share = static_cast<double>(most) / side};
+    if (side > most) return {.arenaByteSize = kNoGraph, .share = static_cast<double>(most) / side};
     const Graph graph = graphOf(crop);
     Needs needs{xrds::arenaByteSize(graph)};
     needs.share = static_cast<double>(room_) / static_cast<double>(needs.arenaByteSize);
@@ -102,7 +102,12 @@ class Planner {
   uint64_t room_ = 0;
 };
 
-Error tooSmall(const Planner& planner, const Needs& least, const MemoryLimits& limits) {
+Error tooSmall(const Planner& planner, const Needs& least, const MemoryLimits& limits, FrameShape smallest) {
+  if (least.arenaByteSize == kNoGraph)
+    return Error("The smallest tiles of the frame are " + std::to_string(smallest.width) + " x " +
+                 std::to_string(smallest.height) + " pixels of the colour, but no side of a tile's output may exceed " +
+                 std::to_string(kMaxSide) +
+                 ": ask for more columns or rows of tiles, or for 0, which is as many as it takes.");
   if (planner.fitsMemory(least))
     return Error("The smallest tiles of the frame hold a tensor of " + std::to_string(least.largestTexels) +
                  " texels, but the device binds at most " + std::to_string(limits.traits.maxTexelBufferElements) +
@@ -120,7 +125,7 @@ TileChoice chooseTiles(const ModelWeights& model, FrameShape frame, Precision pr
   const Planner planner(model, precision, limits);
   // Memory grows with the pixels of the crop: of those that are likely not to fit only a few are planned.
   double likelyPixels = 1e30;
-  Needs least{~uint64_t{0}};
+  Needs least{kNoGraph};
   const auto candidates = candidatesOf(frame, model.config().window, wanted);
   const auto smallest = std::min_element(candidates.begin(), candidates.end(),
                                          [](const auto& a, const auto& b) { return a.cropPixels() < b.cropPixels(); });
@@ -134,7 +139,7 @@ TileChoice chooseTiles(const ModelWeights& model, FrameShape frame, Precision pr
     if (needs.arenaByteSize < least.arenaByteSize) least = needs;
     likelyPixels = std::min(0.98, 1.1 * needs.share) * pixels;
   }
-  throw tooSmall(planner, least, limits);
+  throw tooSmall(planner, least, limits, smallest->crop);
 }
 
 }  // namespace xrds

@@ -5,6 +5,8 @@
 
 namespace xrds {
 
+inline constexpr uint32_t kMostTiles = 256;  // in a row or column
+
 /// What a device leaves for a run.
 struct MemoryLimits {
   uint64_t byteSize = 0;  // arena and weights together

@@ -129,6 +129,9 @@ TEST(KernelFamily, MayBeAskedForWhereItRuns) {
   EXPECT_THROW(chosenFamily(gpu, "fused"), Error);
   EXPECT_EQ(chosenFamily({.matrixUnits = MatrixUnits::khr}, "matrix"), KernelFamily::matrix);
   EXPECT_EQ(chosenFamily({.matrixUnits = MatrixUnits::khr}, "fused"), KernelFamily::fused);
+  const DeviceDescription coarse{.matrixUnits = MatrixUnits::khr, .matrixSize = {.halfSums = false}};
+  EXPECT_EQ(chosenFamily(coarse, "matrix"), KernelFamily::matrix);
+  EXPECT_THROW(chosenFamily(coarse, "fused"), Error);
   try {
     chosenFamily(cpu, "tiles");
     FAIL() << "a name of no family";

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
+#include "engine/kernel_family.h"
 #include "graph/error_ledger.h"
 #include "graph/stress/edges.h"
 #include "graph/stress/inputs.h"
@@ -14,8 +17,48 @@
 namespace xrds {
 namespace {
 
-TEST(Stress, ShortFormMeetsEveryBar) {
+// The shipped models, the golden ones, and the random ones of a stress run.
+const std::vector<ModelWeights>& allModels() {
+  static const std::vector<ModelWeights> models = [] {
+    std::vector<ModelWeights> found;
+    for (const std::filesystem::path folder : {XRDS_SOURCE_FOLDER "/models", XRDS_GOLDEN_FOLDER})
+      for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (name.ends_with(".safetensors") && !name.ends_with(".io.safetensors"))
+          found.push_back(ModelWeights::read(entry.path()));
+      }
+    for (const NetworkConfig& config : stressConfigs()) found.push_back(ModelWeights::random(config, 1));
+    return found;
+  }();
+  return models;
+}
+
+Graph graphOf(const ModelWeights& model, const DeviceTraits& device, Precision precision, uint32_t bandRows) {
+  return buildGraph(model.config(), {19, 7}, model.lookup(),
+                    fastOn(device, {.precision = precision, .bandRows = bandRows}));
+}
+
+// Operators and precisions that devices with these traits run of any model.
+std::set<std::pair<std::string, std::string>> operatorsOf(const DeviceTraits& device) {
+  std::set<std::pair<std::string, std::string>> found;
+  for (const ModelWeights& model : allModels())
+    for (const Precision precision : {Precision::fp32, Precision::fp16})
+      for (const Node& node : graphOf(model, device, precision, kWholeFrame).nodes)
+        found.emplace(ledgerEntry(node.op).op, precision == Precision::fp32 ? "fp32" : "fp16");
+  return found;
+}
+
+void expectCoversEveryOperator(const StressReport& report, const DeviceTraits& device) {
+  std::set<std::pair<std::string, std::string>> checked;
+  for (const StressOperator& op : report.operators)
+    if (op.family == nameOf(device.family)) checked.emplace(op.name, op.precision);
+  for (const auto& [name, precision] : operatorsOf(device))
+    EXPECT_TRUE(checked.contains({name, precision})) << name << " in " << precision;
+}
+
+TEST(Stress, ShortFormMeetsEveryBarOfEveryOperator) {
   const StressReport report = runStress(test::gpu(), {}, {.shortForm = true});
+  expectCoversEveryOperator(report, test::gpu().traits());
   for (const std::string& exception : report.exceptions()) ADD_FAILURE() << exception;
   EXPECT_GT(report.cases(), 250u);
   uint64_t natural = 0, repaired = 0, promoted = 0;
@@ -30,6 +73,18 @@ TEST(Stress, ShortFormMeetsEveryBar) {
   EXPECT_GT(natural, 20u);
   EXPECT_GT(repaired, 0u);
   EXPECT_GT(promoted, 0u);
+}
+
+TEST(Stress, ShortFormTriesTheFusedLayersOfADeviceThatRunsThem) {
+  const DeviceTraits traits = test::gpu().traits();
+  test::gpu().setTraits(test::traitsOf(KernelFamily::fused));
+  const StressReport report = runStress(test::gpu(), {}, {.shortForm = true});
+  test::gpu().setTraits(traits);
+  for (const std::string& exception : report.exceptions()) ADD_FAILURE() << exception;
+  expectCoversEveryOperator(report, test::traitsOf(KernelFamily::fused));
+  EXPECT_TRUE(std::any_of(report.operators.begin(), report.operators.end(), [](const StressOperator& op) {
+    return op.name == "swin_layer" && op.precision == "fp16" && op.family == "fused" && op.worstError > 0;
+  }));
 }
 
 TEST(Stress, InputsHoldWhatTheirNamesSay) {
@@ -47,20 +102,44 @@ TEST(Stress, InputsHoldWhatTheirNamesSay) {
   }
 }
 
-TEST(ErrorLedger, HasABudgetForEveryOperatorOfEveryModel) {
+std::string programOf(const Node& node, const DeviceTraits& device) {
+  return std::visit([&](const auto& op) { return dispatch(op, device).program; }, node.op);
+}
+
+class LedgerOfFamilies : public testing::TestWithParam<KernelFamily> {};
+
+TEST_P(LedgerOfFamilies, HasABudgetForEveryOperatorThatDevicesRun) {
+  const DeviceTraits device = usualTraits(GetParam());
+  for (const ModelWeights& model : allModels())
+    for (const Precision precision : {Precision::fp32, Precision::fp16})
+      for (const uint32_t bandRows : {model.config().window, kWholeFrame})
+        for (const Node& node : graphOf(model, device, precision, bandRows).nodes) {
+          const LedgerEntry& entry = ledgerEntry(node.op);
+          EXPECT_TRUE(programOf(node, device).starts_with(std::string(entry.op) + "_")) << node.name;
+          EXPECT_GT(entry.budget.fp32, 0) << node.name;
+          EXPECT_LE(entry.budget.fp32, entry.budget.fp16) << node.name;
+          EXPECT_LT(entry.budget.fp16, kNetworkBudget.fp16) << node.name;
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LedgerOfFamilies,
+                         testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile,
+                                         KernelFamily::matrix, KernelFamily::fused),
+                         [](const auto& info) { return std::string(nameOf(info.param)); });
+
+TEST(ErrorLedger, KnowsWhatBandsFoldsAndFusedLayersAloneHave) {
   std::set<std::string> programs;
-  for (const NetworkConfig& config : stressConfigs()) {
-    const ModelWeights model = ModelWeights::random(config, 1);
-    for (const uint32_t bandRows : {config.window, kWholeFrame})
-      for (const Node& node : buildGraph(config, {19, 7}, model.lookup(), {.bandRows = bandRows}).nodes) {
-        const ErrorBudget budget = ledgerEntry(node.op).budget;
-        EXPECT_GT(budget.fp32, 0) << node.name;
-        EXPECT_LE(budget.fp32, budget.fp16) << node.name;
-        EXPECT_LT(budget.fp16, kNetworkBudget.fp16) << node.name;
-        programs.insert(std::visit([](const auto& op) { return dispatch(op, DeviceTraits{}).program; }, node.op));
+  for (const KernelFamily family : {KernelFamily::lane, KernelFamily::fused})
+    for (const Precision precision : {Precision::fp32, Precision::fp16})
+      for (const NetworkConfig& config : stressConfigs()) {
+        const DeviceTraits device = usualTraits(family);
+        for (const Node& node : graphOf(ModelWeights::random(config, 1), device, precision, config.window).nodes) {
+          ledgerEntry(node.op);
+          programs.insert(programOf(node, device));
+        }
       }
-  }
-  EXPECT_TRUE(programs.contains("box_mean_copy_f32"));  // what bands alone have
+  for (const char* program : {"box_mean_copy_f32", "fold_lane_f16", "swin_layer_matrix_khr_f16"})
+    EXPECT_TRUE(programs.contains(program)) << program;
 }
 
 }  // namespace

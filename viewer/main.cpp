@@ -3,6 +3,7 @@
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
+#include "app/kernel_family.h"
 #include "app/skip_bound.h"
 #include "viewer/headless.h"
 
@@ -74,6 +75,7 @@ int main(int argc, char** argv) {
   addOptions(app, options);
   try {
     app.parse(argc, argv);
+    xrds::checkKernelFamilyVariable();
     if (options.headless)
       xrds::runHeadless(options);
     else

@@ -292,7 +292,8 @@ void Upscaling::showBaseFirst() {
   const PictureView output = pictures_.at(Slot::output);
   if (live_ || output.valid || pictures_.at(Slot::guided).valid) return;
   const uint32_t scale = network_->model().scale();
-  const Model::Cost cost = network_->model().cost(scale * size_.width, scale * size_.height, network_->options().fp16);
+  const Model::Cost cost = network_->model().cost(scale * size_.width, scale * size_.height, network_->options().fp16,
+                                                  device_.description().kernelFamily);
   if (cost.multiplyAdds >= kWorkWorthABase) makeBase(Slot::guided);
 }
 

@@ -18,7 +18,7 @@ _xrds() {
   case $previous in
     --ensemble) mapfile -t COMPREPLY < <(compgen -W "1 2 4 8" -- "$current"); return ;;
     --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
-    --family) mapfile -t COMPREPLY < <(compgen -W "plain lane tile matrix" -- "$current"); return ;;
+    --family | --kernels) mapfile -t COMPREPLY < <(compgen -W "plain lane tile matrix fused" -- "$current"); return ;;
     --skip) mapfile -t COMPREPLY < <(compgen -W "off safe" -- "$current"); return ;;
     --tiles) mapfile -t COMPREPLY < <(compgen -W "exact bounded" -- "$current"); return ;;
     --aux) mapfile -t COMPREPLY < <(compgen -W "converged" -- "$current"); return ;;

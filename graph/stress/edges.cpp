@@ -116,7 +116,17 @@ std::vector<NetworkConfig> stressConfigs() {
                      .base = BaseImage::bicubic};
   NetworkConfig linear = plain;
   linear.transfer = Transfer::none;
-  return {full, dense, plain, bare, linear};
+  // With windows and heads that are fused where a device fuses layers, and an output that is folded.
+  NetworkConfig folded{.scale = 2,
+                       .channels = 16,
+                       .auxInputs = {},
+                       .groups = 1,
+                       .blocks = 1,
+                       .headChannels = 16,
+                       .base = BaseImage::bicubic,
+                       .block = BlockKind::rstb,
+                       .cross = CrossKind::concat};
+  return {full, dense, plain, bare, linear, folded};
 }
 
 }  // namespace xrds

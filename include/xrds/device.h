@@ -21,15 +21,15 @@ class Device {
     std::string uuid;  // 32 hexadecimal digits
     std::string driver, apiVersion;
     uint64_t memoryBytes = 0;
-    std::string kernelFamily;  // see Options; of an open device, what it runs
+    std::string kernelFamily;  // see Options; of an open device what it runs, else what it would
   };
   struct Options {
     /// Empty: the best device. Else its index in list(), a part of its name, or its UUID.
     std::string select{};
     /// Where compiled pipelines are kept; empty: the user's cache folder.
     std::filesystem::path cacheFolder{};
-    /// The version of the kernels, to compare them: "plain", "lane" (CPU devices), "tile" or "matrix". Empty: what the
-    /// environment variable XRDS_KERNEL_FAMILY names, else what suits the device.
+    /// The version of the kernels, to compare them: one of kernelFamilies(). Empty: what the environment variable
+    /// XRDS_KERNEL_FAMILY names, else what suits the device.
     std::string kernelFamily{};
     /// Vulkan validation layers; their messages go to onMessage.
     bool validation = false;
@@ -38,10 +38,15 @@ class Device {
     std::vector<std::string> instanceExtensions{}, deviceExtensions{};
   };
 
-  /// All devices; the index is what Options::select takes. Throws Error if there is no Vulkan loader.
+  /// All devices; the index is what Options::select takes. Throws Error if there is no Vulkan loader, or if
+  /// XRDS_KERNEL_FAMILY names no family.
   static std::vector<Description> list();
 
-  /// Throws Error if no device fits, naming those there are.
+  /// The versions of the kernels: "plain", which runs anywhere, "lane" for CPU devices, "tile" for GPUs, "matrix" and
+  /// "fused" for matrix units.
+  static std::vector<std::string> kernelFamilies();
+
+  /// Throws Error if no device fits, naming those there are, or if it cannot run the kernels that were asked for.
   explicit Device(const Options& options);
   Device() : Device(Options{}) {}
   ~Device();

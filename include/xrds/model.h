@@ -33,16 +33,23 @@ class Model {
   std::string hash() const;
   std::string whyNeverSkipped() const;  // as the end of a sentence; empty if SkipOptions::bound may be set
 
-  /// What an output of width x height pixels costs in one piece; a pure question, no device needed. Device memory:
+  /// What an output of width x height pixels costs in one piece. `networkMultiplyAdds` is the count of papers: linear
+  /// maps and convolutions of the network as it is written, without the token pairs of attention. All else is of what
+  /// devices run, which join maps: multiply-adds of maps and, beside them, of token pairs; device memory, of which
   /// `plannedBytes` is the arena, `lowerBoundBytes` the largest set of values alive at once, `unaliasedBytes` the sum
-  /// of all. Multiply-adds of token pairs in attention stand beside those of linear maps and convolutions.
+  /// of all.
   struct Cost {
-    uint64_t parameters = 0, multiplyAdds = 0, attentionMultiplyAdds = 0;
+    uint64_t parameters = 0, networkMultiplyAdds = 0;
+    uint64_t multiplyAdds = 0, attentionMultiplyAdds = 0;
     uint64_t plannedBytes = 0, lowerBoundBytes = 0, unaliasedBytes = 0, weightBytes = 0;
   };
-  Cost cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16) const;
-  /// The tiles of an output of that size; memoryBytes 0 sets no limit here. Throws Error if no tiles fit.
-  Tiling tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options) const;
+  /// A pure question, no device needed, only its kernels: one of Device::kernelFamilies(). Throws Error if there is no
+  /// such family or no frame of that size.
+  Cost cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const std::string& kernelFamily = "tile") const;
+  /// The tiles of an output of that size; memoryBytes 0 sets no limit here. Throws Error as cost() does, or if no tiles
+  /// fit.
+  Tiling tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options,
+                const std::string& kernelFamily = "tile") const;
 
  private:
   friend class Upscaler;

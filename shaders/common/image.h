@@ -3,6 +3,7 @@
 #define XRDS_SHADERS_COMMON_IMAGE_H
 #include "shaders/common/shared.h"
 #ifdef __cplusplus
+#include "shaders/common/groups.h"
 #include "shaders/common/uniform_store.h"
 #endif
 
@@ -46,11 +47,11 @@ Dispatch imageDispatch(const char* op, const DeviceTraits& device, const TensorV
                        uint32_t run, const T& parameters, std::vector<uint32_t> specialization,
                        std::vector<Binding> bindings) {
   Dispatch launch{.specialization = std::move(specialization), .bindings = std::move(bindings)};
+  const uint32_t runs = ceilDivide(rows.end, run) - rows.begin / run;
   const bool lane = device.family == KernelFamily::lane && device.shaderInt64 && rows.begin % run == 0 &&
-                    rows.end % run == 0 &&
+                    rows.end % run == 0 && runs <= kMaxGroupCount &&
                     device.subgroupSize * shader::kImageLaneSubgroups <= device.maxGroupInvocations;
   launch.program = programName(op, lane ? KernelFamily::lane : KernelFamily::plain, output.type);
-  const uint32_t runs = ceilDivide(rows.end, run) - rows.begin / run;
   if (lane) {
     launch.specialization.push_back(device.subgroupSize);
     launch.pushConstants = pushBytesWithDigits<4>(parameters);

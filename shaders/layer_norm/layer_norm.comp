@@ -3,6 +3,7 @@
 // (mean, then squared distances: no cancellation), fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/common/groups.h"
 #include "shaders/common/storage.glsl"
 #include "shaders/layer_norm/layer_norm.h"
 layout(local_size_x = 64) in;
@@ -13,7 +14,7 @@ layout(binding = 2, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { LayerNormParams p; };
 
 void main() {
-  const uint token = p.tokenBegin + gl_GlobalInvocationID.x;
+  const uint token = p.tokenBegin + foldedGroup() * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
   if (token >= p.tokenEnd) return;
   const uint quads = kChannels / 4;
   const int from = int(token * p.source.stride + p.source.offset);

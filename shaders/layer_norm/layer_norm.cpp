@@ -40,11 +40,11 @@ Dispatch dispatch(const LayerNorm& op, const DeviceTraits& device) {
   if (const uint32_t share = tileShare(op, device)) {
     launch.program = programName("layer_norm", KernelFamily::tile, op.output.type);
     launch.specialization = {share, kTileInvocations / share, channels};
-    launch.groupCount = {ceilDivide(tokens, kTileInvocations / share), 1, 1};
+    launch.groupCount = foldedGroups(ceilDivide(tokens, kTileInvocations / share));
   } else {
     launch.program = programName("layer_norm", KernelFamily::plain, op.output.type);
     launch.specialization = {channels};
-    launch.groupCount = {ceilDivide(tokens, 64), 1, 1};
+    launch.groupCount = foldedGroups(ceilDivide(tokens, 64));
   }
   return launch;
 }

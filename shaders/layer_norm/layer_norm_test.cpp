@@ -48,6 +48,39 @@ INSTANTIATE_TEST_SUITE_P(All, LayerNormShapes,
                                           testing::Values(DataType::f32, DataType::f16),
                                           testing::Values(KernelFamily::plain, KernelFamily::tile)));
 
+TEST(LayerNorm, FoldsMoreWorkgroupsThanADimensionHolds) {
+  const std::vector<float> weight(64, 1), bias(64, 0);
+  const LayerNorm op{.input = view(0, DataType::f32, 2048, 2048, 64),
+                     .output = view(1, DataType::f32, 2048, 2048, 64),
+                     .weight = weight,
+                     .bias = bias};
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::tile}) {
+    const auto [x, y, z] = dispatch(op, {.family = family}).groupCount;
+    EXPECT_LE(x, 65535u);
+    EXPECT_GT(y, 1u);
+    EXPECT_EQ(z, 1u);
+  }
+}
+
+TEST(LayerNorm, OfAFoldedGridMatchesReference) {
+  const auto weight = test::randomNumbers(64, 1), bias = test::randomNumbers(64, 2);
+  const LayerNorm op{.input = view(0, DataType::f32, 41, 13, 64),
+                     .output = view(1, DataType::f32, 41, 13, 64),
+                     .weight = weight,
+                     .bias = bias};
+  for (const KernelFamily family : {KernelFamily::plain, KernelFamily::tile}) {
+    DeviceTraits traits = test::gpu().traits();
+    traits.family = family;
+    test::KernelCase kernel{.dispatch = dispatch(op, traits),
+                            .weights = packedWeights(op, traits),
+                            .output = op.output,
+                            .reference = [&op](HostMemory& memory) { reference(op, memory); }};
+    auto& groups = kernel.dispatch.groupCount;
+    groups = {ceilDivide(groups[0], 4), 4, 1};  // as of a larger image, with some workgroups too many
+    test::expectMatchesReference(kernel, test::toleranceOf(DataType::f32), {});
+  }
+}
+
 TEST(LayerNorm, OfTwoLevelsIsPlusMinusOne) {
   const std::vector<float> weight(4, 1), bias(4, 0);
   HostMemory memory;

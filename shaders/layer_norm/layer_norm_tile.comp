@@ -4,6 +4,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shaders/common/groups.h"
 #include "shaders/common/storage.glsl"
 #include "shaders/layer_norm/layer_norm.h"
 layout(local_size_x_id = 0, local_size_y_id = 1) in;
@@ -19,7 +20,7 @@ shared float means[kShare * kTokens], variances[kShare * kTokens];
 
 void main() {
   const uint share = gl_LocalInvocationID.x, firstOfToken = gl_LocalInvocationID.y * kShare;
-  const uint token = p.tokenBegin + gl_WorkGroupID.x * kTokens + gl_LocalInvocationID.y;
+  const uint token = p.tokenBegin + foldedGroup() * kTokens + gl_LocalInvocationID.y;
   const uint from = min(token, p.tokenEnd - 1) * p.source.stride + p.source.offset;
 
   vec4 x[kTexels], sum = vec4(0), squares = vec4(0);

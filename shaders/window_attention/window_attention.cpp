@@ -20,11 +20,6 @@ struct LaneShares {
   uint32_t keySteps;
 };
 
-bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
-  return device.family == KernelFamily::lane && device.shaderInt64 && device.subgroupSize >= 4 &&
-         op.headChannels <= 128;
-}
-
 LaneShares laneShares(const WindowAttention& op, uint32_t lanes) {
   constexpr uint32_t kStepProducts = 1024;  // of more, the code does not fit the instruction cache of a CPU
   const uint32_t tokens = op.window * op.window;
@@ -36,6 +31,17 @@ LaneShares laneShares(const WindowAttention& op, uint32_t lanes) {
   shares.blocks = ceilDivide(tokens, lanes * shares.queries);
   shares.keySteps = ceilDivide(tokens, shares.keys);
   return shares;
+}
+
+constexpr uint32_t kLaneSubgroups = 4;  // of a workgroup of the lane kernel
+
+uint32_t laneGroupColumns(const WindowAttention& op, const LaneShares& shares) {
+  return ceilDivide(uint64_t{op.queries.width / op.window} * headCount(op) * shares.blocks, kLaneSubgroups);
+}
+
+bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
+  return device.family == KernelFamily::lane && device.shaderInt64 && device.subgroupSize >= 4 &&
+         op.headChannels <= 128 && laneGroupColumns(op, laneShares(op, device.subgroupSize)) <= kMaxGroupCount;
 }
 
 /// Keys that the tile kernel has in shared memory at a time: all of the window, or as many as fit beside the biases;
@@ -128,7 +134,7 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
     result.specialization = {device.subgroupSize, op.window, op.headChannels, shares.queries,
                              shares.keys,         oneTensor, queriesApart,    allRows};
     result.pushConstants = pushBytesWithDigits(params);
-    result.groupCount = {ceilDivide(uint64_t{windowColumns} * headCount(op) * shares.blocks, 4), windowRows.count, 1};
+    result.groupCount = {laneGroupColumns(op, shares), windowRows.count, 1};
   } else if (const uint32_t keys = tileKeys(op, device)) {
     result.program = programName("window_attention", KernelFamily::tile, op.output.type);
     result.specialization = {op.window * op.window, op.window, op.headChannels, keys};

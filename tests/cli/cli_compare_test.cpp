@@ -1,4 +1,4 @@
-// compare, info and devices, and the help.
+// compare, and the help.
 #include <cmath>
 
 #include "tests/cli/frames.h"
@@ -38,28 +38,6 @@ TEST(CliCompare, RefusesWhatCannotBeCompared) {
   writeParts(frame.color,
              {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [](int, int, int) { return std::nanf(""); }}}}});
   expectFailure(runXrds({"compare", frame.color, frame.color}), 3, "finite", frame.folder, 2);
-}
-
-TEST(CliInfo, DescribesAModelAndListsTheShippedOnes) {
-  const Ended ended = runXrds({"info", goldenModel("s4_guided"), "--size", "64x32"});
-  EXPECT_EQ(ended.exitCode, 0) << ended.error;
-  for (const char* word : {"albedo,normal", "hash", "MACs", "planned peak", "64 x 32"})
-    EXPECT_TRUE(contains(ended.output, word)) << word;
-  EXPECT_TRUE(contains(runXrds({"info"}).output, "xrds-x4-compact"));
-}
-
-TEST(CliInfo, FindsModelsInTheFolderOfTheEnvironment) {
-  const TemporaryFolder folder;
-  writeBytes(folder / "mine.safetensors", readBytes(goldenModel("s4_guided")));
-  const StartOptions options{.environment = {{"XRDS_MODELS", (folder / "").string()}}};
-  EXPECT_EQ(runXrds({"info", "mine"}, options).exitCode, 0);
-  EXPECT_TRUE(contains(runXrds({"info"}, options).output, "mine\n"));
-}
-
-TEST(CliDevices, ListsWhatTheOptionTakes) {
-  const Ended ended = runXrds({"devices"});
-  EXPECT_EQ(ended.exitCode, 0) << ended.error;
-  EXPECT_TRUE(ended.output.starts_with("0  ")) << ended.output;
 }
 
 TEST(CliHelp, NamesVerbsAndExitCodes) {

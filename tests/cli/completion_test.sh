@@ -25,6 +25,9 @@ offers --output upscale --o
 offers --heat-map compare --he
 offers --reference-layer compare --r
 offers --size info --
+offers --json info --j
+offers --json devices --j
+offers fused info xrds-x4-nano --kernels f
 offers quality bench q
 offers network bench n
 offers --scenes bench network --sc
