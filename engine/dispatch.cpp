@@ -16,6 +16,8 @@ const char* nameOf(MatrixUnits units) {
   return kNames[static_cast<size_t>(units)];
 }
 
+std::span<const char* const> kernelFamilyNames() { return kFamilies; }
+
 KernelFamily kernelFamilyOf(std::string_view name) {
   const auto found = std::find(std::begin(kFamilies), std::end(kFamilies), name);
   if (found == std::end(kFamilies))

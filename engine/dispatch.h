@@ -25,6 +25,9 @@ constexpr bool usesMatrixUnits(KernelFamily family) {
 /// "plain", "lane", "tile", "matrix" or "fused".
 const char* nameOf(KernelFamily family);
 
+/// The names of all families.
+std::span<const char* const> kernelFamilyNames();
+
 /// The family of that name. Throws Error that lists the names if there is none.
 KernelFamily kernelFamilyOf(std::string_view name);
 

@@ -25,6 +25,11 @@ std::vector<Device::Description> Device::list() {
   return descriptions;
 }
 
+std::vector<std::string> Device::kernelFamilies() {
+  const auto names = kernelFamilyNames();
+  return {names.begin(), names.end()};
+}
+
 Device::Device(const Options& options)
     : state_(new State{Gpu({.select = options.select,
                             .validation = options.validation,

@@ -41,6 +41,9 @@ class Device {
   /// All devices; the index is what Options::select takes. Throws Error if there is no Vulkan loader.
   static std::vector<Description> list();
 
+  /// The names that Options::kernelFamily takes, whether or not a device can run them.
+  static std::vector<std::string> kernelFamilies();
+
   /// Throws Error if no device fits, naming those there are.
   explicit Device(const Options& options);
   Device() : Device(Options{}) {}
