@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 preset=${1:-release}
-scripts/install.sh
+scripts/packages.sh
 cmake --preset "$preset"
 cmake --build --preset "$preset"
 ctest --preset "$preset" --parallel 2

@@ -15,12 +15,6 @@ bool contains(const std::vector<std::string>& names, const char* name) {
 
 std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
-void addCounted(std::vector<std::string>& warnings, size_t count, const ExrSelection& layer, const char* what) {
-  if (count > 0)
-    warnings.push_back(std::to_string(count) + (count == 1 ? " pixel" : " pixels") + " of layer '" + nameOf(layer) +
-                       "' " + what + ".");
-}
-
 constexpr const char* kFilled = "not finite, filled from the neighbours";
 
 bool covers(const Window& outer, const Window& inner) {
@@ -64,22 +58,39 @@ ExrOutput Frame::output(int scale) const {
   return output;
 }
 
+void Frame::addRepaired(size_t count, const ExrSelection& layer, const char* what) {
+  repairedPixels_ += count;
+  if (count > 0)
+    warnings_.push_back(std::to_string(count) + (count == 1 ? " pixel" : " pixels") + " of layer '" + nameOf(layer) +
+                        "' " + what + ".");
+}
+
 void Frame::load() {
   colour_ = readLayer(colorFile_, aovs_.color);
   const RepairCounts repaired = repairRadiance(colour_);
-  addCounted(warnings_, repaired.nonFinitePixels, aovs_.color, kFilled);
-  addCounted(warnings_, repaired.negativePixels, aovs_.color, "negative, set to 0");
+  addRepaired(repaired.nonFinitePixels, aovs_.color, kFilled);
+  addRepaired(repaired.negativePixels, aovs_.color, "negative, set to 0");
   if (aovs_.alpha) {
     alpha_ = readLayer(colorFile_, *aovs_.alpha);
-    addCounted(warnings_, repairNonFinite(*alpha_).nonFinitePixels, *aovs_.alpha,
-               "with an alpha that is not finite, filled from the neighbours");
+    addRepaired(repairNonFinite(*alpha_).nonFinitePixels, *aovs_.alpha,
+                "with an alpha that is not finite, filled from the neighbours");
   }
   for (const std::string& input : inputs_) auxiliary_.push_back(loadAuxiliary(input));
+  if (const Image* albedo = imageOf("albedo"))
+    addWarnings(checkAlbedo({nameOf(*aovs_.albedo), albedo}, imageOf("normal")));
   std::vector<NamedLayer> layers;
   for (size_t i = 0; i < inputs_.size(); ++i)
     if (inputs_[i] != "depth") layers.push_back({inputs_[i], &auxiliary_[i]});
-  const auto edges = layers.empty() ? std::vector<std::string>{} : checkEdges(colour_, layers);
-  warnings_.insert(warnings_.end(), edges.begin(), edges.end());
+  if (!layers.empty()) addWarnings(checkEdges(colour_, layers));
+}
+
+const Image* Frame::imageOf(const std::string& input) const {
+  const auto found = std::find(inputs_.begin(), inputs_.end(), input);
+  return found == inputs_.end() ? nullptr : &auxiliary_[static_cast<size_t>(found - inputs_.begin())];
+}
+
+void Frame::addWarnings(const std::vector<std::string>& more) {
+  warnings_.insert(warnings_.end(), more.begin(), more.end());
 }
 
 Image Frame::loadAuxiliary(const std::string& input) {
@@ -90,11 +101,10 @@ Image Frame::loadAuxiliary(const std::string& input) {
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");
   Image image = placedInWindow(readLayer(auxFile_, layer), stored, wanted);
-  if (input != "depth") addCounted(warnings_, repairNonFinite(image).nonFinitePixels, layer, kFilled);
-  const auto check = input == "albedo" ? checkAlbedo : input == "normal" ? checkNormal : checkDepth;
-  const auto suspicions = check({nameOf(layer), &image});
-  warnings_.insert(warnings_.end(), suspicions.begin(), suspicions.end());
+  if (input != "depth") addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
+  if (input == "normal") addWarnings(checkNormal({nameOf(layer), &image}));
   if (input == "depth") {
+    addWarnings(checkDepth({nameOf(layer), &image}));
     image.channels = 3;
     image.pixels = relativeDepth(image.pixels);
   }

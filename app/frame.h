@@ -41,12 +41,17 @@ class Frame {
   /// One for each of inputs(), of three channels; of depth the relative depth.
   const std::vector<Image>& auxiliary() const { return auxiliary_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// How many pixels load() filled from their neighbours or set to 0, in all layers.
+  size_t repairedPixels() const { return repairedPixels_; }
 
  private:
   const ExrPart& colorPart() const { return colorFile_.parts[aovs_.color.part]; }
   void fit(const std::string& input);
   const ExrSelection& layerOf(const std::string& input) const;
   Image loadAuxiliary(const std::string& input);
+  const Image* imageOf(const std::string& input) const;  // null if it is none of inputs()
+  void addWarnings(const std::vector<std::string>& more);
+  void addRepaired(size_t count, const ExrSelection& layer, const char* what);
 
   ExrFile colorFile_, auxFile_;
   std::vector<std::string> inputs_;
@@ -56,6 +61,7 @@ class Frame {
   std::optional<Image> alpha_;
   std::vector<Image> auxiliary_;
   std::vector<std::string> warnings_;
+  size_t repairedPixels_ = 0;
 };
 
 /// Throws Error unless a Frame can find every auxiliary input of this model: albedo, normal, depth.

@@ -14,7 +14,15 @@ constexpr const char* kSuffix = ".safetensors";
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+  return text;
+}
+
+// Where no model is found at all.
+std::string noModels() {
+  std::string folders;
+  for (const fs::path& folder : modelFolders())
+    folders += (folders.empty() ? "'" : " or '") + folder.lexically_normal().string() + "'";
+  return "no model is found in " + folders + ": install xrds again, or name a .safetensors file with --model.";
 }
 
 fs::path shippedFile(const std::string& name) {
@@ -55,6 +63,7 @@ fs::path resolveModel(const std::string& nameOrFile) {
   if (nameOrFile.ends_with(kSuffix) || nameOrFile.find('/') != std::string::npos) return nameOrFile;
   if (fs::path file = shippedFile(nameOrFile); !file.empty()) return file;
   if (fs::is_regular_file(nameOrFile)) return nameOrFile;
+  if (shippedModels().empty()) throw Error("There is no model '" + nameOrFile + "', and " + noModels());
   throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
               listed(shippedModels()) + ".");
 }
@@ -69,6 +78,8 @@ fs::path defaultModel(int scale, bool hasNormal) {
   if (!hasNormal)
     if (fs::path variant = shippedVariant(scale, "albedo"); !variant.empty()) return variant;
   fs::path file = shippedFile(defaultModelName(scale));
+  if (file.empty() && shippedModels().empty())
+    throw Error("Without --model a shipped model is taken, but " + noModels());
   if (file.empty())
     throw Error("The auxiliary images have " + (scale == 1 ? "the" : std::to_string(scale) + " times the") +
                 " colour's size and no model of this scale is shipped, only " + listed(shippedModels()) +

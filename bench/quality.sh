@@ -41,7 +41,7 @@ table() {
   echo "scale $1, colour $2 spp, aux $3" >&2
   rm -rf "$out/images"
   # shellcheck disable=SC2046 # the options are words
-  "$xrds" bench quality "$val" --scale "$1" --colour "$2" --aux "$3" $(model_options "$1") "${@:4}" \
+  "$xrds" bench quality "$val" --scale "$1" --samples "$2" --aux "$3" $(model_options "$1") "${@:4}" \
     --write "$out/images" --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" || {
     echo "left out: $(grep -v warning "$fragment.log" | tail -1)" >&2
     return 1

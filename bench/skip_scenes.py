@@ -18,16 +18,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import exr  # noqa: E402
 import outdoor  # noqa: E402
 import passes  # noqa: E402
-from shading import material, metal, plain, plaster, wood, world  # noqa: E402
-from shapes import ball, box, lathe, light, look, mesh, place, sheet_mesh  # noqa: E402
-
-
-def even(scene, colour, lit):
-    """A backdrop of one colour to the camera; the scene gets `lit` of white light from all sides."""
-    g = world(scene)
-    seen = g.add("LightPath", output="Is Camera Ray")
-    shown, shining = (g.add("Background", {"Color": c, "Strength": s}) for c, s in ((colour, 1.0), ((1, 1, 1), lit)))
-    g.finish(g.add("MixShader", {0: seen, 1: shining, 2: shown}))
+import studio  # noqa: E402
+from shading import plain, plaster, wood, world  # noqa: E402
+from shapes import box, light, look, mesh, place, sheet_mesh  # noqa: E402
 
 
 def clear(scene):
@@ -52,22 +45,6 @@ def blocks():
     look((0, -4, 1.6), (0, 20, 5.2), 32)
 
 
-def wares():
-    """A vase, a ball, a box and a cup, close together."""
-    profile = ((0.0, 0), (0.32, 0.0), (0.45, 0.35), (0.3, 0.8), (0.16, 1.0), (0.22, 1.15), (0.18, 1.15), (0.12, 1.0))
-    clay, g = material("clay")
-    tone = g.noise(g.at(scale=4), 1, 9, 0.65)
-    g.finish(g.surface(g.ramp(tone, (0.3, (0.25, 0.07, 0.03)), (0.7, (0.7, 0.3, 0.14))), 0.5, g.bump(tone, 0.02, 0.7)))
-    lathe("vase", profile, (-0.45, 0.2, 0), clay)
-    ball("ball", 0.33, (0.35, -0.25, 0.33), metal("steel", (0.8, 0.75, 0.7), 0.12))
-    crate = wood("crate", (0.16, 0.09, 0.04), (0.55, 0.36, 0.18), scale=6)
-    box("crate", (0.7, 0.6, 0.8), (0.75, 0.5, 0.4), crate, (0, 0, 0.4), 0.02)
-    lathe("cup", ((0, 0), (0.14, 0), (0.19, 0.3), (0.17, 0.3), (0.13, 0.03), (0, 0.03)), (-0.1, -0.6, 0), plain("glaze", (0.1, 0.25, 0.5), 0.15))
-    light("AREA", (-3, -3, 4), (0, 0, 0.5), 260, (1, 0.95, 0.9), 1.5)
-    light("AREA", (3.5, -2, 2.5), (0, 0, 0.5), 90, (0.8, 0.9, 1), 1.0)
-    look((0.1, -5.2, 1.5), (0.15, 0, 0.55), 50)
-
-
 def sky(scene):
     clear(scene)
     blocks()
@@ -78,23 +55,24 @@ def clouds(scene):
     blocks()
 
 
-def studio(scene):
-    even(scene, (0.25, 0.27, 0.3), 0.3)
-    wares()
+def filled(scene):
+    """The backdrop of the sample, with the wares filling the middle."""
+    studio.even(scene, (0.25, 0.27, 0.3), 0.3)
+    studio.wares()
 
 
 def sweep(scene):
     """The wares on a white sweep: background of lit geometry, as noisy as the rest."""
-    even(scene, (0.5, 0.5, 0.5), 0.5)
+    studio.even(scene, (0.5, 0.5, 0.5), 0.5)
     bend = [(y, 0.0) for y in range(-9, 4)] + [(4 + 2.5 * math.sin(a / 16 * math.pi), 2.5 - 2.5 * math.cos(a / 16 * math.pi)) for a in range(9)]
     bend += [(6.5, 2.5 + z) for z in (1, 4, 9)]
     points = [(x, y, z) for y, z in bend for x in (-14, 14)]
     faces = [(2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2) for i in range(len(bend) - 1)]
     place("sweep", mesh("sweep", points, faces, plain("paper", (0.75, 0.75, 0.76), 0.9), smooth=True))
-    wares()
+    studio.wares()
 
 
-SCENES = {"sky": sky, "clouds": clouds, "studio": studio, "sweep": sweep}
+SCENES = {"sky": sky, "clouds": clouds, "studio": filled, "sweep": sweep}
 
 
 def arguments():

@@ -25,7 +25,7 @@ def upscaled(arguments, model, precision, width, folder, name):
     """log(1 + radiance) of the upscaled sample [h, w, 3]."""
     output = pathlib.Path(folder) / f"{name}.exr"
     environment = dict(os.environ, LP_NATIVE_VECTOR_WIDTH=width, MESA_SHADER_CACHE_DIR=f"{folder}/cache-{width}")
-    subprocess.run([arguments.xrds, "upscale", ROOT / "samples/glossy_lr.exr", ROOT / "samples/glossy_aux.exr", "-o", output,
+    subprocess.run([arguments.xrds, "upscale", ROOT / "samples/glossy_lr64.exr", ROOT / "samples/glossy_aux16.exr", "-o", output,
                     "--model", model, "--precision", precision, "--exposure", "1"], env=environment, check=True,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     channels = exr.read(output)

@@ -9,6 +9,7 @@
 #include "cli/network_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
+#include "cli/quiet.h"
 
 namespace xrds {
 namespace {
@@ -18,7 +19,7 @@ struct BenchNetworkOptions {
   std::vector<uint32_t> sides{256, 512, 1024};
   std::string scenes, json;
   int runs = 5, colour = 64, aux = 16;
-  bool noCheck = false;
+  bool noCheck = false, quiet = false;
 };
 
 // The devices that were asked for, each once; cases know them by UUID.
@@ -98,7 +99,7 @@ AccuracyRow accuracyOf(const BenchNetworkOptions& options, const NetworkCase& ne
 
 NetworkReport measureAll(const BenchNetworkOptions& options, const std::vector<NetworkCase>& cases) {
   NetworkReport report{.runs = options.runs, .scenes = options.scenes};
-  ProgressBar bar(false);
+  ProgressBar bar(options.quiet);
   std::set<std::string> known;
   for (const NetworkCase& networkCase : cases) {
     stopIfInterrupted();
@@ -128,7 +129,7 @@ void run(const BenchNetworkOptions& options) {
   const auto cases = casesOf(options, models, devices);
   NetworkReport report = stage(ExitCode::device, [&] { return measureAll(options, cases); });
   report.devices = devices;
-  std::fputs(plainText(report).c_str(), stdout);
+  if (!options.quiet) std::fputs(plainText(report).c_str(), stdout);
   if (!options.json.empty()) stage(ExitCode::output, [&] { writeText(options.json, jsonText(report)); });
 }
 
@@ -152,9 +153,7 @@ void addCases(CLI::App& verb, BenchNetworkOptions& options) {
       ->delimiter(',')
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->capture_default_str();
-  verb.add_option(
-          "--family", options.families,
-          "Kernels to compare, with commas: plain, lane, tile, matrix, fused (default: those that suit the device)")
+  verb.add_option("--family", options.families, "Kernels to compare, with commas (default: those that suit the device)")
       ->delimiter(',')
       ->check(CLI::IsMember(Device::kernelFamilies()));
   verb.add_option("--runs", options.runs, "Frames that count, after the first one")
@@ -171,7 +170,7 @@ void addBenchNetwork(CLI::App& group) {
   verb->add_flag("--no-check", options->noCheck, "Leave out the comparison with the double-precision reference");
   verb->add_option("--scenes", options->scenes, "Folder of scenes for the image error, as bench quality takes it")
       ->type_name("FOLDER");
-  verb->add_option("--colour", options->colour,
+  verb->add_option("--samples", options->colour,
                    "Samples a pixel of the scenes' colour; at scale 1 those of --aux count")
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
@@ -181,6 +180,7 @@ void addBenchNetwork(CLI::App& group) {
       ->capture_default_str()
       ->type_name("K");
   verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
+  addQuiet(*verb, options->quiet);
   verb->footer(
       "Every model runs on every device in every size and precision, on random pixels, each time on a device opened\n"
       "anew. A frame that a device refuses is reported with its reason. bench/report.py makes a page of the JSON.\n\n"

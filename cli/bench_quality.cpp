@@ -10,6 +10,7 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/quality_report.h"
+#include "cli/quiet.h"
 
 namespace xrds {
 namespace {
@@ -21,6 +22,7 @@ struct BenchQualityOptions {
   std::optional<int> colour;
   int scale = 4;
   uint32_t ensemble = 1;
+  bool quiet = false;
   std::vector<std::string> models, also;
 };
 
@@ -47,7 +49,7 @@ QualitySetting settingOf(const BenchQualityOptions& options) {
   } else if (options.scale == 1) {
     if (!setting.auxSamples)
       throw Failure{ExitCode::usage,
-                    "At scale 1 with converged auxiliary images, --colour must say which render's "
+                    "At scale 1 with converged auxiliary images, --samples must say which render's "
                     "colour is taken: that of the references is what is looked for."};
     setting.colourSamples = *setting.auxSamples;
   }
@@ -168,7 +170,7 @@ void checkOutputs(const BenchQualityOptions& options) {
 // The contest is taken by value: its upscalers must go before the device.
 QualityReport measureAll(const BenchQualityOptions& options, Contest contest, Device& device) {
   QualityReport report = reportFor(options, contest, device);
-  ProgressBar bar(false);
+  ProgressBar bar(options.quiet);
   for (const SceneFiles& files : contest.list.scenes) {
     stopIfInterrupted();
     stage(ExitCode::input, [&] { measureScene(options, contest, files, device, report); });
@@ -183,7 +185,7 @@ void run(const BenchQualityOptions& options) {
   checkOutputs(options);
   Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
   const QualityReport report = measureAll(options, std::move(contest), device);
-  std::fputs(plainText(report).c_str(), stdout);
+  if (!options.quiet) std::fputs(plainText(report).c_str(), stdout);
   stage(ExitCode::output, [&] {
     if (!options.json.empty()) writeText(options.json, jsonText(report));
     if (!options.markdown.empty()) writeText(options.markdown, markdownText(report));
@@ -215,7 +217,7 @@ void addBenchQuality(CLI::App& group) {
   verb->add_option("--scale", options->scale, "Of the colour's render")
       ->check(CLI::IsMember({1, 2, 4, 8, 16}))
       ->capture_default_str();
-  verb->add_option("--colour", options->colour,
+  verb->add_option("--samples", options->colour,
                    "Samples a pixel of the colour (default: 64; at scale 1 those of --aux)")
       ->check(CLI::PositiveNumber)
       ->type_name("K");
@@ -230,6 +232,7 @@ void addBenchQuality(CLI::App& group) {
       ->capture_default_str();
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
+  addQuiet(*verb, options->quiet);
   verb->footer(
       "Scene NAME is NAME_gt.exr (the reference, with converged albedo and normal), the colour of K samples in\n"
       "NAME_lrK.exr (scale 4), NAME_x2lrK.exr or NAME_x8lrK.exr, and NAME_auxK.exr, the full-resolution render of K\n"
@@ -238,7 +241,7 @@ void addBenchQuality(CLI::App& group) {
       "those of the colour over the square of the scale, plus those of the auxiliary images; one render for both\n"
       "counts once.\n\nExamples:\n"
       "  xrds bench quality val\n"
-      "  xrds bench quality val --scale 2 --colour 16 --aux converged --markdown x2.md\n"
+      "  xrds bench quality val --scale 2 --samples 16 --aux converged --markdown x2.md\n"
       "  xrds bench quality val --model run/best.safetensors --also 'OIDN 4 spp=denoised' --json x4.json");
   verb->callback([options] { run(*options); });
 }

@@ -12,6 +12,7 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/quality_scenes.h"
+#include "cli/quiet.h"
 #include "cli/table.h"
 #include "image/metrics.h"
 
@@ -21,7 +22,7 @@ namespace {
 struct BenchSkipOptions {
   std::string folder, model, device, markdown, skip = "safe", precision = "fp32";
   int scale = 4, runs = 5, colour = 64, aux = 16;
-  bool cpuTime = false;
+  bool cpuTime = false, quiet = false;
 
   Upscaler::Options upscaler(float bound) const { return {.fp16 = precision == "fp16", .skip = {.bound = bound}}; }
 };
@@ -131,6 +132,17 @@ void printCost(const std::vector<double>& slower) {
       slower.size(), median(slower), quantile(slower, 0.25), quantile(slower, 0.75));
 }
 
+void printSummary(const BenchSkipOptions& options, const std::string& name, const Device& device,
+                  const std::vector<Row>& rows, double worst, const std::vector<double>& slower) {
+  std::printf(
+      "%s, --skip %s (bound %g), model %s (%s), %s: median of %d pairs of runs%s\n\n%s\nLargest change of a window "
+      "%.5f: the bound %s.\n",
+      options.folder.c_str(), options.skip.c_str(), static_cast<double>(parseSkip(options.skip)), name.c_str(),
+      options.precision.c_str(), device.description().name.c_str(), options.runs, options.cpuTime ? ", CPU time" : "",
+      aligned(rows).c_str(), worst, worst <= static_cast<double>(parseSkip(options.skip)) ? "holds" : "does not hold");
+  printCost(slower);
+}
+
 void run(const BenchSkipOptions& options) {
   if (!options.markdown.empty()) requireWritable(options.markdown);
   QualitySetting setting{options.scale, options.colour, options.aux};
@@ -154,13 +166,7 @@ void run(const BenchSkipOptions& options) {
     worst = std::max({worst, made.change.interpolated, made.change.computed});
     rows.push_back(rowOf(made));
   }
-  std::printf(
-      "%s, --skip %s (bound %g), model %s (%s), %s: median of %d pairs of runs%s\n\n%s\nLargest change of a window "
-      "%.5f: the bound %s.\n",
-      options.folder.c_str(), options.skip.c_str(), static_cast<double>(parseSkip(options.skip)), name.c_str(),
-      options.precision.c_str(), device.description().name.c_str(), options.runs, options.cpuTime ? ", CPU time" : "",
-      aligned(rows).c_str(), worst, worst <= static_cast<double>(parseSkip(options.skip)) ? "holds" : "does not hold");
-  printCost(slower);
+  if (!options.quiet) printSummary(options, name, device, rows, worst, slower);
   if (!options.markdown.empty()) stage(ExitCode::output, [&] { writeText(options.markdown, markdown(rows)); });
 }
 
@@ -175,7 +181,7 @@ void addBenchSkip(CLI::App& group) {
       ->check(CLI::Validator(validSkip, "safe|N"))
       ->capture_default_str();
   verb->add_option("--scale", options->scale, "Of the colour's render")->capture_default_str();
-  verb->add_option("--colour", options->colour, "Samples a pixel of the colour")->capture_default_str();
+  verb->add_option("--samples", options->colour, "Samples a pixel of the colour")->capture_default_str();
   verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")->capture_default_str();
   verb->add_option("--runs", options->runs, "Pairs of runs, of which the median is taken")
       ->check(CLI::PositiveNumber)
@@ -188,6 +194,7 @@ void addBenchSkip(CLI::App& group) {
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
   verb->add_option("--markdown", options->markdown, "File to write with the table")->type_name("MD");
+  addQuiet(*verb, options->quiet);
   verb->footer(
       "Each scene is upscaled in full and with --skip, in pairs, after one run of each. skipped: share of the windows\n"
       "that were interpolated; work: pixels computed, surroundings included, over all; the last two columns: the\n"

@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
+#include "cli/quiet.h"
 #include "cli/stress_report.h"
 
 namespace xrds {
@@ -15,7 +16,7 @@ struct BenchStressOptions {
   std::string device, json, markdown;
   std::vector<std::string> models;
   uint32_t seed = 1;
-  bool shortForm = false, noRandom = false;
+  bool shortForm = false, noRandom = false, quiet = false;
 };
 
 std::vector<std::string> modelNames(const BenchStressOptions& options) {
@@ -38,7 +39,7 @@ void run(const BenchStressOptions& options) {
   for (const std::string& name : names)
     models.push_back(stage(ExitCode::model, [&] { return Model(resolveModel(name)); }));
   Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
-  ProgressBar bar(false);
+  ProgressBar bar(options.quiet);
   StressOptions wanted{.randomModels = !options.noRandom,
                        .seed = options.seed,
                        .shortForm = options.shortForm,
@@ -46,8 +47,9 @@ void run(const BenchStressOptions& options) {
   for (size_t i = 0; i < models.size(); ++i) wanted.models.push_back({names[i], &models[i]});
   const StressReport report = stage(ExitCode::device, [&] { return Upscaler::stress(device, wanted); });
   stopIfInterrupted();
-  std::printf("%s, %s\n%s", device.description().name.c_str(), device.description().driver.c_str(),
-              plainText(report).c_str());
+  if (!options.quiet)
+    std::printf("%s, %s\n%s", device.description().name.c_str(), device.description().driver.c_str(),
+                plainText(report).c_str());
   stage(ExitCode::output, [&] {
     if (!options.json.empty()) writeText(options.json, jsonText(report));
     if (!options.markdown.empty()) writeText(options.markdown, markdownText(report));
@@ -73,6 +75,7 @@ void addBenchStress(CLI::App& group) {
   verb->add_flag("--no-random", options->noRandom, "Leave out the random models")->excludes("--short");
   verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
   verb->add_option("--markdown", options->markdown, "File to write with the tables")->type_name("MD");
+  addQuiet(*verb, options->quiet);
   verb->footer(
       "Tiny frames of every kind that breaks networks go through every model, also with weights scaled to the edge of\n"
       "what numbers hold, in both precisions and every kernel family. No output may hold a NaN or infinity, natural\n"

@@ -10,6 +10,7 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/quality_scenes.h"
+#include "cli/quiet.h"
 #include "cli/table.h"
 #include "image/compose.h"
 #include "image/metrics.h"
@@ -26,6 +27,7 @@ struct BenchTilesOptions {
   std::vector<uint32_t> halos{0, 8, 16, 24, 32, 48};
   uint32_t columns = 2, rows = 1;
   int colour = 64, aux = 16;
+  bool quiet = false;
 };
 
 /// How far a picture made of tiles is from that of the whole frame, and both from the reference.
@@ -146,7 +148,7 @@ void run(const BenchTilesOptions& options) {
   Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
   std::vector<Errors> errors(options.halos.size());
   {
-    ProgressBar bar(false);
+    ProgressBar bar(options.quiet);
     for (size_t i = 0; i < list.scenes.size(); ++i) {
       stage(ExitCode::device, [&] { measureScene(options, device, model, list.scenes[i], setting, errors); });
       bar.update(static_cast<double>(i + 1) / static_cast<double>(list.scenes.size()));
@@ -155,6 +157,7 @@ void run(const BenchTilesOptions& options) {
   }
   std::vector<Row> table{{"halo", "RMS, mean", "RMS, worst", "PSNR, mean", "PSNR, worst", "largest step"}};
   for (size_t i = 0; i < errors.size(); ++i) table.push_back(rowOf(options.halos[i], errors[i]));
+  if (options.quiet) return;
   std::printf("%s, %s, %zu scenes of %s, %u x %u tiles\n%s", options.model.c_str(), options.precision.c_str(),
               list.scenes.size(), options.folder.c_str(), options.columns, options.rows, markdown(table).c_str());
 }
@@ -174,7 +177,9 @@ void addBenchTiles(CLI::App& group) {
       ->type_name("N");
   verb->add_option("--columns", options->columns, "Tiles in a row")->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--rows", options->rows, "Rows of tiles")->check(CLI::Range(1, 64))->capture_default_str();
-  verb->add_option("--colour", options->colour, "Samples a pixel of the colour")->capture_default_str()->type_name("K");
+  verb->add_option("--samples", options->colour, "Samples a pixel of the colour")
+      ->capture_default_str()
+      ->type_name("K");
   verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")
       ->capture_default_str()
       ->type_name("K");
@@ -189,6 +194,7 @@ void addBenchTiles(CLI::App& group) {
           "and more brightest")
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
+  addQuiet(*verb, options->quiet);
   verb->footer(
       "Each scene is upscaled as a whole and in tiles. RMS: of the difference over that of the whole frame, both as\n"
       "log(1 + e x). PSNR: against the reference, less that of the whole frame, in dB. Largest step: by how much the\n"

@@ -1,10 +1,13 @@
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/stage.h"
 #include "cli/commands.h"
+#include "cli/metric_columns.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
+#include "cli/quiet.h"
 #include "image/aov.h"
 #include "image/compose.h"
 #include "image/flip.h"
@@ -15,9 +18,10 @@ namespace xrds {
 namespace {
 
 struct CompareOptions {
-  std::string image, reference, layer, referenceLayer, heatMap;
+  std::string image, reference, layer, referenceLayer, heatMap, json;
   float heatMaximum = 0.1F;
   double minimumPsnr = 0;
+  bool quiet = false;
 };
 
 Image readColour(const std::string& path, const std::string& layer) {
@@ -25,35 +29,53 @@ Image readColour(const std::string& path, const std::string& layer) {
   return readLayer(file, findAov(file, AovRole::kColor, layer));
 }
 
-void run(const CompareOptions& options) {
-  if (!options.heatMap.empty()) {
-    requireExtension(options.heatMap, ".png", "--heat-map");
-    requireWritable(options.heatMap);
-  }
+void requireOutputs(const CompareOptions& options) {
+  if (!options.heatMap.empty()) requireExtension(options.heatMap, ".png", "--heat-map");
+  if (!options.json.empty()) requireExtension(options.json, ".json", "--json");
+  for (const std::string& path : {options.heatMap, options.json})
+    if (!path.empty()) requireWritable(path);
+}
+
+std::pair<Image, Image> readImages(const CompareOptions& options) {
   const std::string& referenceLayer = options.referenceLayer.empty() ? options.layer : options.referenceLayer;
-  const auto [image, reference] = stage(ExitCode::input, [&] {
-    std::pair images{readColour(options.image, options.layer), readColour(options.reference, referenceLayer)};
-    if (images.first.width != images.second.width || images.first.height != images.second.height)
-      throw Error("The images have different sizes: " + std::to_string(images.first.width) + " x " +
-                  std::to_string(images.first.height) + " and " + std::to_string(images.second.width) + " x " +
-                  std::to_string(images.second.height) + ".");
-    return images;
-  });
-  stopIfInterrupted();
-  const Metrics metrics = stage(ExitCode::input, [&] { return measure(image, reference); });
-  const double values[] = {
-      metrics.psnr, metrics.relMse, metrics.relMseTrimmed, metrics.relMseMedian, metrics.relMsePercentile999,
-      metrics.flip};
+  std::pair images{readColour(options.image, options.layer), readColour(options.reference, referenceLayer)};
+  if (images.first.width != images.second.width || images.first.height != images.second.height)
+    throw Error("The images have different sizes: " + std::to_string(images.first.width) + " x " +
+                std::to_string(images.first.height) + " and " + std::to_string(images.second.width) + " x " +
+                std::to_string(images.second.height) + ".");
+  return images;
+}
+
+void printMetrics(const Metrics& metrics) {
   const auto definitions = metricDefinitions();
   for (size_t i = 0; i < definitions.size(); ++i) {
     const size_t colon = definitions[i].find(": ");
-    std::printf("%-24s %12.6g   %s\n", definitions[i].substr(0, colon).c_str(), values[i],
+    std::printf("%-24s %12.6g   %s\n", definitions[i].substr(0, colon).c_str(), metrics.*metricColumns()[i].field,
                 definitions[i].substr(colon + 2).c_str());
   }
+}
+
+std::string jsonText(const CompareOptions& options, const Image& image, const Metrics& metrics) {
+  nlohmann::ordered_json json{{"version", XRDS_VERSION},
+                              {"image", options.image},
+                              {"reference", options.reference},
+                              {"width", image.width},
+                              {"height", image.height}};
+  json["metrics"] = jsonOf(metrics);
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void run(const CompareOptions& options) {
+  requireOutputs(options);
+  const auto [image, reference] = stage(ExitCode::input, [&] { return readImages(options); });
   stopIfInterrupted();
-  if (!options.heatMap.empty())
-    stage(ExitCode::output,
-          [&] { writePng(options.heatMap, heatMap(flipMap(image, reference), options.heatMaximum)); });
+  const Metrics metrics = stage(ExitCode::input, [&] { return measure(image, reference); });
+  if (!options.quiet) printMetrics(metrics);
+  stopIfInterrupted();
+  stage(ExitCode::output, [&] {
+    if (!options.json.empty()) writeText(options.json, jsonText(options, image, metrics));
+    if (!options.heatMap.empty()) writePng(options.heatMap, heatMap(flipMap(image, reference), options.heatMaximum));
+  });
   if (options.minimumPsnr > 0 && metrics.psnr < options.minimumPsnr)
     throw Failure{ExitCode::differs, "PSNR is " + std::to_string(metrics.psnr) + " dB, below " +
                                          std::to_string(options.minimumPsnr) + " dB."};
@@ -75,6 +97,8 @@ void addCompare(CLI::App& app) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_option("--min-psnr", options->minimumPsnr, "Exit with code 7 if the PSNR is lower")->type_name("DB");
+  verb->add_option("--json", options->json, "File to write with every metric")->type_name("JSON");
+  addQuiet(*verb, options->quiet);
   verb->footer(
       "Examples:\n  xrds compare out.exr reference.exr\n  xrds compare out.exr reference.exr --heat-map error.png");
   verb->callback([options] { run(*options); });

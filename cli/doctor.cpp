@@ -7,6 +7,7 @@
 #include "cli/doctor_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
+#include "cli/quiet.h"
 
 namespace xrds {
 namespace {
@@ -61,7 +62,7 @@ void run(const DoctorOptions& options) {
     return examine(device, options);
   });
   const Verdict verdict = judge(findings);
-  std::printf("%s", doctorText(findings, verdict).c_str());
+  if (!options.quiet) std::fputs(doctorText(findings, verdict).c_str(), stdout);
   if (!options.json.empty()) stage(ExitCode::output, [&] { writeText(options.json, doctorJson(findings, verdict)); });
   if (verdict.code != ExitCode::ok) throw Failure{verdict.code, verdict.sentence};
 }
@@ -75,10 +76,11 @@ void addDoctor(CLI::App& app) {
       "Runs every kernel with which the device works, and a small frame whose answer is known, several times in fp32\n"
       "and fp16; compares them with double precision and with themselves, and tells what the device lacks.\n"
       "Exit code 0: trusted; 7: wrong or changing results; 5: no device, or it failed.\n\nExample:\n  xrds doctor");
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)");
+  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
+      ->type_name("DEVICE");
   verb->add_option("--runs", options->runs, "How often each runs")->check(CLI::Range(2, 1000))->capture_default_str();
-  verb->add_option("--json", options->json, "Write everything to this file, too");
-  verb->add_flag("--quiet", options->quiet, "Show no progress");
+  verb->add_option("--json", options->json, "File to write with every number")->type_name("JSON");
+  addQuiet(*verb, options->quiet);
   verb->callback([options] { run(*options); });
 }
 

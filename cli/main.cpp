@@ -5,6 +5,7 @@
 #include "app/kernel_family.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
+#include "cli/typos.h"
 
 namespace {
 
@@ -53,7 +54,7 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
-    return fail(xrds::ExitCode::usage, std::string(error.what()) + "; see --help");
+    return fail(xrds::ExitCode::usage, xrds::usageSentence(app, error));
   } catch (const xrds::Failure& failure) {
     return fail(failure.code, failure.message);
   } catch (const std::bad_alloc&) {

@@ -5,25 +5,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/metric_columns.h"
 #include "cli/table.h"
 
 namespace xrds {
 namespace {
-
-/// The metrics in the order and under the names of the tables and of the JSON file.
-struct Column {
-  const char *title, *key;
-  double Metrics::*field;
-  const char* format;
-};
-constexpr Column kColumns[] = {
-    {"PSNR dB", "psnr", &Metrics::psnr, "%.3f"},
-    {"RelMSE", "relMse", &Metrics::relMse, "%.4f"},
-    {"trimmed", "relMseTrimmed", &Metrics::relMseTrimmed, "%.4f"},
-    {"median", "relMseMedian", &Metrics::relMseMedian, "%.6f"},
-    {"99.9 %", "relMsePercentile999", &Metrics::relMsePercentile999, "%.3f"},
-    {"FLIP", "flip", &Metrics::flip, "%.4f"},
-};
 
 /// The scenes on which a method gains most and least PSNR over guided.
 struct Extremes {
@@ -79,13 +65,13 @@ std::vector<Row> sceneRows(const QualityReport& report) {
 
 std::vector<Row> meanRows(const QualityReport& report) {
   std::vector<Row> rows{{"mean"}};
-  for (const Column& column : kColumns) rows[0].emplace_back(column.title);
+  for (const MetricColumn& column : metricColumns()) rows[0].emplace_back(column.title);
   rows[0].insert(rows[0].begin() + 2, "to guided");
   rows[0].insert(rows[0].end(), {"seconds", "best to guided", "worst to guided"});
   for (const MethodQuality& method : report.methods) {
     const Metrics mean = method.mean();
     Row row{method.name};
-    for (const Column& column : kColumns) row.push_back(text(column.format, mean.*column.field));
+    for (const MetricColumn& column : metricColumns()) row.push_back(text(column.format, mean.*column.field));
     const auto extremes = extremesOf(report, method);
     const auto shown = [&](size_t i) { return report.sceneNames[i] + text(" %+.2f", extremes->gains[i]); };
     row.insert(row.begin() + 2, extremes ? text("%+.3f", mean.psnr - report.guided()->mean().psnr) : "-");
@@ -95,12 +81,6 @@ std::vector<Row> meanRows(const QualityReport& report) {
     rows.push_back(std::move(row));
   }
   return rows;
-}
-
-nlohmann::ordered_json jsonOf(const Metrics& metrics) {
-  nlohmann::ordered_json json;
-  for (const Column& column : kColumns) json[column.key] = metrics.*column.field;
-  return json;
 }
 
 nlohmann::ordered_json jsonOf(const QualityReport& report, const MethodQuality& method) {
@@ -130,7 +110,7 @@ nlohmann::ordered_json jsonOf(const QualityReport& report, const MethodQuality& 
 
 Metrics MethodQuality::mean() const {
   Metrics sum;
-  for (const Column& column : kColumns) {
+  for (const MetricColumn& column : metricColumns()) {
     for (const SceneQuality& scene : scenes) sum.*column.field += scene.metrics.*column.field;
     sum.*column.field /= static_cast<double>(scenes.size());
   }

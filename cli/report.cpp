@@ -35,12 +35,6 @@ Image crop(const Image& image, int x, int y, int width, int height) {
   return part;
 }
 
-void printMetricsRow(const char* name, const Image& image, const Image& reference) {
-  const Metrics metrics = measure(image, reference);
-  std::printf("%-22s %9.3f %10.5f %14.5f %8.4f\n", name, metrics.psnr, metrics.relMse, metrics.relMseTrimmed,
-              metrics.flip);
-}
-
 }  // namespace
 
 void printProfile(const std::vector<Upscaler::ProfileRow>& rows) {
@@ -87,20 +81,22 @@ std::vector<Upscaler::CheckRow> checkOnCrop(Device& device, const Model& model, 
   return Upscaler::check(device, model, viewOf(part), viewsOf(auxiliary), options);
 }
 
-int printCheck(const std::vector<Upscaler::CheckRow>& rows) {
-  int first = -1;
+int firstDivergent(const std::vector<Upscaler::CheckRow>& rows) {
+  const auto first = std::find_if(rows.begin(), rows.end(), [](const auto& row) { return !row.withinBound; });
+  return first == rows.end() ? -1 : static_cast<int>(first - rows.begin());
+}
+
+void printCheck(const std::vector<Upscaler::CheckRow>& rows) {
   double worst = 0;
-  for (size_t i = 0; i < rows.size(); ++i) {
-    worst = std::max(worst, rows[i].relativeRms);
-    if (rows[i].withinBound) continue;
-    if (first < 0) first = static_cast<int>(i);
-    std::printf("%s: relative RMS error %.3g%s\n", rows[i].label.c_str(), rows[i].relativeRms,
-                rows[i].finite ? "" : ", not finite");
+  for (const auto& row : rows) {
+    worst = std::max(worst, row.relativeRms);
+    if (!row.withinBound)
+      std::printf("%s: relative RMS error %.3g%s\n", row.label.c_str(), row.relativeRms,
+                  row.finite ? "" : ", not finite");
   }
-  if (first < 0)
+  if (firstDivergent(rows) < 0)
     std::printf("check: all %zu operators agree with the reference, largest relative RMS error %.3g\n", rows.size(),
                 worst);
-  return first;
 }
 
 Image runBaseline(Device& device, const Baseline& baseline, const Image& colour, const std::vector<Image>& auxiliary,
@@ -141,19 +137,29 @@ void writeSideBySide(Device& device, const Frame& frame, const Image& result, co
   stage(ExitCode::output, [&] { writePng(pngPath, sideBySide(images, 4)); });
 }
 
-void printAgainstReference(Device& device, const Frame& frame, const Image& result, const Image& reference) {
-  const auto printBaseline = [&](const char* name, const char* base, const std::vector<Image>& auxiliary) {
+std::vector<MeasuredImage> measureWithBaselines(Device& device, const Frame& frame, const Image& result,
+                                                const Image& reference) {
+  std::vector<MeasuredImage> measured;
+  const auto add = [&](const char* name, const char* base, const std::vector<Image>& auxiliary) {
     const int scale = result.width / frame.colour().width;
-    printMetricsRow(name, runBaseline(device, {base}, frame.colour(), auxiliary, scale), reference);
+    measured.push_back({name, measure(runBaseline(device, {base}, frame.colour(), auxiliary, scale), reference)});
   };
-  std::printf("%-22s %9s %10s %14s %8s\n", "against the reference", "PSNR dB", "RelMSE", "trimmed RelMSE", "FLIP");
-  printBaseline("bicubic", "bicubic", {});
+  add("bicubic", "bicubic", {});
   if (frame.inputs().size() >= 2 && frame.inputs()[0] == "albedo" && frame.inputs()[1] == "normal") {
     const std::vector<Image> both{frame.auxiliary()[0], frame.auxiliary()[1]};
-    printBaseline("demodulated bicubic", "demodulated", both);
-    printBaseline("guided", "guided", both);
+    add("demodulated bicubic", "demodulated", both);
+    add("guided", "guided", both);
   }
-  printMetricsRow("xrds", result, reference);
+  measured.push_back({"xrds", measure(result, reference)});
+  return measured;
+}
+
+void printMeasured(const std::vector<MeasuredImage>& images) {
+  if (images.empty()) return;
+  std::printf("%-22s %9s %10s %14s %8s\n", "against the reference", "PSNR dB", "RelMSE", "trimmed RelMSE", "FLIP");
+  for (const auto& [name, metrics] : images)
+    std::printf("%-22s %9.3f %10.5f %14.5f %8.4f\n", name.c_str(), metrics.psnr, metrics.relMse, metrics.relMseTrimmed,
+                metrics.flip);
 }
 
 }  // namespace xrds

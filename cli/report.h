@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/frame.h"
+#include "image/metrics.h"
 #include "xrds/xrds.h"
 
 namespace xrds {
@@ -16,8 +17,11 @@ void printProfile(const std::vector<Upscaler::ProfileRow>& rows);
 std::vector<Upscaler::CheckRow> checkOnCrop(Device& device, const Model& model, const Frame& frame,
                                             const Upscaler::Options& options);
 
-/// Prints the operators that diverge, or that none does; returns the index of the first one, -1 for none.
-int printCheck(const std::vector<Upscaler::CheckRow>& rows);
+/// The index of the first operator that diverges, -1 for none.
+int firstDivergent(const std::vector<Upscaler::CheckRow>& rows);
+
+/// Prints the operators that diverge, or that none does.
+void printCheck(const std::vector<Upscaler::CheckRow>& rows);
 
 /// A way to upscale without a network: base "bicubic", "demodulated" or "guided"; transfer "log1p" or "none".
 struct Baseline {
@@ -40,7 +44,17 @@ Image readReference(const std::string& path, int width, int height);
 void writeSideBySide(Device& device, const Frame& frame, const Image& result, const std::optional<Image>& reference,
                      const std::string& pngPath);
 
-/// Prints PSNR, RelMSE, its trimmed form and FLIP for the result and for the baselines that the frame's layers allow.
-void printAgainstReference(Device& device, const Frame& frame, const Image& result, const Image& reference);
+/// How far an image of that name is from the reference.
+struct MeasuredImage {
+  std::string name;
+  Metrics metrics;
+};
+
+/// Measures the baselines that the frame's layers allow, then the result, "xrds", against the reference.
+std::vector<MeasuredImage> measureWithBaselines(Device& device, const Frame& frame, const Image& result,
+                                                const Image& reference);
+
+/// Prints PSNR, RelMSE, its trimmed form and FLIP of each; nothing if there are none.
+void printMeasured(const std::vector<MeasuredImage>& images);
 
 }  // namespace xrds

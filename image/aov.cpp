@@ -110,8 +110,24 @@ Candidates namedBy(const ExrFile& file, Candidates candidates, std::string name)
   return {};
 }
 
+// What to do where no layer, or not one alone, fits: naming one helps only where there is one that could serve.
+std::string remedyFor(const ExrFile& file, AovRole role) {
+  const bool any = !aovCandidates(file, role).empty();
+  return (any ? "; name the one to use with " + optionName(role) + " LAYER; " : "; render it with this layer; ") +
+         describe(file);
+}
+
+bool isDeep(const ExrFile& file, AovRole role) {
+  return aovCandidates(file, role).empty() &&
+         std::any_of(file.parts.begin(), file.parts.end(), [](const ExrPart& part) { return part.deep; });
+}
+
 const AovCandidate& single(const ExrFile& file, AovRole role, const std::string& name, const Candidates& found) {
-  const std::string remedy = "; name the one to use with " + optionName(role) + " LAYER; " + describe(file);
+  const std::string remedy = remedyFor(file, role);
+  if (found.empty() && isDeep(file, role)) {
+    throw Error("no " + toString(role) + " in '" + file.path.string() +
+                "': expected a flat image, found deep samples; flatten it first");
+  }
   if (found.empty()) {
     throw Error("no " + toString(role) + " in '" + file.path.string() + "': expected " +
                 (name.empty() ? "a layer of a known name" : "a layer '" + name + "'") +

@@ -356,5 +356,19 @@ TEST(Aov, IgnoresWholeNumbersSubsampledAndDeep) {
   EXPECT_EQ(findAov(mixed, AovRole::kColor).part, 1U);
 }
 
+TEST(Aov, GivesNoHintThatWouldFail) {
+  ExrPart deep = partWith(kRoot);
+  deep.deep = true;
+  const std::string ofDeep = refusal([&] { static_cast<void>(findAov(fileWith({deep}), AovRole::kColor)); });
+  EXPECT_NE(ofDeep.find("found deep samples; flatten it first"), std::string::npos) << ofDeep;
+  EXPECT_EQ(ofDeep.find("--color"), std::string::npos) << ofDeep;
+  const std::string ofGrey = refusal([&] { static_cast<void>(findAov(fileWith({partWith({"Y"})}), AovRole::kColor)); });
+  EXPECT_EQ(ofGrey.find("--color"), std::string::npos) << ofGrey;
+  EXPECT_NE(ofGrey.find("render it with this layer"), std::string::npos) << ofGrey;
+  const std::string ofColour =
+      refusal([&] { static_cast<void>(findAov(fileWith({partWith(kRoot)}), AovRole::kAlbedo)); });
+  EXPECT_NE(ofColour.find("--albedo LAYER"), std::string::npos) << ofColour;
+}
+
 }  // namespace
 }  // namespace xrds

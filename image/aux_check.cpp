@@ -30,13 +30,27 @@ std::vector<std::string> checkEmptiness(const NamedLayer& layer, const LayerStat
   return {};
 }
 
-double shareOfPixelsAbove(const Image& image, float limit) {
+// A pixel that is half background has half a normal.
+bool showsSurface(const Image& normal, std::size_t pixel) {
+  constexpr double kHalf = 0.5;
+  const float* n = &normal.pixels[pixel * 3];
+  return std::sqrt(double{n[0]} * n[0] + double{n[1]} * n[1] + double{n[2]} * n[2]) >= kHalf;
+}
+
+// Of the pixels that show a surface, all of them without normals.
+double shareOfPixelsAbove(const Image& image, float limit, const Image* normal) {
   std::size_t count = 0;
+  std::size_t considered = 0;
   const auto channels = static_cast<std::size_t>(image.channels);
-  for (std::size_t first = 0; first < image.pixels.size(); first += channels) {
-    count += *std::max_element(&image.pixels[first], &image.pixels[first] + channels) > limit ? 1 : 0;
+  for (std::size_t pixel = 0; pixel < image.pixelCount(); ++pixel) {
+    if (normal != nullptr && !showsSurface(*normal, pixel)) {
+      continue;
+    }
+    const float* values = &image.pixels[pixel * channels];
+    ++considered;
+    count += *std::max_element(values, values + channels) > limit ? 1 : 0;
   }
-  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(image.pixelCount(), 1));
+  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(considered, 1));
 }
 
 }  // namespace
@@ -82,20 +96,20 @@ std::string toString(const LayerStatistics& statistics) {
   return text;
 }
 
-std::vector<std::string> checkAlbedo(const NamedLayer& albedo) {
+std::vector<std::string> checkAlbedo(const NamedLayer& albedo, const Image* normal) {
   constexpr float kAboveOne = 1.001F;
-  constexpr double kShareOfConcern = 0.01;
+  constexpr double kShareOfConcern = 0.02;  // lamps have their radiance, too
   const LayerStatistics statistics = statisticsOf(*albedo.image);
   std::vector<std::string> warnings = checkEmptiness(albedo, statistics);
   if (statistics.minimum < 0.0) {
     warnings.push_back(sentence(albedo, "has negative albedo: check that it is the right layer", statistics));
   }
-  const double share = shareOfPixelsAbove(*albedo.image, kAboveOne);
+  const double share = shareOfPixelsAbove(*albedo.image, kAboveOne, normal);
   if (share > kShareOfConcern) {
     warnings.push_back(sentence(albedo,
                                 "is above 1 in " + percent(share) +
-                                    " of the pixels, as where the background stores its radiance, while albedo lies "
-                                    "in [0, 1]: check that it is not lit",
+                                    (normal == nullptr ? " of the pixels" : " of the pixels with a surface") +
+                                    ", while albedo lies in [0, 1]: check that it is not lit",
                                 statistics));
   }
   return warnings;

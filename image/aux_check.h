@@ -29,9 +29,11 @@ struct NamedLayer {
   const Image* image = nullptr;
 };
 
-/// What is suspicious about an albedo layer: nothing but zeros, one value everywhere, negative values, more than one
-/// pixel in a hundred above 1. One sentence each, with the layer's name and statistics.
-[[nodiscard]] std::vector<std::string> checkAlbedo(const NamedLayer& albedo);
+/// What is suspicious about an albedo layer: nothing but zeros, one value everywhere, negative values, more than two
+/// surfaces' pixels in a hundred above 1. Surfaces are where `normal`, of the albedo's size, has a length: Cycles
+/// stores the radiance of background and sky as their albedo. Without normals every pixel counts. One sentence each,
+/// with the layer's name and statistics.
+[[nodiscard]] std::vector<std::string> checkAlbedo(const NamedLayer& albedo, const Image* normal = nullptr);
 
 /// What is suspicious about a normal layer: nothing but zeros, one value everywhere, values beyond [-1, 1], normals
 /// stored as n / 2 + 1 / 2.

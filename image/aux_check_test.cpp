@@ -95,6 +95,24 @@ TEST(AuxCheck, WarnsOfBadAlbedo) {
   EXPECT_NE(checkAlbedo({"a", &negative}).at(0).find("negative"), std::string::npos);
 }
 
+// Cycles gives the background its radiance as albedo, and no normal.
+TEST(AuxCheck, TakesTheRadianceOfTheBackgroundForNoLitAlbedo) {
+  const Image normal = ballNormals(40);
+  Image background(40, 40, 3);
+  Image lit(40, 40, 3);
+  for (std::size_t i = 0; i < normal.pixels.size(); ++i) {
+    const std::size_t z = i - i % 3 + 2;
+    const bool surface = normal.pixels[z] > 0.0F;
+    const float tone = 0.2F + 0.01F * static_cast<float>(i % 7);
+    background.pixels[i] = surface ? tone : 30.0F;
+    lit.pixels[i] = surface ? 10.0F * tone : 0.5F;
+  }
+  EXPECT_TRUE(checkAlbedo({"a", &background}, &normal).empty());
+  EXPECT_NE(checkAlbedo({"a", &background}).at(0).find("of the pixels, while"), std::string::npos);
+  EXPECT_NE(checkAlbedo({"a", &lit}, &normal).at(0).find("above 1 in 100 % of the pixels with a surface"),
+            std::string::npos);
+}
+
 TEST(AuxCheck, WarnsOfBadNormals) {
   const Image black(8, 8, 3);
   const Image positions = step(8, 8, 4, -20.0F, 7.0F);

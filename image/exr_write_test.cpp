@@ -244,5 +244,38 @@ TEST(ExrWrite, ReplacesAFileAndFollowsALink) {
   EXPECT_EQ(folder.fileCount(), 2U);
 }
 
+TEST(ExrWrite, FollowsLinksToWhatIsNotThereYet) {
+  const TemporaryFolder folder;
+  const Image image = gradient(8, 8, 3);
+  std::filesystem::create_directory(folder / "far");
+  std::filesystem::create_symlink("far/second.exr", folder / "first.exr");
+  std::filesystem::create_symlink("../real.exr", folder / "far/second.exr");
+  writeExr(folder / "first.exr", image, outputFor(image));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "first.exr"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "far/second.exr"));
+  EXPECT_EQ(readLayer(readExrHeader(folder / "real.exr"), {0, "", {"R", "G", "B"}}), image);
+
+  std::filesystem::create_symlink("b.exr", folder / "a.exr");
+  std::filesystem::create_symlink("a.exr", folder / "b.exr");
+  EXPECT_THROW(writeExr(folder / "a.exr", image, outputFor(image)), Error);
+}
+
+TEST(ExrWrite, KeepsThePermissionsOfWhatItReplaces) {
+  using std::filesystem::perms;
+  const TemporaryFolder folder;
+  const Image image = gradient(8, 8, 3);
+  const auto permissionsOf = [&](const char* name) { return std::filesystem::status(folder / name).permissions(); };
+  writeExr(folder / "new.exr", image, outputFor(image));
+  for (const perms wanted : {perms::owner_read | perms::owner_write,
+                             perms::owner_read | perms::owner_write | perms::group_read | perms::group_write}) {
+    test::writeBytes(folder / "old.exr", "old");
+    std::filesystem::permissions(folder / "old.exr", wanted);
+    ASSERT_NE(wanted, permissionsOf("new.exr"));
+    writeExr(folder / "old.exr", image, outputFor(image));
+    EXPECT_EQ(permissionsOf("old.exr"), wanted);
+    EXPECT_EQ(readLayer(readExrHeader(folder / "old.exr"), {0, "", {"R", "G", "B"}}), image);
+  }
+}
+
 }  // namespace
 }  // namespace xrds

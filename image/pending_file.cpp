@@ -18,11 +18,25 @@ fs::path temporaryBeside(const fs::path& path) {
   return path.parent_path() / (".xrds-" + std::to_string(number) + ".part");
 }
 
+// Where a chain of symbolic links ends, whether or not there is a file.
+fs::path behindLinks(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as Linux has it
+  fs::path place = path;
+  std::error_code failure;
+  for (int link = 0; link < kMostLinks; ++link) {
+    if (!fs::is_symlink(place, failure)) {
+      return place;
+    }
+    place = place.parent_path() / fs::read_symlink(place, failure);  // an absolute target replaces the folder
+  }
+  throw Error("cannot write '" + path.string() + "': its symbolic links go in circles; choose another name");
+}
+
 }  // namespace
 
 PendingFile::PendingFile(const fs::path& path) {
   std::error_code failure;
-  path_ = fs::is_symlink(path, failure) ? fs::weakly_canonical(path, failure) : path;
+  path_ = behindLinks(path);
   const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
   if (path_.filename().empty() || !fs::is_directory(folder, failure)) {
     throw Error("cannot write '" + path.string() + "': expected an existing folder, found none at '" + folder.string() +
@@ -45,6 +59,9 @@ PendingFile::~PendingFile() {
 
 void PendingFile::commit() {
   std::error_code failure;
+  if (const fs::file_status replaced = fs::status(path_, failure); fs::exists(replaced)) {
+    fs::permissions(temporaryPath_, replaced.permissions() & fs::perms::all, failure);
+  }
   fs::rename(temporaryPath_, path_, failure);
   if (failure) {
     throw Error("cannot write '" + path_.string() + "': renaming the finished file failed (" + failure.message() +

@@ -5,11 +5,13 @@
 namespace xrds {
 
 /// A file on its way: written under a temporary name in the folder of its final one and renamed when complete, so that
-/// nobody ever sees half of it. Dropped without `commit`, it removes the temporary. Not for sharing between threads.
+/// nobody ever sees half of it; a file that it replaces passes its permissions on. Dropped without `commit`, it removes
+/// the temporary. Not for sharing between threads.
 class PendingFile {
  public:
-  /// Chooses the temporary name. Symbolic links are followed, so that a link stays a link. Throws Error when the folder
-  /// does not exist or `path` names something that is no regular file.
+  /// Chooses the temporary name. Symbolic links are followed, also to a file that does not exist yet, so that a link
+  /// stays a link. Throws Error when links go in circles, the folder does not exist or `path` names something that is
+  /// no regular file.
   explicit PendingFile(const std::filesystem::path& path);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;

@@ -1,4 +1,5 @@
-"""Renders one sample scene: low-resolution colour, full-resolution auxiliaries, reference.
+"""Renders one sample scene, under the names that `xrds bench quality` reads: low-resolution colour (lr), full-resolution
+auxiliaries (aux), reference (gt).
 
 blender -b --factory-startup -noaudio -P samples/render.py -- --scene interior --out samples
 """
@@ -18,7 +19,7 @@ import passes  # noqa: E402
 
 def arguments():
     parser = argparse.ArgumentParser(prog="render.py", description=__doc__)
-    parser.add_argument("--scene", required=True, choices=("interior", "outdoor", "glossy"))
+    parser.add_argument("--scene", required=True, choices=("interior", "outdoor", "glossy", "studio"))
     parser.add_argument("--out", required=True, help="folder for the three files")
     parser.add_argument("--width", type=int, default=512)
     parser.add_argument("--height", type=int, default=384)
@@ -26,7 +27,7 @@ def arguments():
     parser.add_argument("--samples", type=int, default=64, help="of the low-resolution colour")
     parser.add_argument("--aux-samples", type=int, default=16)
     parser.add_argument("--reference-samples", type=int, default=1024)
-    parser.add_argument("--kinds", nargs="+", default=("lr", "aux", "ref"), choices=("lr", "aux", "ref"))
+    parser.add_argument("--kinds", nargs="+", default=("lr", "aux", "gt"), choices=("lr", "aux", "gt"))
     parser.add_argument("--threads", type=int, default=0, help="0: all")
     parser.add_argument("--preview", type=int, default=0, metavar="SAMPLES", help="only a small image NAME_preview.exr")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
@@ -63,11 +64,11 @@ def main():
         timed(path("preview"), scene, ask.width, ask.height, ask.preview, 9, passes.colour)
         return
     if "lr" in ask.kinds:
-        timed(path("lr"), scene, *low, ask.samples, 1, passes.colour)
+        timed(path(f"lr{ask.samples}"), scene, *low, ask.samples, 1, passes.colour)
     if "aux" in ask.kinds:
-        timed(path("aux"), scene, ask.width, ask.height, ask.aux_samples, 2, passes.auxiliaries)
-    if "ref" in ask.kinds:
-        timed(path("ref"), scene, ask.width, ask.height, ask.reference_samples, 3, passes.colour, at_once=64)
+        timed(path(f"aux{ask.aux_samples}"), scene, ask.width, ask.height, ask.aux_samples, 2, passes.auxiliaries)
+    if "gt" in ask.kinds:
+        timed(path("gt"), scene, ask.width, ask.height, ask.reference_samples, 3, passes.colour, at_once=64)
 
 
 main()

@@ -9,3 +9,4 @@ render() {
 render interior
 render outdoor --width 320 --height 240
 render glossy
+render studio --width 512 --height 288 --reference-samples 256

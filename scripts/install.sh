@@ -1,25 +1,28 @@
 #!/usr/bin/env bash
-# Installs the Debian or Ubuntu packages that xrds is built, tested and run with, if any of them is missing.
+# Builds what a user runs and puts it in place: scripts/install.sh [--prefix DIR] [--build DIR]
+# DIR/bin gets xrds and xrds-view, DIR/share models, licence, man page and completion. Default: ~/.local, build/release.
 set -euo pipefail
-packages=(
-  g++ cmake ninja-build ccache git
-  libvulkan-dev libvulkan-volk-dev glslang-tools mesa-vulkan-drivers vulkan-validationlayers spirv-tools
-  libopenexr-dev libpng-dev nlohmann-json3-dev libcli11-dev libgtest-dev libbenchmark-dev libglfw3-dev libimgui-dev
-  libassimp-dev libstb-dev libx11-dev xvfb
-)
-if ! command -v dpkg-query >/dev/null; then
-  echo "This is no Debian or Ubuntu: install ${packages[*]} or their like by hand." >&2
-  exit 0
-fi
-missing=()
-for package in "${packages[@]}"; do
-  [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || missing+=("$package")
+here=$PWD
+cd "$(dirname "$0")/.."
+prefix=$HOME/.local build=build/release
+while [ $# -gt 0 ]; do
+  case $1 in
+    --prefix | --build)
+      [ $# -ge 2 ] || { echo "$1 takes a folder: scripts/install.sh [--prefix DIR] [--build DIR]" >&2; exit 2; }
+      [ "$1" = --prefix ] && prefix=$2 || build=$2
+      shift 2 ;;
+    --prefix=*) prefix=${1#*=}; shift ;;
+    --build=*) build=${1#*=}; shift ;;
+    -h | --help) sed -n '2,3s/^# //p' "scripts/${0##*/}"; exit 0 ;;
+    *) echo "There is no option '$1': scripts/install.sh [--prefix DIR] [--build DIR]" >&2; exit 2 ;;
+  esac
 done
-[ ${#missing[@]} -eq 0 ] && exit 0
-echo "Installing ${missing[*]}"
-as_root=()
-[ "$(id -u)" -eq 0 ] || as_root=(sudo)
-export DEBIAN_FRONTEND=noninteractive
-options=(-o DPkg::Lock::Timeout=600 -y --no-install-recommends)
-"${as_root[@]}" apt-get "${options[@]}" install "${missing[@]}" ||
-  { "${as_root[@]}" apt-get update && "${as_root[@]}" apt-get "${options[@]}" install "${missing[@]}"; }
+case $prefix in /*) ;; *) prefix=$here/$prefix ;; esac
+scripts/build.sh "$build"
+log=$(cmake --install "$build" --prefix "$prefix") || { echo "$log" >&2; exit 1; }
+prefix=$(cd "$prefix" && pwd)
+echo "Installed in $prefix: bin/xrds, its viewer, library, models, licence, man page and completion."
+case ":$PATH:" in
+  *":$prefix/bin:"*) ;;
+  *) echo "Its commands are not found yet; run this, and add it to your ~/.profile: export PATH=\"$prefix/bin:\$PATH\"" ;;
+esac

@@ -44,34 +44,6 @@ std::map<long long, fs::path> numberedFiles(const fs::path& pattern) {
   return files;
 }
 
-int widthOf(const ExrFile& file) {
-  int width = 0;
-  for (const ExrPart& part : file.parts) width = std::max(width, static_cast<int>(part.displayWindow.width()));
-  return width;
-}
-
-FrameFiles sortHeaders(const std::vector<ExrFile>& headers) {
-  if (headers.empty()) throw Error("There is no EXR file to show.");
-  FrameFiles sorted;
-  const auto smallest = std::min_element(headers.begin(), headers.end(),
-                                         [](const auto& a, const auto& b) { return widthOf(a) < widthOf(b); });
-  sorted.colour = smallest->path;
-  int fullWidth = 0;
-  for (const ExrFile& file : headers)
-    if (file.path != sorted.colour && sorted.auxiliary.empty() && hasAov(file, AovRole::kAlbedo)) {
-      sorted.auxiliary = file.path;
-      fullWidth = widthOf(file);
-    }
-  // Older colours of a folder are no references.
-  const auto isReference = [&](const ExrFile& file) {
-    if (file.path == sorted.colour || hasAov(file, AovRole::kAlbedo)) return false;
-    return fullWidth > 0 ? widthOf(file) == fullWidth : widthOf(file) > widthOf(*smallest);
-  };
-  const auto reference = std::find_if(headers.begin(), headers.end(), isReference);
-  if (reference != headers.end()) sorted.reference = reference->path;
-  return sorted;
-}
-
 // Whether the files hold a depth that goes with their albedo, or a layer was named for it.
 bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
   try {
@@ -125,12 +97,6 @@ LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers) {
   if (!files.reference.empty()) addReference(loaded);
   loaded.output = frame.output(std::max(loaded.scale, 1));
   return loaded;
-}
-
-FrameFiles sortFiles(const std::vector<fs::path>& files) {
-  std::vector<ExrFile> headers;
-  for (const fs::path& file : files) headers.push_back(readExrHeader(file));
-  return sortHeaders(headers);
 }
 
 FrameFiles newestFrame(const fs::path& folder) {

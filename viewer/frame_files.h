@@ -6,15 +6,10 @@
 #include <vector>
 
 #include "app/frame.h"
+#include "app/frame_files.h"
 #include "image/image.h"
 
 namespace xrds {
-
-/// The EXR files of one frame; `auxiliary` is empty if its layers are in `colour` or there are none.
-struct FrameFiles {
-  std::filesystem::path colour, auxiliary, reference;
-  bool operator==(const FrameFiles&) const = default;
-};
 
 /// A frame in the host's memory, ready to be upscaled.
 struct LoadedFrame {
@@ -30,11 +25,6 @@ struct LoadedFrame {
 
 /// Reads a frame. Throws Error if a file cannot be read or they do not fit together.
 LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers);
-
-/// Tells which of some files are the colour (the smallest), the auxiliary images (it has an albedo) and the reference
-/// (what is left), by their headers. Of several that could be the same one the first is taken. Throws Error if one
-/// cannot be read or there are none.
-FrameFiles sortFiles(const std::vector<std::filesystem::path>& files);
 
 /// The frame that a renderer wrote last into a folder: its newest colour, auxiliary and reference file.
 /// Throws Error if the folder holds no EXR file.

@@ -1,39 +1,64 @@
 # Bash completion for xrds: source it, or install it as share/bash-completion/completions/xrds.
+# Commands, options and the words that options take are read from --help, models from `xrds info`: nothing to keep in step.
+_xrds_help() { "${COMP_WORDS[0]}" "$@" --help 2>/dev/null; }
+
+_xrds_commands() { _xrds_help "$@" | awk '/^Subcommands:/ {inside = 1; next} /^[^ ]/ {inside = 0} inside && /^  [a-z]/ {print $1}'; }
+
+_xrds_options() { _xrds_help "$@" | grep -oE -- '^  -[^ ]+' | tr ', ' '\n'; }
+
+# What stands between an option's name and its description, which begins in column 31 or on the next line:
+# "TEXT:{fp32,fp16}=fp32", "TEXT:off|safe|N=off", "PNG", or nothing.
+_xrds_type() {
+  local option=$1
+  shift
+  _xrds_help "$@" | awk -v option="$option" '
+    /^  -/ {
+      split($1, names, ",")
+      for (i in names) if (names[i] == option) { print ($2 == "" || index($0, $2) > 30) ? "" : $2; exit }
+    }'
+}
+
+# The words that an option of this type takes, one a line.
+_xrds_words() {
+  case $1 in
+    *{*}*) sed 's/.*{//; s/}.*//; s/,/\n/g' <<< "$1" ;;
+    *\|*) sed 's/=.*//; s/.*://; s/|/\n/g' <<< "$1" | grep -E '^[a-z]+$' ;;
+    MODEL*) "${COMP_WORDS[0]}" info 2>/dev/null ;;
+    SCENE*) printf '%s\n' room garden spheres ;;
+  esac
+}
+
+_xrds_complete() { mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen "$@"); }
+
 _xrds() {
-  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} verb=${COMP_WORDS[1]} program=${COMP_WORDS[0]}
+  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} verbs=() at=1 type listed=
   COMPREPLY=()
-  if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W "upscale compare info devices doctor view bench --help --version" -- "$current")
-    return
+  [ "$COMP_CWORD" -gt 1 ] && verbs=("${COMP_WORDS[1]}") at=2
+  if [ "${COMP_WORDS[1]}" = bench ] && [ "$COMP_CWORD" -gt 2 ]; then
+    verbs+=("${COMP_WORDS[2]}") at=3
   fi
-  local verbs=("$verb")
-  if [ "$verb" = bench ]; then
-    if [ "$COMP_CWORD" -eq 2 ]; then
-      mapfile -t COMPREPLY < <(compgen -W "network quality skip stress tiles --help" -- "$current")
+  if [ "$COMP_CWORD" -eq "$at" ]; then
+    local commands
+    commands=$(_xrds_commands "${verbs[@]}")
+    if [ -n "$commands" ]; then
+      _xrds_complete -W "$commands $(_xrds_options "${verbs[@]}")" -- "$current"
       return
     fi
-    verbs+=("${COMP_WORDS[2]}")
   fi
-  # Options and models are read from the program itself, so that this list cannot go stale.
-  case $previous in
-    --ensemble) mapfile -t COMPREPLY < <(compgen -W "1 2 4 8" -- "$current"); return ;;
-    --precision) mapfile -t COMPREPLY < <(compgen -W "fp32 fp16" -- "$current"); return ;;
-    --family | --kernels) mapfile -t COMPREPLY < <(compgen -W "plain lane tile matrix fused" -- "$current"); return ;;
-    --skip) mapfile -t COMPREPLY < <(compgen -W "off safe" -- "$current"); return ;;
-    --tiles) mapfile -t COMPREPLY < <(compgen -W "exact bounded" -- "$current"); return ;;
-    --aux) mapfile -t COMPREPLY < <(compgen -W "converged" -- "$current"); return ;;
-    --exposure) mapfile -t COMPREPLY < <(compgen -W "auto" -- "$current"); return ;;
-    --model) mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current"); return ;;
-    --color | --albedo | --normal | --depth | --layer | --reference-layer | --device | --size | --memory | --halo | --columns | --rows | --heat-max | --min-psnr | --scale | --colour | --runs) return ;;
-  esac
+  if [[ $previous == -* ]] && [ "$COMP_CWORD" -gt "$at" ]; then
+    type=$(_xrds_type "$previous" "${verbs[@]}")
+    if [ -n "$type" ]; then
+      [[ $type == *{* && $current == *,* ]] && listed=${current%,*},
+      _xrds_complete -P "$listed" -W "$(_xrds_words "$type")" -- "${current#"$listed"}"
+      [[ $type =~ EXR|PNG|JSON|MD|FILE|FOLDER|MODEL|SCENE ]] && _xrds_complete -f -- "$current"
+      return
+    fi
+  fi
   if [[ $current == -* ]]; then
-    local options
-    options=$("$program" "${verbs[@]}" --help 2>/dev/null | grep -oE -- '^ +(-[a-z],)?--[a-z-]+' | tr ',' '\n')
-    mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
-  elif [ "$verb" = info ]; then
-    mapfile -t COMPREPLY < <(compgen -W "$("$program" info 2>/dev/null)" -- "$current"; compgen -f -- "$current")
-  elif [ "$verb" != devices ]; then
-    mapfile -t COMPREPLY < <(compgen -f -- "$current")
+    _xrds_complete -W "$(_xrds_options "${verbs[@]}")" -- "$current"
+  else
+    [ "${verbs[0]}" = info ] && _xrds_complete -W "$("${COMP_WORDS[0]}" info 2>/dev/null)" -- "$current"
+    [ "${verbs[0]}" = devices ] || _xrds_complete -f -- "$current"
   fi
 }
 complete -o filenames -F _xrds xrds

@@ -124,11 +124,11 @@ TEST(CliBenchQuality, SaysWhatDoesNotFit) {
   };
   fails({"--model", scenes.model, "--scale", "2"}, 4, "upscales by 4, but --scale is 2");
   fails({"--model", goldenModel("s4_guided_extra_aux")}, 4, "use the library");
-  fails({"--model", scenes.model, "--colour", "32"}, 3, "no scene with all of NAME_gt.exr, NAME_lr32.exr");
+  fails({"--model", scenes.model, "--samples", "32"}, 3, "no scene with all of NAME_gt.exr, NAME_lr32.exr");
   fails({"--model", scenes.model, "--model", scenes.model}, 2, "Two methods have the name");
   fails({"--scale", "3"}, 2, "--scale");
   fails({"--aux", "many"}, 2, "converged");
-  fails({"--scale", "1", "--aux", "converged"}, 2, "--colour");
+  fails({"--scale", "1", "--aux", "converged"}, 2, "--samples");
   fails({"--also", "other"}, 2, "--also takes");
   fails({"--also", "other=" + (scenes.folder / "").string()}, 3, "several images of scene 's1'");
   fails({"--also", "other=" + (scenes.folder / "*_lr64.exr").string()}, 3, "expected the result's 40 x 32");

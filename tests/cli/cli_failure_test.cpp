@@ -126,7 +126,7 @@ TEST(CliFailure, WrongOptions) {
                                                                  {"--exposure", "1e-42"},
                                                                  {"--exposure", ""},
                                                                  {"--bogus"}})
-    expectFailure(upscale(frame, wrong), 2, "see --help", frame.folder, 2);
+    expectFailure(upscale(frame, wrong), 2, "see xrds upscale --help", frame.folder, 2);
   expectFailure(runXrds({}), 2, "subcommand", frame.folder, 2);
   expectFailure(runXrds({"upscale", frame.color}), 2, "--output", frame.folder, 2);
   for (const char* size : {"12", "0x8", "12x8x", "-4x8", "15x16", "999999x8"})

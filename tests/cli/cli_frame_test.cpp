@@ -30,6 +30,36 @@ TEST(CliFrame, UpscalesTwoFilesAndSaysWhatItDid) {
   EXPECT_TRUE(readBytes(frame.folder / "p.png").starts_with("\x89PNG"));
 }
 
+TEST(CliFrame, TakesColourAndAuxiliaryImagesInAnyOrder) {
+  const SmallFrame frame;
+  ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);
+  const Image expected = readColour(frame.out);
+  const auto swapped = [&](const char* model) {
+    return runXrds({"upscale", frame.aux, frame.color, "-o", frame.out, "--model", goldenModel(model)});
+  };
+  const Ended ended = swapped("s4_guided");
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(readColour(frame.out), expected);
+
+  // Of one size, the colour is what has no albedo.
+  writeParts(frame.color, {{windowOf(40, 32), windowOf(40, 32), {colourLayer("", 40)}}});
+  ASSERT_EQ(runXrds(frame.arguments({}, goldenModel("s1_guided"))).exitCode, 0);
+  const Image denoised = readColour(frame.out);
+  const Ended ofOneSize = swapped("s1_guided");
+  EXPECT_EQ(ofOneSize.exitCode, 0) << ofOneSize.error;
+  EXPECT_EQ(readColour(frame.out), denoised);
+}
+
+TEST(CliFrame, HintsAtTheColourAloneOnlyWhereThatWorks) {
+  const SmallFrame frame;
+  const auto upscaled = [&](const std::string& file) { return runXrds({"upscale", file, "-o", frame.out}); };
+  EXPECT_TRUE(contains(upscaled(frame.color).error, "--model xrds-x4-compact-plain"));
+  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {normalLayer("normal", 10)}}});
+  const Ended ended = upscaled(frame.color);
+  EXPECT_EQ(ended.exitCode, 3);
+  EXPECT_FALSE(contains(ended.error, "xrds-x4-compact-plain")) << ended.error;
+}
+
 TEST(CliFrame, TakesTheModelForWhatTheFileHolds) {
   const SmallFrame frame;
   const TemporaryFolder models;

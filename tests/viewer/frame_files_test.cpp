@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 const fs::path kSamples = XRDS_SAMPLE_FOLDER;
-const FrameFiles kOutdoor{kSamples / "outdoor_lr.exr", kSamples / "outdoor_aux.exr", kSamples / "outdoor_ref.exr"};
+const FrameFiles kOutdoor{kSamples / "outdoor_lr64.exr", kSamples / "outdoor_aux16.exr", kSamples / "outdoor_gt.exr"};
 
 TEST(FrameFiles, AreToldApartInAnyOrder) {
   const std::vector<fs::path> files{kOutdoor.colour, kOutdoor.auxiliary, kOutdoor.reference};
@@ -38,7 +38,7 @@ TEST(FrameFiles, LoadWithoutAuxiliaryImages) {
   const LoadedFrame frame = loadFrame({kOutdoor.colour, {}, {}}, {});
   EXPECT_TRUE(frame.inputs.empty());
   EXPECT_EQ(frame.scale, 0);
-  EXPECT_THROW(loadFrame({kOutdoor.colour, {}, kSamples / "glossy_ref.exr"}, {}), Error);  // 6.4 times as wide
+  EXPECT_THROW(loadFrame({kOutdoor.colour, {}, kSamples / "glossy_gt.exr"}, {}), Error);  // 6.4 times as wide
 }
 
 TEST(FrameFiles, OfAFolderAreTheNewest) {

@@ -9,8 +9,8 @@
 namespace xrds::test {
 
 inline const std::string kSamples = XRDS_SAMPLE_FOLDER;
-inline const std::string kColour = kSamples + "/outdoor_lr.exr", kAuxiliary = kSamples + "/outdoor_aux.exr",
-                         kReference = kSamples + "/outdoor_ref.exr";  // 80 x 60 to 320 x 240
+inline const std::string kColour = kSamples + "/outdoor_lr64.exr", kAuxiliary = kSamples + "/outdoor_aux16.exr",
+                         kReference = kSamples + "/outdoor_gt.exr";  // 80 x 60 to 320 x 240
 
 /// The arguments of a run in a window that the picture just fills, with a fast model.
 inline std::vector<std::string> smallWindow(std::vector<std::string> files) {

@@ -50,10 +50,10 @@ TEST_F(ViewerWindow, SwitchesModelAndPrecisionAndTellsPixels) {
           "drop " +
               kAuxiliary + " " + kColour + "\nwait\nprint\ndrop none.exr\nwait\nprint\n",
           smallWindow({kColour, kAuxiliary, kReference}));
-  EXPECT_TRUE(has(ended.output, "pictures=1 files=outdoor_lr.exr model=xrds-x4-nano precision=fp32")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures=1 files=outdoor_lr64.exr model=xrds-x4-nano precision=fp32")) << ended.output;
   EXPECT_TRUE(has(ended.output, "compared=1"));
-  EXPECT_TRUE(has(ended.output, "pictures=2 files=outdoor_lr.exr model=xrds-x4-nano precision=fp16")) << ended.output;
-  EXPECT_TRUE(has(ended.output, "pictures=3 files=outdoor_lr.exr model=xrds-x4-mini precision=fp16")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures=2 files=outdoor_lr64.exr model=xrds-x4-nano precision=fp16")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "pictures=3 files=outdoor_lr64.exr model=xrds-x4-mini precision=fp16")) << ended.output;
   EXPECT_TRUE(has(ended.output, " input@")) << ended.output;
   EXPECT_TRUE(has(ended.output, " reference@")) << ended.output;
   EXPECT_TRUE(has(ended.output, "pictures=4")) << ended.output;

@@ -110,5 +110,13 @@ TEST_F(LoadScene, SaysWhatIsWrong) {
   }
 }
 
+TEST(BuiltInScenes, AreThoseThatTheCompletionOffers) {
+  std::string line = "    SCENE*) printf '%s\\n'";
+  for (const std::string& name : builtInSceneNames()) line += " " + name;
+  std::ifstream script(XRDS_SOURCE_FOLDER "/cli/completion/xrds.bash");
+  const std::string text{std::istreambuf_iterator<char>(script), {}};
+  EXPECT_NE(text.find(line + " ;;\n"), std::string::npos) << line;
+}
+
 }  // namespace
 }  // namespace xrds

@@ -1,0 +1,71 @@
+#include "cli/typos.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "app/nearest.h"
+
+namespace xrds {
+namespace {
+
+/// An option that the user knows from another command, where it means something else.
+struct Elsewhere {
+  const char *option, *here, *meaning;
+};
+constexpr Elsewhere kElsewhere[] = {
+    {"--colour", "--samples", "the colour's samples a pixel are --samples"},
+    {"--color", "--samples", "the colour's samples a pixel are --samples"},
+};
+
+std::vector<std::string> commandsOf(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> optionsOf(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string unknownOption(const CLI::App& verb, const std::string& command, const std::string& option) {
+  const std::vector<std::string> names = optionsOf(verb);
+  const std::string start = command + " has no option '" + option + "'; ";
+  for (const Elsewhere& other : kElsewhere)
+    if (option == other.option && std::find(names.begin(), names.end(), other.here) != names.end())
+      return start + other.meaning;
+  const std::string meant = nearest(option, names);
+  return start + (meant.empty() ? "" : "the nearest is '" + meant + "'; ") + "see " + command + " --help";
+}
+
+std::string unknownCommand(const CLI::App& app, const std::string& command, const std::string& typed) {
+  const std::vector<std::string> names = commandsOf(app);
+  const std::string meant = nearest(typed, names);
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return "There is no command '" + command + " " + typed + "'; " +
+         (meant.empty() ? "there are " + all : "the nearest is '" + meant + "'") + "; see " + command + " --help";
+}
+
+}  // namespace
+
+std::string usageSentence(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* verb = &app;
+  std::string command = app.get_name();
+  while (!verb->get_subcommands().empty()) {
+    verb = verb->get_subcommands().front();
+    command += " " + verb->get_name();
+  }
+  const std::vector<std::string> unknown = verb->remaining();
+  for (const std::string& word : unknown)
+    if (word.starts_with("-")) return unknownOption(*verb, command, word.substr(0, word.find('=')));
+  if (!unknown.empty() && !commandsOf(*verb).empty()) return unknownCommand(*verb, command, unknown.front());
+  if (!unknown.empty())
+    return command + " takes no further argument '" + unknown.front() + "'; see " + command + " --help";
+  return std::string(error.what()) + "; see " + command + " --help";
+}
+
+}  // namespace xrds

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace xrds {
+
+/// What is wrong with a command line that could not be parsed, in one sentence: an unknown command or option with the
+/// one that was probably meant, else what the parser says.
+std::string usageSentence(const CLI::App& app, const CLI::ParseError& error);
+
+}  // namespace xrds

@@ -1,0 +1,118 @@
+#include "cli/upscale_input.h"
+
+#include <algorithm>
+
+#include "app/frame_files.h"
+#include "app/models.h"
+#include "app/skip_bound.h"
+#include "app/stage.h"
+#include "cli/warnings.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+// How the colour alone can be upscaled, where it can.
+std::string colourAloneHint(const UpscaleOptions& options) {
+  const fs::path model = shippedVariant(4, "plain");
+  if (model.empty()) return "";
+  try {
+    const Frame frame(options.color, {}, options.layers, {});
+  } catch (const Error&) {
+    return "";
+  }
+  return "\n  or, of the colour alone: --model " + model.stem().string();
+}
+
+fs::path modelFile(const UpscaleOptions& options) {
+  if (!options.model.empty()) return stage(ExitCode::model, [&] { return resolveModel(options.model); });
+  const ExrFile file =
+      stage(ExitCode::input, [&] { return readExrHeader(options.aux.empty() ? options.color : options.aux); });
+  int scale = 0;
+  try {
+    scale =
+        stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {"albedo"}).scale(); });
+  } catch (Failure& failure) {
+    if (options.layers.albedo.empty() && !hasAov(file, AovRole::kAlbedo)) failure.message += colourAloneHint(options);
+    throw;
+  }
+  const bool hasNormal = !options.layers.normal.empty() || hasAov(file, AovRole::kNormal);
+  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal); });
+  if (!hasNormal)
+    printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
+  return model;
+}
+
+OpenedModel openModel(const UpscaleOptions& options) {
+  const fs::path file = modelFile(options);
+  OpenedModel opened{file, stage(ExitCode::model, [&] { return Model(file); })};
+  stage(ExitCode::model, [&] { requireKnownInputs(opened.model, opened.name()); });
+  return opened;
+}
+
+Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
+  Frame frame = stage(ExitCode::input, [&] {
+    return Frame(options.color, options.aux, options.layers, opened.model.auxiliaryInputs());
+  });
+  const int scale = static_cast<int>(opened.model.scale());
+  if (frame.scale() != 0 && frame.scale() != scale)
+    throw Failure{ExitCode::model, "The auxiliary images have " + std::to_string(frame.scale()) +
+                                       " times the colour's size, but model '" + opened.name() + "' upscales by " +
+                                       std::to_string(scale) + ": choose another with --model."};
+  stage(ExitCode::input, [&] {
+    (void)frame.output(scale);  // throws if the windows do not fit
+    frame.load();
+  });
+  return frame;
+}
+
+void requireSkippable(const UpscaleOptions& options, const OpenedModel& opened) {
+  if (parseSkip(options.skip) == 0) return;
+  if (const std::string why = opened.model.whyNeverSkipped(); !why.empty())
+    throw Failure{ExitCode::model, "--skip is refused: model '" + opened.name() + "' " + why + "."};
+  if (options.wrap)
+    throw Failure{ExitCode::usage, "--skip and --wrap exclude each other: a panorama is computed in full."};
+}
+
+bool isConstant(const Image& image) {
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t i = channels; i < image.pixels.size(); ++i)
+    if (image.pixels[i] != image.pixels[i - channels]) return false;
+  return true;
+}
+
+// A layer that is the same everywhere tells nothing: the model that does without it is taken, where one is shipped.
+void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
+  const auto scale = static_cast<int>(opened.model.scale());
+  const auto constant = [&](const char* input) {
+    const auto found = std::find(frame.inputs().begin(), frame.inputs().end(), input);
+    return found != frame.inputs().end() && isConstant(frame.auxiliary()[found - frame.inputs().begin()]);
+  };
+  const std::string input = constant("albedo") ? "albedo" : constant("normal") ? "normal" : "";
+  if (input.empty()) return;
+  const fs::path file = shippedVariant(scale, input == "albedo" ? "plain" : "albedo");
+  if (file.empty()) return;
+  opened = {file, stage(ExitCode::model, [&] { return Model(file); })};
+  frame = openFrame(options, opened);
+  printWarnings({"The " + input + " is the same everywhere; taking model " + opened.name() + "."});
+}
+
+}  // namespace
+
+void sortInputs(UpscaleOptions& options) {
+  if (options.aux.empty()) return;
+  const FrameFiles files = stage(ExitCode::input, [&] { return sortPair(options.color, options.aux); });
+  options.color = files.colour.string();
+  options.aux = files.auxiliary.string();
+}
+
+UpscaleInput openInput(const UpscaleOptions& options) {
+  OpenedModel opened = openModel(options);
+  Frame frame = openFrame(options, opened);
+  if (options.model.empty()) leaveConstantsOut(options, opened, frame);
+  requireSkippable(options, opened);
+  return {std::move(opened), std::move(frame)};
+}
+
+}  // namespace xrds

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/frame.h"
+#include "cli/upscale_options.h"
+#include "xrds/xrds.h"
+
+namespace xrds {
+
+/// The model of a run and the file it came from.
+struct OpenedModel {
+  std::filesystem::path file;
+  Model model;
+  std::string name() const { return file.stem().string(); }
+};
+
+/// What a run reads: the frame, and the model that was asked for or suits its layers.
+struct UpscaleInput {
+  OpenedModel opened;
+  Frame frame;
+};
+
+/// Puts COLOR and AUX in their order, whichever they were given in. Throws Failure if one cannot be read.
+void sortInputs(UpscaleOptions& options);
+
+/// Opens model and frame, and reads the frame. Warnings about the choice of the model are printed. Throws Failure.
+UpscaleInput openInput(const UpscaleOptions& options);
+
+}  // namespace xrds

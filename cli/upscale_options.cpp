@@ -1,0 +1,131 @@
+#include "cli/upscale_options.h"
+
+#include <cstdlib>
+
+#include "app/byte_count.h"
+#include "app/exit_code.h"
+#include "app/skip_bound.h"
+#include "cli/output_file.h"
+#include "cli/quiet.h"
+
+namespace xrds {
+namespace {
+
+std::string validExposure(const std::string& text) {
+  if (text == "auto") return {};
+  char* end = nullptr;
+  const float value = std::strtof(text.c_str(), &end);
+  return *end == 0 && value > 1e-30F && value < 1e30F ? "" : "expected auto or a positive number, found '" + text + "'";
+}
+
+void addFiles(CLI::App& verb, UpscaleOptions& options) {
+  verb.add_option("COLOR", options.color,
+                  "EXR file with the low-resolution colour, many samples a pixel; this and AUX in any order")
+      ->required();
+  verb.add_option("AUX", options.aux,
+                  "EXR file with full-resolution albedo, normal and depth (default: they are in COLOR)");
+  verb.add_option("-o,--output", options.output, "EXR file to write: R, G, B (and A), 32-bit float, ZIP")
+      ->required()
+      ->type_name("EXR");
+  verb.add_option("--reference", options.reference, "EXR file to compare with: prints metrics beside the baselines")
+      ->type_name("EXR");
+  verb.add_option("--preview", options.preview, "PNG file to write as well, with the sRGB curve")->type_name("PNG");
+  verb.add_option("--side-by-side", options.sideBySide,
+                  "PNG file with input, bicubic, result and reference side by side")
+      ->type_name("PNG");
+}
+
+void addNetwork(CLI::App& verb, UpscaleOptions& options) {
+  verb.add_option("--model", options.model,
+                  "A shipped model's name or a .safetensors file (default: the compact one of the scale)")
+      ->type_name("MODEL");
+  verb.add_option("--precision", options.precision, "Storage of activations and weights")
+      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->capture_default_str();
+  verb.add_option("--ensemble", options.ensemble,
+                  "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways; 8, also on the "
+                  "diagonal. Better, and as many times slower; normals must be in the camera's axes")
+      ->check(CLI::IsMember({1, 2, 4, 8}))
+      ->capture_default_str();
+  verb.add_option("--exposure", options.exposure, "Factor that brings the colour to a mean log luminance of 0.18")
+      ->check(CLI::Validator(validExposure, "auto|E"))
+      ->capture_default_str();
+  verb.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
+      ->type_name("DEVICE");
+}
+
+void addParts(CLI::App& verb, UpscaleOptions& options) {
+  verb.add_option(
+          "--memory", options.memory,
+          "Device memory to use at most, such as 256M or 2G (default: three quarters of what the device has); a "
+          "frame that needs more is cut into tiles")
+      ->check(CLI::Validator(validBytes, "BYTES"));
+  verb.add_option("--tiles", options.tiles,
+                  "exact: the picture is that of the whole frame bit for bit; bounded: a smaller halo, less work")
+      ->check(CLI::IsMember({"exact", "bounded"}))
+      ->capture_default_str();
+  verb.add_option("--skip", options.skip,
+                  "Interpolate windows without the network where that changes them by at most N, root mean square of\n"
+                  "log(1 + exposure radiance): background, clear sky, even surfaces; safe: N = 0.005, off: none")
+      ->check(CLI::Validator(validSkip, "off|safe|N"))
+      ->capture_default_str();
+  verb.add_option("--skip-map", options.skipMap, "PNG file with the picture, what was skipped dark and red")
+      ->type_name("PNG");
+  verb.add_flag("--wrap", options.wrap, "The left and right edges continue into each other: a panorama");
+}
+
+void addLayers(CLI::App& verb, UpscaleOptions& options) {
+  verb.add_option("--color,--colour", options.layers.color, "Layer to take as colour")->type_name("LAYER");
+  verb.add_option("--albedo", options.layers.albedo, "Layer to take as albedo")->type_name("LAYER");
+  verb.add_option("--normal", options.layers.normal, "Layer to take as normal")->type_name("LAYER");
+  verb.add_option("--depth", options.layers.depth, "Layer to take as depth, distances in any unit")->type_name("LAYER");
+}
+
+void addReports(CLI::App& verb, UpscaleOptions& options) {
+  verb.add_option("--json", options.json, "File to write with every number of the run")->type_name("JSON");
+  addQuiet(verb, options.quiet);
+  verb.add_flag("--half", options.half, "Write 16-bit half floats");
+  verb.add_flag("--profile", options.profile, "Print the device time of every operator");
+  verb.add_flag("--check", options.check, "First compare each operator with its double-precision reference, on a crop");
+}
+
+}  // namespace
+
+Upscaler::Options UpscaleOptions::upscaler() const {
+  Upscaler::Options options{.fp16 = precision == "fp16", .profile = profile};
+  if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
+  options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
+  options.skip.bound = parseSkip(skip);
+  options.ensemble = ensemble;
+  return options;
+}
+
+void addUpscaleOptions(CLI::App& verb, UpscaleOptions& options) {
+  addFiles(verb, options);
+  addNetwork(verb, options);
+  addParts(verb, options);
+  addLayers(verb, options);
+  addReports(verb, options);
+  verb.footer(
+      "The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
+      "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
+      "RenderMan, LuxCore and plain names; --color, --albedo, --normal and --depth choose others. The scale follows\n"
+      "from the two sizes.\n\nExamples:\n"
+      "  xrds upscale color.exr aux.exr -o out.exr\n"
+      "  xrds upscale color.exr aux.exr -o out.exr --model my.safetensors --precision fp16 --preview out.png\n"
+      "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'");
+}
+
+void requireOutputs(const UpscaleOptions& options) {
+  requireExtension(options.output, ".exr", "--output");
+  if (!options.preview.empty()) requireExtension(options.preview, ".png", "--preview");
+  if (!options.sideBySide.empty()) requireExtension(options.sideBySide, ".png", "--side-by-side");
+  if (!options.skipMap.empty()) requireExtension(options.skipMap, ".png", "--skip-map");
+  if (!options.json.empty()) requireExtension(options.json, ".json", "--json");
+  if (!options.preview.empty() && options.preview == options.sideBySide)
+    throw Failure{ExitCode::usage, "--preview and --side-by-side name the same file '" + options.preview + "'."};
+  for (const std::string& path : {options.output, options.preview, options.sideBySide, options.skipMap, options.json})
+    if (!path.empty()) requireWritable(path);
+}
+
+}  // namespace xrds

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "image/aov.h"
+#include "xrds/xrds.h"
+
+namespace xrds {
+
+/// What `xrds upscale` was asked for.
+struct UpscaleOptions {
+  std::string color, aux, output, model, device, reference, preview, sideBySide, json,
+      precision = "fp32", exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap;
+  AovRequest layers;
+  uint32_t ensemble = 1;
+  bool half = false, profile = false, check = false, quiet = false, wrap = false;
+
+  Upscaler::Options upscaler() const;
+};
+
+/// Declares the options on the command.
+void addUpscaleOptions(CLI::App& verb, UpscaleOptions& options);
+
+/// Asks before a long computation for everything about the files to write that can be known to fail. Throws Failure.
+void requireOutputs(const UpscaleOptions& options);
+
+}  // namespace xrds

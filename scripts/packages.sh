@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Installs the Debian or Ubuntu packages that xrds is built, tested and run with, if any of them is missing.
+set -euo pipefail
+packages=(
+  g++ cmake ninja-build ccache git
+  libvulkan-dev libvulkan-volk-dev glslang-tools mesa-vulkan-drivers vulkan-validationlayers spirv-tools
+  libopenexr-dev libpng-dev nlohmann-json3-dev libcli11-dev libgtest-dev libbenchmark-dev libglfw3-dev libimgui-dev
+  libassimp-dev libstb-dev libx11-dev xvfb
+)
+if ! command -v dpkg-query >/dev/null; then
+  echo "This is no Debian or Ubuntu: install ${packages[*]} or their like by hand." >&2
+  exit 0
+fi
+missing=()
+for package in "${packages[@]}"; do
+  [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+echo "Installing ${missing[*]}"
+as_root=()
+[ "$(id -u)" -eq 0 ] || as_root=(sudo)
+export DEBIAN_FRONTEND=noninteractive
+options=(-o DPkg::Lock::Timeout=600 -y --no-install-recommends)
+"${as_root[@]}" apt-get "${options[@]}" install "${missing[@]}" ||
+  { "${as_root[@]}" apt-get update && "${as_root[@]}" apt-get "${options[@]}" install "${missing[@]}"; }

@@ -1,0 +1,58 @@
+// Command lines that do not fit: what was typed, what was probably meant, and where to read on.
+#include "tests/cli/frames.h"
+
+namespace xrds::test {
+namespace {
+
+struct Slip {
+  std::vector<std::string> typed;
+  std::string said;
+};
+
+TEST(CliUsage, NamesTheSlipAndWhatIsNearest) {
+  const Slip slips[] = {
+      {{"upscal", "x"}, "There is no command 'xrds upscal'; the nearest is 'upscale'; see xrds --help."},
+      {{"bench", "qualty"},
+       "There is no command 'xrds bench qualty'; the nearest is 'quality'; see xrds bench --help."},
+      {{"frobnicate"}, "There is no command 'xrds frobnicate'; there are upscale, compare,"},
+      {{"upscale", "a.exr", "b.exr", "-o", "c.exr", "--modle", "m"},
+       "xrds upscale has no option '--modle'; the nearest is '--model'; see xrds upscale --help."},
+      {{"upscale", "a.exr", "--outptu=c.exr"}, "xrds upscale has no option '--outptu'; the nearest is '--output';"},
+      {{"compare", "a.exr", "b.exr", "--nonsense"},
+       "xrds compare has no option '--nonsense'; see xrds compare --help."},
+      {{"compare", "a.exr", "b.exr", "c.exr"}, "xrds compare takes no further argument 'c.exr';"},
+      {{"--vesion"}, "xrds has no option '--vesion'; the nearest is '--version'; see xrds --help."},
+      {{"upscale", "a.exr"}, "--output is required; see xrds upscale --help."},
+  };
+  for (const auto& [typed, said] : slips) {
+    const Ended ended = runXrds(typed);
+    EXPECT_EQ(ended.exitCode, 2) << said;
+    EXPECT_TRUE(ended.error.starts_with("xrds: " + said)) << ended.error;
+  }
+}
+
+// One word, one meaning: of `upscale` a layer, in both spellings; of `bench` neither.
+TEST(CliUsage, ColourIsALayerAndSamplesAreSamples) {
+  const SmallFrame frame;
+  for (const char* spelling : {"--color", "--colour"})
+    EXPECT_EQ(runXrds(frame.arguments({spelling, "RGB"})).exitCode, 0) << spelling;
+  for (const char* spelling : {"--color", "--colour"})
+    for (const char* verb : {"quality", "network", "skip", "tiles"}) {
+      const Ended ended = runXrds({"bench", verb, spelling, "64"});
+      EXPECT_EQ(ended.exitCode, 2);
+      EXPECT_NE(ended.error.find(std::string("has no option '") + spelling + "'"), std::string::npos) << ended.error;
+      EXPECT_NE(ended.error.find("the colour's samples a pixel are --samples"), std::string::npos) << ended.error;
+    }
+}
+
+TEST(CliUsage, SaysWhereItLookedForModels) {
+  const SmallFrame frame;
+  const std::string elsewhere = (frame.folder / "none").string();
+  const Ended ended = runXrds({"upscale", frame.color, frame.aux, "-o", frame.out, "--model", "compact"},
+                              {.environment = {{"XRDS_MODELS", elsewhere}}});
+  expectFailure(ended, 4, "There is no model 'compact'", frame.folder, 2);
+  EXPECT_EQ(ended.error.find("none,"), std::string::npos) << ended.error;
+}
+
+}  // namespace
+}  // namespace xrds::test
