@@ -33,6 +33,7 @@ Device::Device(const Options& options)
                             .instanceExtensions = options.instanceExtensions,
                             .deviceExtensions = options.deviceExtensions,
                             .kernelFamily = options.kernelFamily,
+                            .onPreparation = options.onPreparation,
                             .programs = embeddedProgram})}) {
   if (!proveMatrixKernels(state_->gpu) && options.kernelFamily == "matrix")
     throw Error("the matrix kernels give wrong results on " + description().name + "; choose plain or tile");
@@ -40,6 +41,7 @@ Device::Device(const Options& options)
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;
+std::vector<std::string> Device::notes() const { return state_->gpu.notes(); }
 Device::Description Device::description() const {
   Description description = describeDevice(state_->gpu.description());
   description.kernelFamily = nameOf(state_->gpu.traits().family);
