@@ -239,10 +239,12 @@ struct Task {
 void upscaleOn(Device& device, const Task& task) {
   const auto& [options, opened, frame, reference, whole] = task;
   const int scale = static_cast<int>(opened.model.scale());
+  std::optional<EndsAtOnce> endsAtOnce(std::in_place);
   if (options.check) runCheck(device, opened.model, frame, options);
   const Upscaled result = compute(device, opened.model, frame, options);
   std::optional<Image> alpha;
   if (frame.alpha()) alpha = upscaleAlpha(device, *frame.alpha(), scale, options.upscaler().tiles);
+  endsAtOnce.reset();
   writeResult(options, frame, opened, result, alpha);
   if (!options.quiet)
     std::printf(
@@ -274,7 +276,7 @@ void run(const UpscaleOptions& options) {
   printWarnings(frame.warnings());
   stopIfInterrupted();
   const Task task{options, opened, frame, reference, whole};
-  onDevice(options.device, [&](Device& device) { upscaleOn(device, task); });
+  onDevice(options.device, options.quiet, [&](Device& device) { upscaleOn(device, task); });
 }
 
 }  // namespace
