@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <vector>
 
 #include "app/stage.h"
+#include "cli/progress.h"
 
 namespace xrds {
 namespace {
@@ -28,30 +30,47 @@ std::vector<Candidate> bestFirst(const std::vector<Device::Description>& devices
   return candidates;
 }
 
-void runOn(const std::string& select, const std::function<void(Device&)>& work) {
+std::unique_ptr<Device> open(const std::string& select, PreparationLine& line) {
+  const EndsAtOnce endsAtOnce;
+  return std::make_unique<Device>(
+      Device::Options{.select = select, .onPreparation = [&line](const Preparation& now) { return line.update(now); }});
+}
+
+void runOn(const std::string& select, bool quiet, const std::function<void(Device&)>& work) {
+  PreparationLine line(quiet);
   stage(ExitCode::device, [&] {
-    Device device({.select = select});
-    work(device);
+    const auto device = open(select, line);
+    printNotes(*device);
+    try {
+      work(*device);
+    } catch (const Cancelled&) {
+      stopIfInterrupted();
+      throw;
+    }
   });
 }
 
 }  // namespace
 
-void onDevice(const std::string& select, const std::function<void(Device&)>& work) {
+void printNotes(const Device& device) {
+  for (const std::string& note : device.notes()) std::fprintf(stderr, "xrds: warning: %s.\n", note.c_str());
+}
+
+void onDevice(const std::string& select, bool quiet, const std::function<void(Device&)>& work) {
   std::vector<Candidate> candidates{{select, "", 0}};
   if (select.empty()) {
     const auto devices = stage(ExitCode::device, [] { return Device::list(); });
     if (devices.size() > 1) candidates = bestFirst(devices);
   }
   for (size_t i = 0; i + 1 < candidates.size(); ++i) try {
-      return runOn(candidates[i].select, work);
+      return runOn(candidates[i].select, quiet, work);
     } catch (const Failure& failure) {
       if (failure.code != ExitCode::device) throw;
       std::fprintf(stderr, "xrds: warning: device %s (%s) failed: %s; continuing on device %s (%s).\n",
                    candidates[i].select.c_str(), candidates[i].name.c_str(), failure.message.c_str(),
                    candidates[i + 1].select.c_str(), candidates[i + 1].name.c_str());
     }
-  runOn(candidates.back().select, work);
+  runOn(candidates.back().select, quiet, work);
 }
 
 std::string usualKernelFamily() {

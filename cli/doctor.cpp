@@ -4,6 +4,7 @@
 #include "app/models.h"
 #include "app/stage.h"
 #include "cli/commands.h"
+#include "cli/device_choice.h"
 #include "cli/doctor_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
@@ -58,7 +59,9 @@ void run(const DoctorOptions& options) {
     requireWritable(options.json);
   }
   const Findings findings = stage(ExitCode::device, [&] {
+    const EndsAtOnce endsAtOnce;
     Device device({.select = options.device});
+    printNotes(device);
     return examine(device, options);
   });
   const Verdict verdict = judge(findings);

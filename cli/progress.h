@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "xrds/preparation.h"
+
 namespace xrds {
 
 /// Installs handlers for SIGINT and SIGTERM that only set a flag: a running command then cancels and cleans up.
@@ -10,6 +12,35 @@ bool interrupted();
 
 /// Throws Failure with ExitCode::interrupted once the process was interrupted; called between the steps of a command.
 void stopIfInterrupted();
+
+/// While one lives, an interrupt ends the process at once, whatever a driver is busy with: for work that leaves nothing
+/// behind. Not while a file is being written.
+class EndsAtOnce {
+ public:
+  EndsAtOnce();
+  ~EndsAtOnce();
+  EndsAtOnce(const EndsAtOnce&) = delete;
+  EndsAtOnce& operator=(const EndsAtOnce&) = delete;
+};
+
+/// How messages of progress appear: a line that is written over on a terminal, lines otherwise.
+enum class ProgressStyle { none, lines, bar };
+
+/// Says which programs a device is making, and how many of how many: on a terminal while it does, otherwise a line once
+/// it has taken half a second and at tenths from then on, two seconds apart; nothing if quiet.
+class PreparationLine {
+ public:
+  explicit PreparationLine(bool quiet);
+  /// Returns false once the process was interrupted.
+  bool update(const Preparation& preparation);
+
+ private:
+  ProgressStyle style_;
+  Preparation::Phase phase_{};
+  int lastTenth_ = -1;
+  double nextLine_ = 0.5;  // seconds after the start
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 /// Shows the share done: a bar with the time left on a terminal, a line every ten percent otherwise, nothing if quiet.
 class ProgressBar {
@@ -23,8 +54,7 @@ class ProgressBar {
   bool update(double share);
 
  private:
-  enum class Style { none, lines, bar };
-  Style style_;
+  ProgressStyle style_;
   int lastTenth_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

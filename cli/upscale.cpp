@@ -90,12 +90,14 @@ void upscaleOn(Device& device, const Task& task) {
   const auto& [options, input, reference, whole] = task;
   const auto& [opened, frame] = input;
   const int scale = static_cast<int>(opened.model.scale());
+  std::optional<EndsAtOnce> endsAtOnce(std::in_place);
   std::vector<Upscaler::CheckRow> checks;
   if (options.check) checks = runCheck(device, opened.model, frame, options);
   Upscaled result = compute(device, opened.model, frame, options);
   result.checks = std::move(checks);
   std::optional<Image> alpha;
   if (frame.alpha()) alpha = upscaleAlpha(device, *frame.alpha(), scale, options.upscaler().tiles);
+  endsAtOnce.reset();
   writeResult(options, frame, opened, result, alpha);
   result.secondsInAll = whole.seconds();
   if (!options.quiet) std::fputs(upscaleText(options, input, device.description(), result).c_str(), stdout);
@@ -124,7 +126,7 @@ void run(UpscaleOptions options) {
   printWarnings(input.frame.warnings());
   stopIfInterrupted();
   const Task task{options, input, reference, whole};
-  onDevice(options.device, [&](Device& device) { upscaleOn(device, task); });
+  onDevice(options.device, options.quiet, [&](Device& device) { upscaleOn(device, task); });
 }
 
 }  // namespace

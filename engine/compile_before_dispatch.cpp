@@ -5,10 +5,11 @@
 #include <exception>
 #include <map>
 #include <mutex>
-#include <thread>
 
 #include "engine/handles.h"
+#include "engine/preparation.h"
 #include "engine/vulkan_result.h"
+#include "xrds/error.h"
 
 namespace xrds {
 namespace {
@@ -91,12 +92,15 @@ void EmptyDispatches::run(const Dispatch& dispatch) {
   reset();
 }
 
-// Devices beside the first, each with a queue of its own; fewer if they cannot be opened.
+// Devices beside the first, each with a queue of its own; fewer if they cannot be opened. Without a cache folder what
+// they compile would be lost.
 std::vector<Gpu> openMore(Gpu& gpu, size_t count) {
   DeviceOptions options = gpu.handles().options;
   options.select = gpu.description().uuid;
   options.validation = false;
+  options.onPreparation = nullptr;
   std::vector<Gpu> devices;
+  if (options.cacheFolder.empty()) return devices;
   try {
     while (devices.size() < count) devices.emplace_back(options);
   } catch (const std::exception&) {  // then those that there are do it
@@ -119,23 +123,47 @@ struct Programs {
   }
 };
 
-struct Threads {
-  std::vector<std::thread> running;
-  ~Threads() {
-    for (std::thread& thread : running) thread.join();
-  }
-};
-
-void compileOnAnother(Gpu& gpu, Programs& programs) {
+void compileOnAnother(Gpu& gpu, Programs& programs, PreparationReport& report) {
   try {
     EmptyDispatches empty(gpu);
-    while (const Dispatch* dispatch = programs.take()) {
+    while (const Dispatch* dispatch = report.cancelled() ? nullptr : programs.take()) {
       const PipelineKey key(*dispatch);
       makePipelines(gpu.handles(), {&key, 1});
       empty.run(*dispatch);
+      report.advance();
     }
   } catch (const std::exception&) {  // then the first dispatch compiles it
   }
+}
+
+// Compiles the programs of pipelines that are made. Those that a caller who cancels leaves out lose theirs, so that the
+// next preparation compiles them.
+void compileMade(Gpu& gpu, EmptyDispatches& empty, Programs& programs) {
+  constexpr size_t kMostDevices = 8;  // each takes 30 ms to open
+  const size_t count = programs.dispatches.size();
+  if (count == 0) return;
+  PreparationReport report(gpu.handles().options.onPreparation, Preparation::Phase::machineCode, count);
+  const size_t wanted = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, std::min(kMostDevices, count));
+  std::vector<Gpu> more = openMore(gpu, wanted - 1);
+  std::exception_ptr failure;
+  const auto work = [&](size_t thread) {
+    if (thread > 0) return compileOnAnother(more[thread - 1], programs, report);
+    try {
+      while (const Dispatch* dispatch = report.cancelled() ? nullptr : programs.take()) {
+        empty.run(*dispatch);
+        report.advance();
+      }
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  };
+  try {
+    report.await(1 + more.size(), work);
+  } catch (const Cancelled&) {
+    while (const Dispatch* dispatch = programs.take()) forgetPipeline(gpu.handles(), PipelineKey(*dispatch));
+    throw;
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace
@@ -146,7 +174,6 @@ void compileOnAnother(Gpu& gpu, Programs& programs) {
 // through the driver's disk cache, which an instance completes before it is destroyed.
 void makeCompiledPipelines(Gpu& gpu, std::span<const Dispatch* const> dispatches) {
   constexpr double kSecondsIfCached = 0.2;
-  constexpr size_t kMostDevices = 8;  // each takes 30 ms to open
   if (dispatches.empty()) return;
   std::map<PipelineKey, const Dispatch*> waiting;
   std::vector<PipelineKey> keys;
@@ -171,11 +198,7 @@ void makeCompiledPipelines(Gpu& gpu, std::span<const Dispatch* const> dispatches
 
   Programs programs;
   for (const auto& [key, dispatch] : waiting) programs.dispatches.push_back(dispatch);
-  const size_t wanted = std::min<size_t>({kMostDevices, std::thread::hardware_concurrency(), waiting.size()});
-  std::vector<Gpu> more = openMore(gpu, wanted > 1 ? wanted - 1 : 0);
-  Threads threads;
-  for (Gpu& other : more) threads.running.emplace_back([&] { compileOnAnother(other, programs); });
-  while (const Dispatch* dispatch = programs.take()) empty.run(*dispatch);
+  compileMade(gpu, empty, programs);
 }
 
 }  // namespace xrds

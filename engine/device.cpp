@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/cache_file.h"
+#include "engine/cache_folder.h"
 #include "engine/environment.h"
 #include "engine/handles.h"
 #include "engine/kernel_family.h"
@@ -63,7 +64,8 @@ void probe(Gpu::Handles& gpu) {
                 .knowsUniforms = llvmpipeTraits(gpu.description.driver).knowsUniforms};
   gpu.pipelineCacheKey = hexadecimal(properties.properties.pipelineCacheUUID) + "-" +
                          hexadecimal(version11.driverUUID) + "-" + std::to_string(properties.properties.driverVersion);
-  gpu.pipelineCacheFile = gpu.options.cacheFolder / ("pipelines-" + gpu.pipelineCacheKey + ".bin");
+  if (!gpu.options.cacheFolder.empty())
+    gpu.pipelineCacheFile = gpu.options.cacheFolder / ("pipelines-" + gpu.pipelineCacheKey + ".bin");
 }
 
 void openDevice(Gpu::Handles& gpu) {
@@ -142,7 +144,7 @@ std::vector<DeviceDescription> listDevices() {
 Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   Handles& gpu = *handles_;
   gpu.options = std::move(options);
-  if (gpu.options.cacheFolder.empty()) gpu.options.cacheFolder = defaultCacheFolder();
+  gpu.options.cacheFolder = chooseCacheFolder(gpu.options.cacheFolder, gpu.notes);
   // llvmpipe (Mesa 22.3) crashes when it compiles a vertex shader for 512-bit vectors.
   const bool draws = !gpu.options.deviceExtensions.empty();
   if (!draws) widenCpuVectors();
@@ -167,6 +169,8 @@ Gpu& Gpu::operator=(Gpu&&) noexcept = default;
 
 const DeviceDescription& Gpu::description() const { return handles_->description; }
 const DeviceTraits& Gpu::traits() const { return handles_->traits; }
+const std::vector<std::string>& Gpu::notes() const { return handles_->notes; }
+bool Gpu::hasAskedFamily() const { return !handles_->options.kernelFamily.empty() || !wantedKernelFamily().empty(); }
 void Gpu::addPrograms(ProgramSource source) {
   handles_->options.programs = [first = std::move(handles_->options.programs),
                                 second = std::move(source)](std::string_view name) {
@@ -195,7 +199,7 @@ Gpu::Handles::~Handles() {
 
 void savePipelineCache(Gpu::Handles& gpu) noexcept {
   size_t byteSize = 0;
-  if (!gpu.pipelineCache) return;
+  if (!gpu.pipelineCache || gpu.pipelineCacheFile.empty()) return;
   if (gpu.vk.vkGetPipelineCacheData(gpu.device, gpu.pipelineCache, &byteSize, nullptr) != VK_SUCCESS) return;
   if (byteSize <= gpu.loadedCacheBytes) return;
   try {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/dispatch.h"
+#include "xrds/preparation.h"
 
 namespace xrds {
 
@@ -37,12 +38,15 @@ struct DeviceOptions {
   /// Validation and synchronization validation; their messages go to onMessage. Throws if the layer is missing.
   bool validation = false;
   std::function<void(std::string_view)> onMessage;
-  /// Pipelines and driver caches are kept here; empty: the user's cache folder.
+  /// Pipelines and driver caches are kept here; empty: the user's cache folder. If it cannot be written, a temporary
+  /// one takes its place: see Gpu::notes().
   std::filesystem::path cacheFolder;
   /// Vulkan extensions to enable beside the engine's own, for programs that share its device to draw with it.
   std::vector<std::string> instanceExtensions{}, deviceExtensions{};
   /// The written version of the kernels; empty: what $XRDS_KERNEL_FAMILY names, else what suits the device.
   std::string kernelFamily{};
+  /// Hears how far the making of programs is, from Recording's constructor.
+  PreparationProgress onPreparation{};
   /// Copies through a staging buffer even where the host sees the device's memory, for tests.
   bool forceStaging = false;
   ProgramSource programs;
@@ -63,6 +67,10 @@ class Gpu {
 
   const DeviceDescription& description() const;
   const DeviceTraits& traits() const;
+  /// What a user should know of how it was opened, a sentence each.
+  const std::vector<std::string>& notes() const;
+  /// Whether the kernel family was asked for, by the options or $XRDS_KERNEL_FAMILY.
+  bool hasAskedFamily() const;
   /// Lets programs that none of the sources so far has be found in one more.
   void addPrograms(ProgramSource source);
   /// Whether Recording::gpuMicroseconds has anything to say.

@@ -2,6 +2,10 @@
 
 #include <cstdlib>
 
+#ifndef _WIN32
+#include <unistd.h>
+#endif
+
 namespace xrds {
 namespace {
 
@@ -41,7 +45,31 @@ std::filesystem::path defaultCacheFolder() {
   if (const auto folder = variable("LOCALAPPDATA"); !folder.empty()) return std::filesystem::path(folder) / "xrds";
 #endif
   if (const auto home = variable("HOME"); !home.empty()) return std::filesystem::path(home) / ".cache" / "xrds";
-  return std::filesystem::temp_directory_path() / "xrds-cache";
+  return temporaryCacheFolder();
+}
+
+std::filesystem::path temporaryCacheFolder() {
+  std::error_code failed;
+  auto folder = std::filesystem::temp_directory_path(failed);
+  if (failed) folder = "/tmp";
+#ifdef _WIN32
+  return folder / "xrds-cache";
+#else
+  return folder / ("xrds-cache-" + std::to_string(geteuid()));
+#endif
+}
+
+std::filesystem::path usersShaderCacheFolder() {
+  const std::string present = variable(kShaderCache);
+  return present == ourShaderCache ? usersShaderCache : present;
+}
+
+void placeShaderCache(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  usersShaderCache.clear();
+  ourShaderCache = folder.string();
+  setVariable(kShaderCache, ourShaderCache);
 }
 
 std::string wantedKernelFamily() { return variable("XRDS_KERNEL_FAMILY"); }
@@ -64,8 +92,9 @@ void separateShaderCache(const std::filesystem::path& cacheFolder) {
   if (present != ourShaderCache) usersShaderCache = present;
   // A user who chose both knows; a user who chose the folder alone did not expect another width in it.
   if (width.empty() || (!usersShaderCache.empty() && width != ourWidth)) return;
-  const auto folder =
-      (usersShaderCache.empty() ? cacheFolder : std::filesystem::path(usersShaderCache)) / ("mesa-w" + width);
+  // Without a folder that can be written Mesa keeps nothing; it must not read what it kept for another width either.
+  const auto ours = cacheFolder.empty() ? defaultCacheFolder() : cacheFolder;
+  const auto folder = (usersShaderCache.empty() ? ours : std::filesystem::path(usersShaderCache)) / ("mesa-w" + width);
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   ourShaderCache = folder.string();

@@ -9,6 +9,15 @@ namespace xrds {
 /// %LOCALAPPDATA%/xrds, or a temporary folder.
 std::filesystem::path defaultCacheFolder();
 
+/// A folder of this user's among the temporary ones. It may be another's who guessed its name.
+std::filesystem::path temporaryCacheFolder();
+
+/// Where the user's MESA_SHADER_CACHE_DIR places Mesa's shader cache; empty if it does not.
+std::filesystem::path usersShaderCacheFolder();
+
+/// Places Mesa's shader cache instead of the user, with widenCpuVectors()'s conditions.
+void placeShaderCache(const std::filesystem::path& folder);
+
 /// What the user set XRDS_KERNEL_FAMILY to; empty if nothing.
 std::string wantedKernelFamily();
 

@@ -47,6 +47,7 @@ struct Gpu::Handles {
   DeviceOptions options;
   DeviceDescription description;
   DeviceTraits traits;
+  std::vector<std::string> notes;
 
   std::unique_ptr<Instance> instance;
   VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
@@ -66,7 +67,7 @@ struct Gpu::Handles {
   std::unique_ptr<Buffer::Handles> staging;  // made at the first copy that needs it
 
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;
-  std::filesystem::path pipelineCacheFile;
+  std::filesystem::path pipelineCacheFile;  // empty: nothing can be written
   std::string pipelineCacheKey;
   size_t loadedCacheBytes = 0;
   std::map<PipelineKey, Pipeline> pipelines;
@@ -110,9 +111,13 @@ void recordDispatch(const Gpu::Handles& gpu, VkCommandBuffer commands, const Dis
                     std::array<uint32_t, 3> groupCount);
 
 /// Makes the pipelines of the keys that the device has not made yet, in parallel if there are many, and calls `made`
-/// after each, in the thread that made it. Throws the failure of the first that fails, whichever thread met it.
+/// after each, in the thread that made it. Throws the failure of the first that fails, whichever thread met it, and
+/// Cancelled if DeviceOptions::onPreparation says so.
 void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys,
                    const std::function<void(const PipelineKey&)>& made = {});
+
+/// Destroys a pipeline, so that the next who asks for it makes it again.
+void forgetPipeline(Gpu::Handles& gpu, const PipelineKey& key);
 
 /// Makes the pipelines of dispatches and compiles their programs, where the driver would otherwise do it at the first
 /// dispatch, one after the other: on CPU devices. Throws as makePipelines does.

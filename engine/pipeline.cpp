@@ -5,7 +5,9 @@
 #include <thread>
 
 #include "engine/handles.h"
+#include "engine/preparation.h"
 #include "engine/vulkan_result.h"
+#include "xrds/error.h"
 
 namespace xrds {
 namespace {
@@ -81,13 +83,16 @@ void compile(const Gpu::Handles& gpu, const PipelineKey& key, Pipeline& made) {
   made.pipeline = makePipeline(gpu, key, made.layout);
 }
 
-void destroy(const Gpu::Handles& gpu, const Pipeline& made) {
+}  // namespace
+
+void forgetPipeline(Gpu::Handles& gpu, const PipelineKey& key) {
+  const auto place = gpu.pipelines.find(key);
+  const Pipeline& made = place->second;
   gpu.vk.vkDestroyPipeline(gpu.device, made.pipeline, nullptr);
   gpu.vk.vkDestroyPipelineLayout(gpu.device, made.layout, nullptr);
   gpu.vk.vkDestroyDescriptorSetLayout(gpu.device, made.setLayout, nullptr);
+  gpu.pipelines.erase(place);
 }
-
-}  // namespace
 
 PipelineKey::PipelineKey(const Dispatch& dispatch)
     : program(dispatch.program),
@@ -124,30 +129,32 @@ void makePipelines(Gpu::Handles& gpu, std::span<const PipelineKey> keys,
 
   constexpr size_t kFew = 4;
   const size_t threadCount =
-      missing.size() <= kFew ? 0 : std::min<size_t>(missing.size(), std::thread::hardware_concurrency());
+      missing.size() <= kFew ? 1 : std::clamp<size_t>(std::thread::hardware_concurrency(), 1, missing.size());
   std::atomic<size_t> next = 0;
   std::vector<std::exception_ptr> failures(missing.size());
-  const auto work = [&] {
-    for (size_t i = next++; i < missing.size(); i = next++) {
+  PreparationReport report(gpu.options.onPreparation, Preparation::Phase::pipelines, missing.size());
+  const auto work = [&](size_t) {
+    for (size_t i = next++; i < missing.size() && !report.cancelled(); i = next++) {
       try {
         compile(gpu, missing[i]->first, missing[i]->second);
         if (made) made(missing[i]->first);
       } catch (...) {
         failures[i] = std::current_exception();
       }
+      report.advance();
     }
   };
-  std::vector<std::thread> threads;
-  for (size_t i = 1; i < threadCount; ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-
   std::exception_ptr first;
+  try {
+    if (!missing.empty()) report.await(threadCount, work);
+  } catch (const Cancelled&) {
+    for (const auto* each : missing) forgetPipeline(gpu, each->first);
+    throw;
+  }
   for (size_t i = 0; i < missing.size(); ++i) {
     if (!failures[i]) continue;
     if (!first) first = failures[i];
-    destroy(gpu, missing[i]->second);
-    gpu.pipelines.erase(gpu.pipelines.find(missing[i]->first));
+    forgetPipeline(gpu, missing[i]->first);
   }
   if (first) std::rethrow_exception(first);
 }

@@ -77,6 +77,8 @@ bool isFusedLayerRight(Gpu& gpu) {
 bool holds(bool (*areKernelsRight)(Gpu&), Gpu& gpu) {
   try {
     return areKernelsRight(gpu);
+  } catch (const Cancelled&) {
+    throw;
   } catch (const Error&) {
     return false;
   }

@@ -42,12 +42,14 @@ Device::Device(const Options& options)
                             .instanceExtensions = options.instanceExtensions,
                             .deviceExtensions = options.deviceExtensions,
                             .kernelFamily = options.kernelFamily,
+                            .onPreparation = options.onPreparation,
                             .programs = embeddedProgram})}) {
   proveAskedKernels(state_->gpu, options.kernelFamily.empty() ? wantedKernelFamily() : options.kernelFamily);
 }
 Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;
+std::vector<std::string> Device::notes() const { return state_->gpu.notes(); }
 Device::Description Device::description() const {
   Description description = describeDevice(state_->gpu.description());
   description.kernelFamily = nameOf(state_->gpu.traits().family);

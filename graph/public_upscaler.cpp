@@ -55,6 +55,13 @@ FrameInput inputOf(const PixelView& colour, std::span<const PixelView> auxiliary
   return {colour, {auxiliary.begin(), auxiliary.end()}, options.exposure};
 }
 
+// Of a small frame on a CPU nearly all the time is the driver's, which optimizes kernels of written-out products.
+std::optional<KernelFamily> familyFor(const Gpu& gpu, FrameShape frame) {
+  const bool small = uint64_t{frame.width} * frame.height <= Upscaler::kSmallFrame;
+  if (!small || gpu.hasAskedFamily() || gpu.traits().family != KernelFamily::lane) return {};
+  return KernelFamily::plain;
+}
+
 SessionOptions sessionOptions(const Upscaler::Options& options) {
   return {.precision = options.fp16 ? Precision::fp16 : Precision::fp32,
           .autoExposure = !options.exposure.has_value(),
@@ -103,16 +110,20 @@ struct Upscaler::State {
   }
 
   void prepare(Gpu& gpu, const ModelWeights& model, uint64_t memory) {
-    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, gpu.traits()});
+    SessionOptions of = sessionOptions(options);
+    of.family = familyFor(gpu, frame);
+    DeviceTraits traits = gpu.traits();
+    traits.family = of.family.value_or(traits.family);
+    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits});
     const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
     if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips)
-      return openSession(session, gpu, model, frame, sessionOptions(options));
+      return openSession(session, gpu, model, frame, of);
     tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
     if (skips) {
-      sparse.emplace(gpu, model, sessionOptions(options), tiles, sparseOptions(config, options));
+      sparse.emplace(gpu, model, of, tiles, sparseOptions(config, options));
       return;
     }
-    runner.emplace(gpu, model, sessionOptions(options));
+    runner.emplace(gpu, model, of);
     runner->prepare(tiles);
   }
 
@@ -124,6 +135,8 @@ struct Upscaler::State {
       try {
         return prepare(gpu, model, (tiling.arenaBytes + tiling.weightBytes) / 2);
       } catch (const OutOfMemory&) {
+      } catch (const Cancelled&) {
+        throw;
       } catch (const Error&) {  // there are no smaller tiles
         std::rethrow_exception(first);
       }

@@ -88,6 +88,12 @@ std::vector<ValueId> ownStorage(const Graph& graph) {
   return storage;
 }
 
+DeviceTraits traitsFor(const Gpu& gpu, const SessionOptions& options) {
+  DeviceTraits traits = gpu.traits();
+  traits.family = options.family.value_or(traits.family);
+  return traits;
+}
+
 }  // namespace
 
 uint64_t arenaByteSize(const Graph& graph) {
@@ -106,12 +112,13 @@ MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device) {
 
 Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionOptions options)
     : graph_(buildGraph(model.config(), frame, model.lookup(),
-                        fastOn(gpu.traits(), {options.precision, options.autoExposure, options.bandRows}))),
+                        fastOn(traitsFor(gpu, options), {options.precision, options.autoExposure, options.bandRows}))),
       storage_(options.aliasing ? inPlaceStorage(graph_) : ownStorage(graph_)) {
-  checkLimits(graph_, gpu.traits());
+  const DeviceTraits traits = traitsFor(gpu, options);
+  checkLimits(graph_, traits);
   const auto lives = lifetimes(graph_, storage_);
   plan_ = options.aliasing ? planMemory(lives) : planWithoutAliasing(lives);
-  const PackedModel packed = packModel(graph_, gpu.traits());
+  const PackedModel packed = packModel(graph_, traits);
   packedKeys_ = packed.keys;
   const Session* lender = options.lender;
   const bool arenaFits = lender && lender->arena_->byteSize() >= alignUp(plan_.byteSize, kBindingAlignment);
@@ -123,7 +130,7 @@ Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionO
     weights_->upload(0, packed.bytes);
   }
 
-  for (LoweredDispatch& lowered : lower(graph_, gpu.traits())) {
+  for (LoweredDispatch& lowered : lower(graph_, traits)) {
     const auto place = [&](const Binding& binding) -> ByteRange {
       if (binding.value == kWeights)
         return {weights_, packed.ranges[lowered.node].offset, packed.ranges[lowered.node].byteSize};

@@ -31,8 +31,9 @@ struct SessionOptions {
   bool autoExposure = true;
   bool timestamps = false;
   uint64_t multiplyAddsPerSubmission = RecordingOptions{}.multiplyAddsPerSubmission;
-  uint32_t bandRows = 0;  // as in GraphOptions
-  bool aliasing = true;   // off: every value keeps its bytes, so that each can be looked at
+  uint32_t bandRows = 0;                 // as in GraphOptions
+  std::optional<KernelFamily> family{};  // in place of the device's
+  bool aliasing = true;                  // off: every value keeps its bytes, so that each can be looked at
   /// A session of the same model whose arena, where it is large enough, and weights are used too: the two then run in
   /// turn, and it must outlive this one.
   const Session* lender = nullptr;

@@ -7,6 +7,7 @@
 
 #include "engine/cache_file.h"
 #include "tests/engine_programs.h"
+#include "tests/environment_variable.h"
 #include "tests/harness.h"
 
 namespace xrds {
@@ -108,20 +109,13 @@ TEST_F(CacheFile, DamagedPipelineCacheIsReplacedAndHarmless) {
 }
 
 #ifndef _WIN32
-/// Mesa's shader cache as a user would place it, for as long as this lives.
-struct ShaderCacheFolder {
-  explicit ShaderCacheFolder(const fs::path& folder) { setenv(kVariable, folder.c_str(), 1); }
-  ~ShaderCacheFolder() { before.empty() ? unsetenv(kVariable) : setenv(kVariable, before.c_str(), 1); }
-
-  static constexpr const char* kVariable = "MESA_SHADER_CACHE_DIR";
-  std::string before = std::getenv(kVariable) ? std::getenv(kVariable) : "";
-};
+constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
 
 // Texel ranges whose sizes, and buffers whose sizes, Mesa's cache key tells apart.
 TEST_F(CacheFile, AnotherSizeCompilesNothingAnew) {
   if (test::gpu().description().kind != DeviceKind::cpu) GTEST_SKIP() << "not Mesa's CPU driver";
   const auto compiled = [&](uint32_t quads) {
-    const ShaderCacheFolder mesa(folder_);
+    const test::EnvironmentVariable mesa(kShaderCache, folder_);
     EXPECT_EQ(runWithCache(folder_, quads), (std::vector<float>{3, 5, 7, 9}));
     const fs::recursive_directory_iterator files(folder_);
     return std::count_if(begin(files), end(files), [](const auto& entry) { return entry.is_regular_file(); });
@@ -132,10 +126,10 @@ TEST_F(CacheFile, AnotherSizeCompilesNothingAnew) {
 }
 
 TEST_F(CacheFile, ASecondDeviceKeepsTheUsersShaderCache) {
-  const ShaderCacheFolder mesa(folder_ / "users");
+  const test::EnvironmentVariable mesa(kShaderCache, folder_ / "users");
   for (int device = 0; device < 2; ++device) {
     EXPECT_EQ(runWithCache(folder_ / "ours"), (std::vector<float>{3, 5, 7, 9}));
-    EXPECT_EQ(std::string(std::getenv(ShaderCacheFolder::kVariable)).rfind(folder_ / "users", 0), 0u);
+    EXPECT_EQ(std::string(std::getenv(kShaderCache)).rfind(folder_ / "users", 0), 0u);
   }
 }
 #endif

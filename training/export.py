@@ -21,7 +21,7 @@ Licence: MIT, weights included.
 
 ## Training
 - Data: {data}
-- {steps} steps of {batch} crops of {crop} x {crop} low-resolution pixels, {minutes:.0f} minutes on {device} in bfloat16, seed {seed}{start}.
+- {steps} steps of {batch} crops of {crop} x {crop} low-resolution pixels, {minutes:.0f} minutes on {device} in {precision}, seed {seed}{start}.
 - Loss: {loss}
 - Command: `{command}`
 
@@ -70,11 +70,16 @@ def fields_of(config):
     return ", ".join(filter(None, named)) or "plain"
 
 
+def precision_of(told):
+    return told.get("precision", "bfloat16")        # what checkpoints that do not say it were trained in
+
+
 def command_of(told, start):
     """The trainer's command line; what is at its default is named too."""
     keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "aux_kernels", "aux_skip", "output_side",
             "crop", "batch", "rate", "warm_up", "tone", "ratio", "aux_loss", "seed", "minutes")
     flags = " ".join(f"--{key.replace('_', '-')} {told[key] or repr('')}" for key in keys)
+    flags += f" --precision {precision_of(told)}"
     return f"python training/train.py SHARD_FOLDER --output RUN_FOLDER {flags}" + (" --start CHECKPOINT" if start else "")
 
 
@@ -112,7 +117,7 @@ def main():
         parameters=sum(p.numel() for p in network.parameters()), giga=multiply_accumulates(config, 1024, 1024) / 1e9,
         data=data, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,
         device="one thread of a busy CPU" if told["device"] == "cpu" else "a CUDA device", start=f", started from {start}" if start else "",
-        seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, aux_spp=aux_spp,
+        precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, aux_spp=aux_spp,
         scenes=len(results["guided"]), table=evaluate.tables(results),
         other=table_of_other_samples(options.validation, config.scale, methods), limits=LIMITS)
     options.model.with_suffix(".md").write_text(card)

@@ -48,7 +48,7 @@ def test_forward_of_a_crop_is_the_pipeline(place):
     batch = {"colour": dataset.cut(scene.colours[64], y, x, size, 2, 1).float()[None],
              "aux": dataset.cut(scene.aux[16], y, x, size, 2, 4).float()[None],
              "target": dataset.cut(scene.target, y, x, size, 0, 4).float()[None], "exposure": torch.ones(1)}
-    result, target, _ = train.forward(network, batch, "cpu")
+    result, target, _ = train.forward(network, batch, "cpu", "bfloat16")
     with torch.no_grad():
         whole, _, _ = pipeline.upscale(network, scene.colours[64].float()[None], scene.aux[16].float()[None], 1.0)
     here = (..., slice(4 * y, 4 * (y + size)), slice(4 * x, 4 * (x + size)))

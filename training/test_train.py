@@ -4,6 +4,7 @@ import sys
 import pytest
 import torch
 
+import arithmetic
 import export
 import shards
 import train
@@ -11,7 +12,7 @@ import weights
 from test_dataset import write_scene
 
 TINY = ["--channels", "8", "--aux-channels", "4", "--head-channels", "8", "--groups", "1", "--crop", "8", "--batch", "1", "--warm-up", "1",
-        "--device", "cpu", "--aux-kernels", "3"]
+        "--device", "cpu", "--precision", "bfloat16", "--aux-kernels", "3"]
 
 
 @pytest.fixture
@@ -56,6 +57,39 @@ def test_same_seed_same_weights(folders, monkeypatch, tmp_path):
     assert all(torch.equal(one[key], two[key]) for key in one)
 
 
+@pytest.mark.parametrize("slow, chosen", [("bfloat16", "float32"), ("float32", "bfloat16")])
+def test_the_faster_precision_is_taken_and_said(folders, monkeypatch, tmp_path, capsys, slow, chosen):
+    _, packed, _ = folders
+    torch.set_num_threads(1)
+    monkeypatch.setattr(arithmetic, "probe_seconds", lambda device, precision: 0.6 if precision == slow else 0.1)
+    network = {}
+    for precision in ("auto", *arithmetic.TYPES):
+        run(monkeypatch, train, packed, "--output", tmp_path / precision, "--steps", 2, *TINY, "--precision", precision)
+        network[precision] = torch.load(tmp_path / precision / "checkpoint.pt", weights_only=False)["network"]
+    same = {name: all(torch.equal(network["auto"][key], network[name][key]) for key in network["auto"]) for name in arithmetic.TYPES}
+    assert same == {chosen: True, slow: False}
+    line = f"training in {chosen}: a probe takes "
+    assert line in capsys.readouterr().out and line in (tmp_path / "auto" / "log.txt").read_text()
+    assert f"{slow} 600.0 ms" in (tmp_path / "auto" / "log.txt").read_text()
+    assert torch.load(tmp_path / "auto" / "checkpoint.pt", weights_only=False)["options"]["precision"] == chosen
+
+
+def test_an_asked_precision_is_not_probed(monkeypatch):
+    monkeypatch.setattr(arithmetic, "probe_seconds", lambda *_: pytest.fail("probed"))
+    assert arithmetic.choose("bfloat16", "cpu") == ("bfloat16", "training in bfloat16, as asked")
+
+
+def test_the_probe_computes_in_the_type_that_it_times(monkeypatch):
+    types, linear = set(), torch.nn.functional.linear
+    monkeypatch.setattr(torch.nn.functional, "linear", lambda *images: types.add(linear(*images).dtype) or linear(*images))
+    state = torch.get_rng_state()
+    for precision, expected in arithmetic.TYPES.items():
+        types.clear()
+        assert arithmetic.probe_seconds("cpu", precision) > 0
+        assert types == {expected}
+    assert torch.equal(torch.get_rng_state(), state)        # a run of the same seed stays the same
+
+
 def test_export_writes_a_model_and_its_card(folders, monkeypatch, tmp_path):
     scenes, packed, output = folders
     run(monkeypatch, train, packed, "--output", output, "--steps", 1, *TINY)
@@ -66,3 +100,4 @@ def test_export_writes_a_model_and_its_card(folders, monkeypatch, tmp_path):
     assert network.config.aux_kernels == 3 and metadata["steps"] == "1"
     card = model.with_suffix(".md").read_text()
     assert "learned 3 x 3 filter of the auxiliary images" in card and "| 64, 1 |" in card
+    assert "in bfloat16, seed 1" in card and "--precision bfloat16" in card

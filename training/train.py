@@ -14,6 +14,7 @@ import time
 
 import torch
 
+import arithmetic
 import dataset
 import evaluate
 import metrics
@@ -62,6 +63,8 @@ def arguments_of_command_line():
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--evaluate-every", type=float, default=3, help="minutes")
     parser.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
+    parser.add_argument("--precision", default="auto", choices=("auto", *arithmetic.TYPES),
+                        help="of the network's arithmetic; auto times both on the device and takes the faster one")
     return parser.parse_args()
 
 
@@ -72,16 +75,16 @@ def config_of(options):
                          kernels=options.kernels, aux_skip=options.aux_skip, aux_kernels=options.aux_kernels, output_side=options.output_side)
 
 
-def forward(network, batch, device):
+def forward(network, batch, device, precision):
     """(result, target, aux) of a batch: exposed linear radiance [b, 3, H, W], and the auxiliary images [b, A, H, W] that it was made of,
-    None without. The network runs in bfloat16, the rest in float32."""
+    None without. The network runs in the precision, the rest in float32."""
     config = network.config
     inner, high = slice(dataset.BORDER, -dataset.BORDER), slice(config.scale * dataset.BORDER, -config.scale * dataset.BORDER)
     exposed = batch["exposure"].view(-1, 1, 1, 1) * batch["colour"]
     aux = batch.get("aux")
     bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
     channels_last = lambda image: None if image is None else image.contiguous(memory_format=torch.channels_last)
-    with torch.autocast(device, torch.bfloat16):
+    with arithmetic.autocast(device, precision):
         raw = network(channels_last(bordered[:, :, inner, inner]), channels_last(None if aux is None else aux[:, :, high, high]))
     residual, logits, aux_logits = pipeline.split_output(raw.float(), config)
     if aux_logits is not None:      # the border keeps its noise: only crops have one
@@ -212,7 +215,7 @@ def train(training, scenes, options, report):
         for group in training.optimizer.param_groups:
             group["lr"] = rate
         batch = crops.batch(options.batch)
-        result, target, aux = forward(training.network, batch, options.device)
+        result, target, aux = forward(training.network, batch, options.device, options.precision)
         robust, tone, ratio = losses(result, target, batch, options.smape)
         loss = robust + options.tone * tone + options.ratio * ratio
         if "clean" in batch:
@@ -270,6 +273,7 @@ def main():
     options = arguments_of_command_line()
     options.output.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(options.threads)
+    options.precision, precision_line = arithmetic.choose(options.precision, options.device)
     config = config_of(options)
     training = Training(config, options)
     checkpoint = options.output / "checkpoint.pt"
@@ -278,6 +282,7 @@ def main():
             print(line, flush=True)
             print(line, file=log, flush=True)
         report(" ".join(f"{key}={value}" for key, value in vars(options).items() if key not in ("train", "validation", "output", "start")))
+        report(precision_line)
         if checkpoint.exists():
             training.load(checkpoint, options)
             report(f"resumed at step {training.step}")

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "xrds/error.h"
+#include "xrds/preparation.h"
 
 namespace xrds {
 
@@ -26,7 +27,8 @@ class Device {
   struct Options {
     /// Empty: the best device. Else its index in list(), a part of its name, or its UUID.
     std::string select{};
-    /// Where compiled pipelines are kept; empty: the user's cache folder.
+    /// Where compiled programs are kept; empty: the user's cache folder. If it cannot be written, a temporary folder
+    /// of the user's takes its place: see notes().
     std::filesystem::path cacheFolder{};
     /// The version of the kernels, to compare them: one of kernelFamilies(). Empty: what the environment variable
     /// XRDS_KERNEL_FAMILY names, else what suits the device.
@@ -34,6 +36,8 @@ class Device {
     /// Vulkan validation layers; their messages go to onMessage.
     bool validation = false;
     std::function<void(std::string_view)> onMessage{};
+    /// Hears how far the device is while programs are made: when it is opened, and when an Upscaler is.
+    PreparationProgress onPreparation{};
     /// Vulkan extensions to enable, for a program that draws on the same device (xrds/engine_access.h).
     std::vector<std::string> instanceExtensions{}, deviceExtensions{};
   };
@@ -53,6 +57,8 @@ class Device {
   Device(Device&&) noexcept;
   Device& operator=(Device&&) noexcept;
   Description description() const;
+  /// What a user should know of how the device was opened, a sentence each: a cache folder that cannot be written.
+  std::vector<std::string> notes() const;
 
  private:
   friend class Upscaler;

@@ -25,4 +25,10 @@ class DeviceLost : public Error {
   using Error::Error;
 };
 
+/// The caller stopped the preparation of a device or a frame (PreparationProgress). The device works on.
+class Cancelled : public Error {
+ public:
+  using Error::Error;
+};
+
 }  // namespace xrds

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
@@ -81,18 +82,22 @@ Ended killXrds(const std::vector<std::string>& arguments, const std::function<bo
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), "", ""};
 }
 
-Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string& awaited, const std::string& keys) {
+Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string& awaited, const std::string& keys,
+                    const StartOptions& options) {
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
-  if (child == 0) becomeXrds(arguments, {});
+  if (child == 0) becomeXrds(arguments, options);
   Ended ended;
   bool typed = keys.empty();
+  auto typedAt = std::chrono::steady_clock::now();
   while (append(terminal, ended.output)) {
     if (typed || ended.output.find(awaited) == std::string::npos) continue;
     typed = true;
+    typedAt = std::chrono::steady_clock::now();
     if (write(terminal, keys.data(), keys.size()) < 0) break;
   }
   ended.exitCode = waitFor(child);
+  ended.secondsAfterKeys = std::chrono::duration<double>(std::chrono::steady_clock::now() - typedAt).count();
   close(terminal);
   return ended;
 }

@@ -12,6 +12,7 @@ namespace xrds::test {
 struct Ended {
   int exitCode = -1;
   std::string output, error;
+  double secondsAfterKeys = 0;  // from what runOnTerminal typed to the end
 };
 
 struct StartOptions {
@@ -29,6 +30,7 @@ Ended killXrds(const std::vector<std::string>& arguments, const std::function<bo
 
 /// Starts xrds on a terminal of its own, types `keys` once the output contains `awaited`, and waits for the end.
 /// `output` is all that appeared on the terminal.
-Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string& awaited, const std::string& keys);
+Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string& awaited, const std::string& keys,
+                    const StartOptions& options = {});
 
 }  // namespace xrds::test

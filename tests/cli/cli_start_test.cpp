@@ -1,0 +1,78 @@
+// The first start on a machine: nothing is cached, and what is kept must have a place.
+#include <fstream>
+
+#include "tests/cli/frames.h"
+
+namespace xrds::test {
+namespace {
+
+// A frame beyond Upscaler::kSmallFrame, whose kernels take long to compile.
+std::vector<std::string> largerFrame(const SmallFrame& frame) {
+  writeParts(frame.color, {{windowOf(32, 32), windowOf(32, 32), {colourLayer("", 32)}}});
+  writeParts(frame.aux,
+             {{windowOf(128, 128), windowOf(128, 128), {albedoLayer("albedo", 128), normalLayer("normal", 128)}}});
+  return frame.arguments();
+}
+
+StartOptions cachesIn(const std::string& folder, const std::string& temporary = "") {
+  StartOptions options{.environment = {{"XDG_CACHE_HOME", folder}, {"MESA_SHADER_CACHE_DIR", ""}}};
+  if (!temporary.empty()) options.environment["TMPDIR"] = temporary;
+  return options;
+}
+
+TEST(CliStart, AColdStartSaysWhatItCompiles) {
+  const SmallFrame frame;
+  const StartOptions cold = cachesIn((frame.folder / "cache").string());
+  const Ended ended = runXrds(largerFrame(frame), cold);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_NE(ended.error.find("xrds: compiling programs for this device, kept for the next start: "), std::string::npos)
+      << ended.error;
+  auto quiet = largerFrame(frame);
+  quiet.emplace_back("--quiet");
+  const Ended silent = runXrds(quiet, cachesIn((frame.folder / "other").string()));
+  EXPECT_EQ(silent.error, "");
+}
+
+TEST(CliStart, ControlCWhileCompilingEndsWithinASecond) {
+  const SmallFrame frame;
+  const Ended ended =
+      runOnTerminal(largerFrame(frame), "compiling programs", "\x03", cachesIn((frame.folder / "cache").string()));
+  EXPECT_EQ(ended.exitCode, 130) << ended.output;
+  EXPECT_NE(ended.output.find("Interrupted"), std::string::npos) << ended.output;
+  EXPECT_LT(ended.secondsAfterKeys, 1) << ended.output;
+  EXPECT_FALSE(std::filesystem::exists(frame.out));
+}
+
+TEST(CliStart, ACacheFolderThatCannotBeWrittenIsNamedOnceAndReplaced) {
+  const SmallFrame frame;
+  std::ofstream(frame.folder / "file") << "no folder";
+  std::filesystem::create_directory(frame.folder / "temporary");
+  const std::string place = (frame.folder / "file").string();
+  const StartOptions options = cachesIn(place, (frame.folder / "temporary").string());
+  const Ended first = runXrds(frame.arguments(), options);
+  EXPECT_EQ(first.exitCode, 0) << first.error;
+  const size_t named = first.error.find("xrds: warning: the cache folder '" + place);
+  ASSERT_NE(named, std::string::npos) << first.error;
+  EXPECT_EQ(first.error.find("the cache folder", named + 30), std::string::npos) << first.error;
+  const Ended second = runOnTerminal(frame.arguments(), "", "", options);
+  EXPECT_EQ(second.exitCode, 0) << second.output;
+  EXPECT_NE(second.output.find("the cache folder '" + place), std::string::npos) << second.output;
+  EXPECT_EQ(second.output.find("compiling programs"), std::string::npos) << second.output;
+}
+
+// Kernels that take the driver a second to read are for frames that take longer.
+TEST(CliStart, ASmallFrameTakesPlainKernels) {
+  const SmallFrame frame;
+  const Ended small = runXrds(frame.arguments({"--profile"}));
+  EXPECT_EQ(small.exitCode, 0) << small.error;
+  EXPECT_NE(small.output.find("conv3x3"), std::string::npos) << small.output;
+  EXPECT_EQ(small.output.find("_lane"), std::string::npos) << small.output;
+  StartOptions asked;
+  asked.environment["XRDS_KERNEL_FAMILY"] = "lane";
+  EXPECT_NE(runXrds(frame.arguments({"--profile"}), asked).output.find("_lane"), std::string::npos);
+  largerFrame(frame);
+  EXPECT_NE(runXrds(frame.arguments({"--profile"})).output.find("_lane"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace xrds::test
