@@ -8,6 +8,7 @@
 #include "engine/handles.h"
 #include "engine/hazards.h"
 #include "engine/vulkan_result.h"
+#include "engine/work.h"
 
 namespace xrds {
 namespace {
@@ -103,15 +104,23 @@ std::vector<PipelineKey> keysOf(std::span<const Dispatch* const> dispatches) {
   return keys;
 }
 
+uint64_t workOf(const PlacedDispatch& placed) {
+  uint64_t written = 0;
+  for (size_t i = 0; i < placed.ranges.size(); ++i)
+    if (placed.dispatch.bindings[i].access == Access::write) written += placed.ranges[i].byteSize;
+  return xrds::workOf(placed.dispatch.multiplyAdds, written);
+}
+
 std::vector<Submission> cut(std::span<const PlacedDispatch> dispatches, uint64_t multiplyAddsPerSubmission) {
   std::vector<Submission> submissions;
   uint64_t held = 0;
   for (size_t i = 0; i < dispatches.size(); ++i) {
-    if (submissions.empty() || held >= multiplyAddsPerSubmission) {
+    const uint64_t work = workOf(dispatches[i]);
+    if (submissions.empty() || held + work > multiplyAddsPerSubmission) {
       submissions.push_back({.begin = i});
       held = 0;
     }
-    held += dispatches[i].dispatch.multiplyAdds;
+    held += work;
     submissions.back().end = i + 1;
   }
   return submissions;

@@ -25,7 +25,8 @@ struct PlacedDispatch {
 
 struct RecordingOptions {
   bool timestamps = false;
-  /// A submission is cut once it holds this much work, so that none runs past a driver's watchdog.
+  /// A submission holds at most that much work (see workOf()) or one dispatch, so that none runs past a driver's
+  /// watchdog.
   uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
 };
 

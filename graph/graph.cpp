@@ -4,12 +4,12 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/work.h"
 #include "shaders/common/groups.h"
 
 namespace xrds {
 namespace {
 
-constexpr uint64_t kMaxMultiplyAddsPerDispatch = uint64_t{8} << 30;
 // Bindings start at an aligned offset at or below the first row, so one may exceed its rows by this much.
 constexpr uint64_t kBindingSlack = kBindingAlignment;
 
@@ -38,13 +38,13 @@ uint64_t computedPixels(const auto& op) {
 
 // First rows of the dispatches, and the end: each fits a binding and a dispatch's share of work.
 template <class Op>
-std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, uint64_t multiplyAdds) {
+std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, uint64_t multiplyAdds,
+                                     uint64_t mostWork) {
   const RowRange rows = computedRows(op);
   const uint32_t count = rows.end - rows.begin;
   const uint64_t rowBytes = std::max<uint64_t>(1, op.output.rowByteSize() * shuffleFactor(op));
-  const uint64_t rowWork = std::max<uint64_t>(1, multiplyAdds / count);
-  uint64_t step =
-      std::min((device.maxStorageBufferRange - kBindingSlack) / rowBytes, kMaxMultiplyAddsPerDispatch / rowWork);
+  const uint64_t rowWork = std::max<uint64_t>(1, workOf(multiplyAdds / count, rowBytes));
+  uint64_t step = std::min((device.maxStorageBufferRange - kBindingSlack) / rowBytes, mostWork / rowWork);
   step = std::clamp<uint64_t>(step, 1, count);
   uint32_t first = rows.begin;
   std::vector<uint32_t> bounds{first};
@@ -173,7 +173,7 @@ NodeCost cost(const Graph& graph) {
   return sum;
 }
 
-std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device) {
+std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device, uint64_t mostWork) {
   std::vector<LoweredDispatch> lowered;
   for (uint32_t n = 0; n < graph.nodes.size(); ++n) {
     const Node& node = graph.nodes[n];
@@ -182,7 +182,7 @@ std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& devic
     std::visit(
         [&](auto op) {
           if constexpr (requires { op.rows; }) {
-            const auto bounds = dispatchBounds(op, device, work.multiplyAdds + work.attentionMultiplyAdds);
+            const auto bounds = dispatchBounds(op, device, work.multiplyAdds + work.attentionMultiplyAdds, mostWork);
             for (size_t i = 0; i + 1 < bounds.size(); ++i) {
               op.rows = {bounds[i], bounds[i + 1]};
               add(op);

@@ -88,14 +88,19 @@ struct NodeCost {
 NodeCost cost(const Node& node);
 NodeCost cost(const Graph& graph);  // the sum of its nodes
 
-/// One dispatch of a node; a node becomes several where its output exceeds what the device can bind at once.
+/// One dispatch of a node; a node becomes several where its output exceeds what the device can bind at once, or its
+/// work what a dispatch may do.
 struct LoweredDispatch {
   uint32_t node = 0;
   Dispatch dispatch;
 };
 
-/// The dispatches of the graph in order. Pure.
-std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device);
+inline constexpr uint64_t kMostWorkPerDispatch = uint64_t{8} << 30;
+
+/// The dispatches of the graph in order, each of at most that much work (see workOf()) where rows, or rows of windows,
+/// can be cut so finely. Pure.
+std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device,
+                                   uint64_t mostWork = kMostWorkPerDispatch);
 
 /// Which storage each value uses: itself, or the value whose bytes it continues. A residual sum is written over its
 /// residual when nothing reads that afterwards and the value of the sum begins with it. Pure.

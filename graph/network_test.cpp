@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "engine/work.h"
 #include "graph/model.h"
 #include "graph/session.h"
 #include "xrds/error.h"
@@ -110,6 +111,31 @@ TEST(Network, BandsFitTheBindingsOfTheDevice) {
         EXPECT_EQ(binding.byteOffset % (binding.kind == BindingKind::copied ? 4 : kBindingAlignment), 0u);
       }
   }
+}
+
+// Whoever waits for the device waits for a dispatch: none is long where a little work is asked of each.
+TEST(Network, DispatchesAreAsShortAsAskedFor) {
+  NetworkConfig config;
+  config.groups = config.blocks = 1;
+  const ModelWeights model = ModelWeights::random(config, 1);
+  const Graph graph = buildGraph(config, {160, 160}, model.lookup(), {});
+  DeviceTraits traits;
+  traits.family = KernelFamily::lane;
+  constexpr uint64_t kMostWork = uint64_t{1} << 25;
+  uint64_t longest = 0, sum = 0, whole = 0;
+  for (const LoweredDispatch& lowered : lower(graph, traits, kMostWork)) {
+    const Dispatch& dispatch = lowered.dispatch;
+    if (!dispatch.isCopy()) longest = std::max(longest, dispatch.multiplyAdds);
+    sum += dispatch.multiplyAdds;
+    for (const Binding& binding : dispatch.bindings)
+      if (binding.access == Access::write && !dispatch.isCopy()) {
+        EXPECT_LE(workOf(0, binding.byteSize), 2 * kMostWork) << dispatch.label;
+      }
+  }
+  for (const LoweredDispatch& lowered : lower(graph, traits)) whole += lowered.dispatch.multiplyAdds;
+  EXPECT_EQ(sum, whole);
+  EXPECT_GT(longest, kMostWork / 8);
+  EXPECT_LE(longest, 2 * kMostWork) << "rows of windows cannot be cut further";
 }
 
 TEST(Network, RefusesAnEmptyOrHugeFrame) {

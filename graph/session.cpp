@@ -130,7 +130,8 @@ Session::Session(Gpu& gpu, const ModelWeights& model, FrameShape frame, SessionO
     weights_->upload(0, packed.bytes);
   }
 
-  for (LoweredDispatch& lowered : lower(graph_, traits)) {
+  const uint64_t mostWork = std::min(options.multiplyAddsPerSubmission, kMostWorkPerDispatch);
+  for (LoweredDispatch& lowered : lower(graph_, traits, mostWork)) {
     const auto place = [&](const Binding& binding) -> ByteRange {
       if (binding.value == kWeights)
         return {weights_, packed.ranges[lowered.node].offset, packed.ranges[lowered.node].byteSize};

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "engine/work.h"
 #include "tests/engine_programs.h"
 #include "tests/harness.h"
 #include "xrds/error.h"
@@ -130,7 +131,7 @@ TEST(Recording, ManySubmissionsGiveTheSameBits) {
   Buffer buffer(gpu(), (kLength + 1) * kRegion);
   const auto numbers = test::randomNumbers(kQuads * 4, 1);
   std::vector<std::vector<float>> results;
-  for (const uint64_t multiplyAdds : {uint64_t{1}, uint64_t{3} * kQuads * 4, uint64_t{1} << 40}) {
+  for (const uint64_t multiplyAdds : {uint64_t{1}, 3 * workOf(kQuads * 4, kQuads * 16), uint64_t{1} << 40}) {
     buffer.fill(~0u);
     test::uploadFloats(buffer, 0, numbers);
     Recording recording(gpu(), chain(buffer, kLength), {.multiplyAddsPerSubmission = multiplyAdds});
@@ -163,7 +164,8 @@ TEST(Recording, ProgressStopsTheRun) {
 
 TEST(Recording, TimestampsFitIntoTheWallTime) {
   Buffer buffer(gpu(), 4 * kRegion);
-  Recording recording(gpu(), chain(buffer, 3), {.timestamps = true, .multiplyAddsPerSubmission = 2 * kQuads * 4});
+  Recording recording(gpu(), chain(buffer, 3),
+                      {.timestamps = true, .multiplyAddsPerSubmission = 2 * workOf(kQuads * 4, kQuads * 16)});
   for (int round = 0; round < 2; ++round) {
     const auto begin = std::chrono::steady_clock::now();
     recording.run();

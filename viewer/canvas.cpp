@@ -9,6 +9,13 @@
 #include "image/compose.h"
 
 namespace xrds {
+
+Image heatRamp(int steps) {
+  Image ramp(steps, 1, 1);
+  for (int x = 0; x < steps; ++x) ramp.at(x, 0, 0) = static_cast<float>(x) / static_cast<float>(steps - 1);
+  return heatMap(ramp, 1);
+}
+
 namespace {
 
 constexpr uint32_t kBindings = 3;
@@ -25,9 +32,7 @@ VkShaderModule makeModule(const Gpu::Handles& gpu, std::span<const uint32_t> wor
 // The colours of the heat map from least to most, as a picture of one row.
 std::vector<float> heatColours() {
   constexpr int kSteps = 256;
-  Image ramp(kSteps, 1, 1);
-  for (int x = 0; x < kSteps; ++x) ramp.at(x, 0, 0) = static_cast<float>(x) / (kSteps - 1);
-  const Image colours = heatMap(ramp, 1);
+  const Image colours = heatRamp(kSteps);
   std::vector<float> pixels;
   for (int x = 0; x < kSteps; ++x)
     pixels.insert(pixels.end(), {colours.at(x, 0, 0), colours.at(x, 0, 1), colours.at(x, 0, 2), 0});
@@ -221,8 +226,6 @@ void Canvas::drawPart(VkCommandBuffer commands, VkDescriptorSet set, const Choic
   parameters.zoom = static_cast<float>(viewport.zoom);
   parameters.exposure = state.exposure();
   parameters.curve = state.curve;
-  parameters.leastErrorLog10 = -4;
-  parameters.mostErrorLog10 = 0;
   parameters.windowSide = std::max(state.windowSide, 1U);
   gpu_.vk.vkCmdSetScissor(commands, 0, 1, &part);
   record(commands, set, choice.kind, parameters);

@@ -22,10 +22,9 @@ vec3 pixelOf(uvec2 at) {
 
 vec3 heat(vec3 found, uvec2 at) {
   const vec3 expected = texelFetch(otherTexels, int(at.y * parameters.width + at.x)).rgb;
-  const vec3 difference = found - expected;
-  const float error = dot(difference * difference / (expected * expected + 0.01), vec3(1.0 / 3.0));
-  const float decades = parameters.mostErrorLog10 - parameters.leastErrorLog10;
-  const float share = (log(max(error, 1e-12)) / log(10.0) - parameters.leastErrorLog10) / decades;
+  float error = 0.0;
+  for (int c = 0; c < 3; ++c) error += relativeSquaredError(found[c], expected[c]) / 3.0;
+  const float share = (log(max(error, 1e-12)) / log(10.0) - kLeastErrorLog10) / (kMostErrorLog10 - kLeastErrorLog10);
   return texelFetch(heatTexels, int(clamp(share, 0.0, 1.0) * 255.0 + 0.5)).rgb;
 }
 

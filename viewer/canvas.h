@@ -1,9 +1,13 @@
 #pragma once
 
+#include "image/image.h"
 #include "viewer/pictures.h"
 #include "viewer/view_state.h"
 
 namespace xrds {
+
+/// The colours of the heat map in so many steps from least to most, linear, as an image of one row.
+Image heatRamp(int steps);
 
 /// Draws pictures where they lie in device memory, with the exposure and curve of a view. Used by one thread.
 class Canvas {

@@ -150,6 +150,7 @@ Placement Display::placement() const {
 void Display::resize(int width, int height) { glfwSetWindowSize(window_, width, height); }
 void Display::minimize() { glfwIconifyWindow(window_); }
 void Display::restore() { glfwRestoreWindow(window_); }
+void Display::hide() { glfwHideWindow(window_); }
 void Display::title(const std::string& text) { glfwSetWindowTitle(window_, text.c_str()); }
 
 }  // namespace xrds

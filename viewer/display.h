@@ -68,6 +68,7 @@ class Display {
   void resize(int width, int height);
   void minimize();
   void restore();
+  void hide();
   void title(const std::string& text);
 
  private:

@@ -35,7 +35,7 @@ void print(const Report& report, uint64_t pictures, double seconds) {
               report.fp16 ? "fp16" : "fp32", report.width, report.height, report.scale * report.width,
               report.scale * report.height);
   for (const StageTime& stage : report.stages)
-    std::printf("  %-24s %9.2f ms\n", stage.name.c_str(), stage.milliseconds);
+    std::printf("  %-24s %9.2f ms\n", ((stage.isPart ? "  " : "") + stage.name).c_str(), stage.milliseconds);
   std::printf("pictures %llu in %.2f s, %.2f a second\n", static_cast<unsigned long long>(pictures), seconds,
               static_cast<double>(pictures) / seconds);
 }
@@ -46,9 +46,9 @@ void runHeadless(const ViewerOptions& options) {
   if (options.scene.empty() || options.frames <= 0)
     throw Failure{ExitCode::usage, "--headless needs --live SCENE and --frames N."};
   using Clock = std::chrono::steady_clock;
+  Wanted wanted = wantedOf(options);
   Device device({.select = options.device});
   Pictures pictures(EngineAccess::gpu(device));
-  Wanted wanted = wantedOf(options);
   wanted.live.scene = options.scene;
   Signal signal;
   Upscaling upscaling(device, pictures, [&] { signal.give(); });
@@ -59,7 +59,7 @@ void runHeadless(const ViewerOptions& options) {
   for (uint64_t seen = 0; seen < last;) {
     signal.await();
     const Report report = upscaling.report();
-    if (!report.error.empty()) throw Failure{ExitCode::device, report.error};
+    if (!report.error.empty()) throw Failure{report.failure, report.error};
     if (!orbit && report.scene == options.scene) orbit.emplace(report.startCamera);
     if (!orbit || report.pictures == seen) continue;
     seen = report.pictures;

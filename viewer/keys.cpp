@@ -59,6 +59,7 @@ const std::vector<KeyBinding> kBindings{
     {"I O", "closer to it, farther from it", {{GLFW_KEY_I, 0, Command::closer}, {GLFW_KEY_O, 0, Command::farther}}},
     {"V", "its first view again", {{GLFW_KEY_V, 0, Command::startView}}},
     {"N", "next live scene", {{GLFW_KEY_N, 0, Command::nextScene}}},
+    {"Ctrl+O", "open files", {{GLFW_KEY_O, GLFW_MOD_CONTROL, Command::openFiles}}},
     {"R", "read the files again", {{GLFW_KEY_R, 0, Command::reload}}},
     {"S", "screenshot as PNG", {{GLFW_KEY_S, 0, Command::screenshot}}},
     {"Ctrl+S", "save the result as EXR", {{GLFW_KEY_S, GLFW_MOD_CONTROL, Command::save}}},
@@ -68,14 +69,23 @@ const std::vector<KeyBinding> kBindings{
 };
 
 const std::map<std::string, int> kNamedKeys = {
-    {"Space", GLFW_KEY_SPACE},   {"Left", GLFW_KEY_LEFT},
-    {"Right", GLFW_KEY_RIGHT},   {"Up", GLFW_KEY_UP},
-    {"Down", GLFW_KEY_DOWN},     {"PageUp", GLFW_KEY_PAGE_UP},
-    {"Home", GLFW_KEY_HOME},     {"PageDown", GLFW_KEY_PAGE_DOWN},
-    {"End", GLFW_KEY_END},       {"Escape", GLFW_KEY_ESCAPE},
-    {"F1", GLFW_KEY_F1},         {"Plus", GLFW_KEY_EQUAL},
-    {"Minus", GLFW_KEY_MINUS},   {"Comma", GLFW_KEY_COMMA},
+    {"Space", GLFW_KEY_SPACE},
+    {"Left", GLFW_KEY_LEFT},
+    {"Right", GLFW_KEY_RIGHT},
+    {"Up", GLFW_KEY_UP},
+    {"Down", GLFW_KEY_DOWN},
+    {"PageUp", GLFW_KEY_PAGE_UP},
+    {"Home", GLFW_KEY_HOME},
+    {"PageDown", GLFW_KEY_PAGE_DOWN},
+    {"End", GLFW_KEY_END},
+    {"Escape", GLFW_KEY_ESCAPE},
+    {"F1", GLFW_KEY_F1},
+    {"Plus", GLFW_KEY_EQUAL},
+    {"Minus", GLFW_KEY_MINUS},
+    {"Comma", GLFW_KEY_COMMA},
     {"Period", GLFW_KEY_PERIOD},
+    {"Enter", GLFW_KEY_ENTER},
+    {"Backspace", GLFW_KEY_BACKSPACE},
 };
 
 bool takesDigit(Command command) { return command == Command::showRight || command == Command::showLeft; }

@@ -47,6 +47,7 @@ enum class Command : uint8_t {
   farther,
   startView,
   nextScene,
+  openFiles,
   reload,
   screenshot,
   save,

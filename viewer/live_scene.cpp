@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "app/stage.h"
+
 namespace xrds {
 namespace {
 
@@ -13,7 +15,7 @@ TraceScene sceneOf(const std::string& name) {
 }
 
 PathTracer makeTracer(Gpu& gpu, const LiveWanted& wanted, uint32_t scale, Camera& start) {
-  const TraceScene scene = sceneOf(wanted.scene);
+  const TraceScene scene = stage(ExitCode::input, [&] { return sceneOf(wanted.scene); });
   start = scene.camera;
   return {gpu, scene, wanted.width, wanted.height, scale};
 }
@@ -35,6 +37,15 @@ LiveScene::LiveScene(Gpu& gpu, const LiveWanted& wanted, uint32_t scale)
 }
 
 std::vector<std::string> LiveScene::names() { return builtInSceneNames(); }
+
+void LiveScene::requireExisting(const std::string& scene) {
+  const auto known = names();
+  if (std::find(known.begin(), known.end(), scene) != known.end() || std::filesystem::exists(scene)) return;
+  std::string list;
+  for (const std::string& name : known) list += name + ", ";
+  throw Error("There is no scene '" + scene + "': give a glTF or OBJ file or a built-in scene, " +
+              list.substr(0, list.size() - 2) + ".");
+}
 
 bool LiveScene::isOf(const LiveWanted& wanted, uint32_t scale) const {
   return wanted.scene == made_.scene && wanted.width == made_.width && wanted.height == made_.height && scale == scale_;

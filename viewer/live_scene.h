@@ -21,11 +21,13 @@ struct LiveWanted {
 /// A scene that is traced on the device, refined from one call to the next. Used by one thread.
 class LiveScene {
  public:
-  /// Throws Error if the scene cannot be read or the device cannot hold it.
+  /// Throws Failure if the scene cannot be read, Error if the device cannot hold it.
   LiveScene(Gpu& gpu, const LiveWanted& wanted, uint32_t scale);
 
   /// The names that LiveWanted::scene takes besides files.
   static std::vector<std::string> names();
+  /// Throws Error that lists the names if the scene is neither one of them nor a file.
+  static void requireExisting(const std::string& scene);
 
   bool isOf(const LiveWanted& wanted, uint32_t scale) const;
   const Camera& start() const { return start_; }

@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
 #include "app/kernel_family.h"
 #include "app/skip_bound.h"
 #include "viewer/headless.h"
+#include "viewer/script_verbs.h"
 
 namespace {
 
@@ -52,19 +54,30 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("--size", options.size, "Of the window (default: as it was left)")->type_name("WIDTHxHEIGHT");
   app.add_option("--frames", options.frames, "Leave after so many upscaled pictures")->type_name("N");
   app.add_option("--screenshot", options.screenshot, "PNG file of the window to write then")->type_name("PNG");
-  app.add_option("--script", options.script, "File of steps to take, one a line; leaves after the last")
+  app.add_option("--script", options.script, "File of steps to take, as listed below; leaves after the last")
       ->type_name("FILE");
   app.add_flag("--statistics", options.statistics, "Print what the session took when leaving");
   app.add_flag("--headless", options.headless,
                "Time the live loop without a window, the camera going round: needs --live and --frames");
   app.add_flag("--validation", options.validation, "With Vulkan's validation layers; their first message is a failure");
   app.footer(
-      "H shows the keys. Exit codes are those of xrds --help; 5 also if there is no display.\n\nExamples:\n"
+      std::string(
+          "H shows the keys. Exit codes are those of xrds --help; 5 also if there is no display.\n\nExamples:\n") +
       "  xrds view color.exr aux.exr reference.exr\n"
       "  xrds view 'color.####.exr' 'aux.####.exr' --fps 24\n"
       "  xrds view --watch color.exr aux.exr\n"
       "  xrds view renders/\n"
-      "  xrds view --live room");
+      "  xrds view --live room\n\n" +
+      xrds::scriptHelp());
+}
+
+// What cannot be cancelled, such as reading a large file, ends with the process.
+void show(const xrds::ViewerOptions& options) {
+  xrds::Viewer viewer(options);
+  viewer.run();
+  if (viewer.leave()) return;
+  std::fflush(stdout);
+  std::_Exit(static_cast<int>(xrds::ExitCode::ok));
 }
 
 }  // namespace
@@ -79,7 +92,7 @@ int main(int argc, char** argv) {
     if (options.headless)
       xrds::runHeadless(options);
     else
-      xrds::Viewer(options).run();
+      show(options);
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help

@@ -5,6 +5,8 @@
 #include <imgui_impl_vulkan.h>
 
 #include "engine/vulkan_result.h"
+#include "viewer/file_dialog.h"
+#include "viewer/overlay.h"
 #include "viewer/panel_parts.h"
 
 namespace xrds {
@@ -107,21 +109,61 @@ void Panel::rescale() {
 bool Panel::takesMouse() const { return ImGui::GetIO().WantCaptureMouse; }
 bool Panel::takesKeys() const { return ImGui::GetIO().WantTextInput; }
 
+uint32_t Panel::width(const ViewState& view, uint32_t displayWidth) const {
+  const PanelPlace place = panelPlace(view.panel, view.unfolded, static_cast<float>(displayWidth) / scale_);
+  return place == PanelPlace::beside ? static_cast<uint32_t>(kPanelWidth * scale_) : 0;
+}
+
+// Older ones of Dear ImGui take the mouse's state, newer ones its changes.
+void Panel::applyPretended() const {
+  if (!pretended_) return;
+  ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 at{static_cast<float>(pretended_->x) / unit_, static_cast<float>(pretended_->y) / unit_};
+#if IMGUI_VERSION_NUM >= 18700
+  io.AddMousePosEvent(at.x, at.y);
+  io.AddMouseButtonEvent(0, pretended_->pressed);
+#else
+  io.MousePos = at;
+  io.MouseDown[0] = pretended_->pressed;
+#endif
+}
+
+void Panel::layOutPanel(PanelModel& model, PanelPlace place, float width, float height) {
+  const float scale = scale_ / unit_;
+  if (place == PanelPlace::hidden) return;
+  if (place == PanelPlace::folded) {
+    ImGui::SetNextWindowPos({width, 0}, ImGuiCond_Always, {1, 0});
+    ImGui::SetNextWindowBgAlpha(0.7F);
+    ImGui::Begin("folded", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize);
+    if (ImGui::Button("panel")) model.view.unfolded = true;
+    ImGui::End();
+    return;
+  }
+  const float wide = std::min(kPanelWidth * scale, width);
+  ImGui::SetNextWindowPos({width - wide, 0});
+  ImGui::SetNextWindowSize({wide, height});
+  ImGui::SetNextWindowBgAlpha(1);
+  ImGui::Begin("panel", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  if (place == PanelPlace::over && ImGui::Button("fold")) model.view.unfolded = false;
+  drawPanel(model);
+  ImGui::End();
+}
+
 void Panel::layOut(PanelModel& model, VkExtent2D extent) {
   ImGui_ImplVulkan_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  applyPretended();
   ImGui::NewFrame();
-  const float scale = scale_ / unit_, panelWidth = static_cast<float>(width(model.view)) / unit_;
+  const float scale = scale_ / unit_, taken = static_cast<float>(width(model.view, extent.width)) / unit_;
   const ImVec2 area{static_cast<float>(extent.width) / unit_, static_cast<float>(extent.height) / unit_};
-  drawLabels(model, area.x - panelWidth, area.y, scale, unit_);
-  if (model.view.panel) {
-    ImGui::SetNextWindowPos({area.x - panelWidth, 0});
-    ImGui::SetNextWindowSize({panelWidth, area.y});
-    ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
-    drawPanel(model);
-    ImGui::End();
-  }
+  const PanelPlace place = panelPlace(model.view.panel, model.view.unfolded, area.x / scale);
+  drawOverlay(model, place, area.x - taken, area.y, scale, unit_);
+  layOutPanel(model, place, area.x, area.y);
   if (model.view.help) drawHelp(model.view, scale);
+  drawFileDialog(model.browser, scale);
   ImGui::Render();
 }
 

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "viewer/file_browser.h"
 #include "viewer/keys.h"
+#include "viewer/layout.h"
 #include "viewer/swapchain.h"
 #include "viewer/upscaling.h"
 #include "viewer/view_state.h"
@@ -19,12 +21,13 @@ struct Playback {
   float framesPerSecond = 24;
 };
 
-/// The pixel under the cursor in the views that are shown.
+/// The pixel under the cursor in the views that are shown; of an error view the errors as its map has them.
 struct PixelProbe {
   int x = -1, y = -1;  // of the output; -1: the cursor is elsewhere
   struct Row {
     std::string name;
     float red = 0, green = 0, blue = 0;
+    bool isError = false;
   };
   std::vector<Row> rows;
 };
@@ -37,7 +40,9 @@ struct PanelModel {
   const Report& report;
   const PixelProbe& probe;
   const std::vector<std::string>& models;  // that can be chosen
-  View shownLeft, shownRight;              // now, where the pictures of the chosen views are not there
+  FileBrowser& browser;
+  bool hasPicture = false;
+  View shownLeft, shownRight;  // now, where the pictures of the chosen views are not there
   double drawMilliseconds = 0, longestTurnMilliseconds = 0;
   std::function<void(Command)> perform;  // as if its key had been pressed
 };
@@ -53,8 +58,8 @@ class Panel {
 
   /// Takes a new scale of the display. Call it when what was drawn before is finished.
   void rescale();
-  /// Display pixels that the panel takes at the right.
-  uint32_t width(const ViewState& view) const { return view.panel ? static_cast<uint32_t>(304 * scale_) : 0; }
+  /// Display pixels that the panel takes from the picture, at the right of a window of that width.
+  uint32_t width(const ViewState& view, uint32_t displayWidth) const;
   float scale() const { return scale_; }
   /// Whether the mouse is over the user interface rather than the picture.
   bool takesMouse() const;
@@ -62,11 +67,19 @@ class Panel {
   bool takesKeys() const;
   /// Lays everything out for a window of that size.
   void layOut(PanelModel& model, VkExtent2D extent);
+  /// From now on the mouse is there, in display pixels, and its left button pressed or not, for scripts.
+  void pretendMouse(double x, double y, bool pressed) { pretended_ = {x, y, pressed}; }
   /// Records what was laid out.
   static void draw(VkCommandBuffer commands);
 
  private:
+  struct Mouse {
+    double x = 0, y = 0;
+    bool pressed = false;
+  };
   void open();
+  void layOutPanel(PanelModel& model, PanelPlace place, float width, float height);
+  void applyPretended() const;
 
   Gpu::Handles& gpu_;
   const Display& display_;
@@ -74,6 +87,7 @@ class Panel {
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   float scale_ = 1;  // display pixels in a pixel of what is laid out
   float unit_ = 1;   // display pixels in Dear ImGui's unit of length, the desktop's
+  std::optional<Mouse> pretended_;
 };
 
 }  // namespace xrds

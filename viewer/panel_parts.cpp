@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "viewer/overlay.h"
+
 namespace xrds {
 namespace {
 
@@ -56,9 +58,11 @@ void drawSource(PanelModel& model) {
   const Report& report = model.report;
   heading("SOURCE");
   if (report.files.empty())
-    ImGui::TextWrapped("Drop EXR files here, or name them when starting: xrds view --help");
+    ImGui::TextWrapped("Drop EXR files here, or open them:");
   else
-    ImGui::TextWrapped("%s", report.files.c_str());
+    ImGui::TextUnformatted(shortened(report.files, ImGui::GetContentRegionAvail().x).c_str());
+  if (ImGui::IsItemHovered() && !report.files.empty()) ImGui::SetTooltip("%s", report.files.c_str());
+  if (ImGui::Button("open ... (Ctrl+O)")) model.perform(Command::openFiles);
   if (report.width > 0)
     ImGui::Text("%u x %u  to  %u x %u", report.width, report.height, report.scale * report.width,
                 report.scale * report.height);
@@ -109,7 +113,8 @@ void drawModel(PanelModel& model) {
   const Report& report = model.report;
   const std::string current = !model.wanted.model.empty() ? model.wanted.model : report.model;
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::BeginCombo("##model", current.empty() ? "by scale" : current.c_str())) {
+  const float room = ImGui::GetContentRegionAvail().x - 2 * ImGui::GetFrameHeight();
+  if (ImGui::BeginCombo("##model", current.empty() ? "by scale" : shortened(current, room).c_str())) {
     for (const std::string& name : model.models)
       if (ImGui::Selectable(name.c_str(), name == current)) model.wanted.model = name;
     ImGui::EndCombo();
@@ -192,10 +197,18 @@ void drawMetrics(const Report& report) {
 void drawTimes(const PanelModel& model) {
   heading("TIMES");
   if (!beginRows("times")) return;
-  for (const StageTime& stage : model.report.stages) row(stage.name.c_str(), "%.1f ms", stage.milliseconds);
+  for (const StageTime& stage : model.report.stages) {
+    const bool isTotal = stage.name == kTotalStage;
+    if (stage.isPart) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    row(((stage.isPart ? "  " : "") + stage.name).c_str(), "%.1f ms", stage.milliseconds);
+    if (stage.isPart) ImGui::PopStyleColor();
+    if (isTotal && model.report.pictures > 1) row("pictures", "%.1f a second", model.report.picturesPerSecond);
+  }
+  ImGui::EndTable();
+  heading("WINDOW");
+  if (!beginRows("window")) return;
   row("drawing", "%.1f ms", model.drawMilliseconds);
   row("longest turn", "%.1f ms", model.longestTurnMilliseconds);
-  if (model.report.pictures > 1) row("pictures", "%.1f a second", model.report.picturesPerSecond);
   row("device memory", "%.0f MB", static_cast<double>(model.report.deviceBytes) / 1e6);
   ImGui::EndTable();
   paragraph(model.report.device, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
@@ -204,17 +217,6 @@ void drawTimes(const PanelModel& model) {
 void drawNotices(const Report& report) {
   if (!report.notice.empty()) ImGui::TextWrapped("%s", report.notice.c_str());
   for (const std::string& warning : report.warnings) paragraph(warning, kWarning);
-}
-
-// A view's name, with what stands in for it.
-std::string labelOf(View wanted, View shown) {
-  return wanted == shown ? nameOf(wanted) : std::string(nameOf(shown)) + ", for want of " + nameOf(wanted);
-}
-
-void label(ImDrawList& list, const char* text, float x, float y, float scale) {
-  const ImVec2 size = ImGui::CalcTextSize(text), rim{6 * scale, 3 * scale};
-  list.AddRectFilled({x, y}, {x + size.x + 2 * rim.x, y + size.y + 2 * rim.y}, IM_COL32(0, 0, 0, 170), 3 * scale);
-  list.AddText({x + rim.x, y + rim.y}, IM_COL32(235, 235, 235, 255), text);
 }
 
 }  // namespace
@@ -236,31 +238,14 @@ void drawPanel(PanelModel& model) {
   if (ImGui::Button("EXR (Ctrl+S)")) model.perform(Command::save);
 }
 
-void drawLabels(const PanelModel& model, float width, float height, float scale, float unit) {
-  if (model.report.width == 0) return;
-  const ViewState& view = model.view;
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float rim = 8 * scale, y = height - ImGui::GetFontSize() - rim - 6 * scale;
-  if (view.wiping) {
-    const auto x = std::round(static_cast<float>(view.divider()) / unit);
-    if (x >= 0 && x <= width) {
-      list.AddRectFilled({x - 1.5F * scale, 0}, {x + 1.5F * scale, height}, IM_COL32(0, 0, 0, 130));
-      list.AddRectFilled({x - 0.5F * scale, 0}, {x + 0.5F * scale, height}, IM_COL32(255, 255, 255, 220));
-      list.AddCircleFilled({x, height / 2}, 7 * scale, IM_COL32(0, 0, 0, 150), 24);
-      list.AddCircleFilled({x, height / 2}, 5 * scale, IM_COL32(255, 255, 255, 230), 24);
-    }
-    label(list, labelOf(view.left, model.shownLeft).c_str(), rim, y, scale);
-  }
-  const std::string right = labelOf(view.right, model.shownRight);
-  label(list, right.c_str(), width - rim - ImGui::CalcTextSize(right.c_str()).x - 12 * scale, y, scale);
-}
-
 void drawHelp(ViewState& view, float scale) {
   const ImVec2 area = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({area.x / 2, area.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
   ImGui::SetNextWindowBgAlpha(0.94F);
-  constexpr ImGuiWindowFlags kFlags =
-      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize;
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {area.x - 8 * scale, area.y - 8 * scale});
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoCollapse |
+                                      ImGuiWindowFlags_HorizontalScrollbar | ImGuiWindowFlags_NoMove |
+                                      ImGuiWindowFlags_AlwaysAutoResize;
   ImGui::Begin("keys", &view.help, kFlags);
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const KeyBinding& binding : keyBindings()) {

@@ -18,6 +18,20 @@ const uint kKindCount = 5;
 const uint kCurveSrgb = 0;    // clamped to [0, 1]
 const uint kCurveFilmic = 1;  // highlights roll off
 
+// Ends of the heat map of errors, whose steps are even in the logarithm.
+const float kLeastErrorLog10 = -4.0f;
+const float kMostErrorLog10 = 0.0f;
+
+/// Of one channel; the mean over the channels is what RelMSE has for a pixel.
+#ifdef __cplusplus
+inline
+#endif
+    float
+    relativeSquaredError(float found, float expected) {
+  const float difference = found - expected;
+  return difference * difference / (expected * expected + 0.01f);
+}
+
 /// How a picture lies in its texel buffer: rows from the top, `stride` floats a pixel.
 struct Picture {
   uint width, height, stride;
@@ -31,8 +45,7 @@ struct PictureParameters {
   float zoom;              // display pixels in a pixel of it
   float exposure;
   uint curve;
-  float leastErrorLog10, mostErrorLog10;  // ends of the heat map
-  uint windowSide;                        // of the skip map, in pixels of the output
+  uint windowSide;  // of the skip map, in pixels of the output
 };
 
 #ifdef __cplusplus

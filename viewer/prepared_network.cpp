@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "app/skip_map.h"
+#include "app/stage.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -58,7 +59,7 @@ bool FrameSize::has(const std::string& input) const {
 PreparedNetwork::PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame,
                                  const NetworkOptions& options)
     : name_(std::move(name)),
-      model_(checked(std::move(model), name_, frame)),
+      model_(stage(ExitCode::model, [&] { return checked(std::move(model), name_, frame); })),
       options_(options),
       width_(frame.width),
       height_(frame.height),

@@ -31,7 +31,7 @@ bool operator==(const NetworkOptions& a, const NetworkOptions& b);
 /// in tiles or with windows left out it passes through the host.
 class PreparedNetwork {
  public:
-  /// Throws Error if the model does not fit the frame, or the device cannot hold it.
+  /// Throws Failure if the model does not fit the frame, Error if the device cannot hold it.
   PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame, const NetworkOptions& options);
 
   const std::string& name() const { return name_; }

@@ -1,9 +1,11 @@
 #include "viewer/script.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 
+#include "engine/check.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -23,24 +25,25 @@ std::vector<ScriptLine> readScript(const std::filesystem::path& file) {
   return lines;
 }
 
-Script::Script(std::vector<ScriptLine> lines, std::map<std::string, Verb> verbs)
-    : lines_(lines.begin(), lines.end()), verbs_(std::move(verbs)) {
-  verbs_["wait"] = {0, [](const auto&) {}};
-  verbs_["sleep"] = {1, [this](const auto& arguments) {
-                       const auto seconds = std::chrono::duration<double>(std::atof(arguments[0].c_str()));
-                       until_ = std::chrono::steady_clock::now() +
-                                std::chrono::duration_cast<std::chrono::steady_clock::duration>(seconds);
-                     }};
+Script::Script(std::vector<ScriptLine> lines, const std::vector<ScriptVerb>& verbs, Actions actions)
+    : lines_(lines.begin(), lines.end()), actions_(std::move(actions)) {
+  actions_["wait"] = [](const auto&) {};
+  actions_["sleep"] = [this](const auto& arguments) {
+    const auto seconds = std::chrono::duration<double>(std::atof(arguments[0].c_str()));
+    until_ =
+        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(seconds);
+  };
+  for (const ScriptVerb& verb : verbs) XRDS_CHECK(actions_.contains(verb.word));
   for (const ScriptLine& line : lines_) {
-    const std::string verb = line.verb.starts_with('!') ? line.verb.substr(1) : line.verb;
-    const auto found = verbs_.find(verb);
-    if (found == verbs_.end())
-      throw Error("Line " + std::to_string(line.number) + " of the script has an unknown verb '" + line.verb + "'.");
-    const int wanted = found->second.count, given = static_cast<int>(line.arguments.size());
+    const std::string word = line.verb.starts_with('!') ? line.verb.substr(1) : line.verb;
+    const std::string where = "Line " + std::to_string(line.number) + " of the script ";
+    const auto verb = std::find_if(verbs.begin(), verbs.end(), [&](const ScriptVerb& v) { return v.word == word; });
+    if (verb == verbs.end())
+      throw Error(where + "has an unknown step '" + line.verb + "': xrds view --help lists all.");
+    const int wanted = verb->argumentCount(), given = static_cast<int>(line.arguments.size());
     if (wanted >= 0 ? given != wanted : given < 1)
-      throw Error("Line " + std::to_string(line.number) + " of the script gives '" + line.verb + "' " +
-                  std::to_string(given) + " arguments, expected " + (wanted < 0 ? "some" : std::to_string(wanted)) +
-                  ".");
+      throw Error(where + "gives '" + line.verb + "' " + std::to_string(given) + " arguments, expected " +
+                  (*verb->arguments ? verb->arguments : "none") + ".");
   }
 }
 
@@ -58,7 +61,7 @@ void Script::step(bool ready) {
   const ScriptLine line = lines_.front();
   lines_.pop_front();
   try {
-    verbs_.at(hasty ? line.verb.substr(1) : line.verb).action(line.arguments);
+    actions_.at(hasty ? line.verb.substr(1) : line.verb)(line.arguments);
   } catch (const Error& failure) {
     throw Error("Line " + std::to_string(line.number) + " of the script: " + failure.what());
   }

@@ -7,6 +7,7 @@
 #include <map>
 #include <thread>
 
+#include "app/exit_code.h"
 #include "image/metrics.h"
 #include "viewer/live_scene.h"
 #include "viewer/stage_times.h"
@@ -25,6 +26,7 @@ struct ComparedPicture {
 struct Report {
   std::string files, model, device;  // of the picture that is shown
   std::string error, waiting, notice;
+  ExitCode failure = ExitCode::ok;  // what kind the error is of
   bool fp16 = false, hasReference = false;
   uint32_t width = 0, height = 0, scale = 1;  // of the input
   double share = 1;                           // of the run under way
@@ -44,6 +46,7 @@ struct Report {
   uint32_t samples = 0;          // of a pixel of a live view's colour
   std::string scene;             // of the live view, once it is there
   Camera startCamera;            // its own
+  bool current = false;          // a picture of what is wanted is shown, though samples or metrics may follow
   bool settled = false;          // all that is wanted is shown
 };
 
@@ -62,11 +65,16 @@ class Upscaling {
   /// Writes the output to an EXR file once it is there; how that went is told by Report::notice.
   void save(const std::filesystem::path& path);
   Report report() const;
-  /// Shows a failure of the asking thread's as if it were the worker's.
+  /// Shows a failure of the asking thread's, over files, as if it were the worker's.
   void fail(const std::string& error);
+  /// Cancels everything for good and waits for its end, as long at most: returns false if something that cannot be
+  /// cancelled still goes on, such as reading files or measuring. A file that is being saved is waited for.
+  bool stop(std::chrono::milliseconds patience);
 
  private:
   void loop();
+  std::optional<Wanted> nextWanted();
+  void tellFailure(const Wanted& wanted, const Failure& failure);
   void serve(const Wanted& wanted);
   bool loadWanted(const Wanted& wanted);
   void takeFrame(LoadedFrame frame);
@@ -83,8 +91,9 @@ class Upscaling {
   void startMetrics();
   void takeMetrics();
   void saveIfAsked();
+  std::string savedTo(const std::filesystem::path& path) const;
   void tell(const std::function<void(Report&)>& change);
-  void tellPicture(double networkMilliseconds);
+  void tellPicture();
   bool stopping() const;
   bool outdated() const;
   std::string wantedModel(const Wanted& wanted) const;
@@ -100,7 +109,7 @@ class Upscaling {
   uint64_t asked_ = 0;  // counts the changes of wanted_
   std::filesystem::path saveTo_;
   Report report_;
-  bool stopping_ = false;
+  bool stopping_ = false, ended_ = false, saving_ = false;
 
   // The worker's own.
   uint64_t serving_ = 0;
@@ -117,7 +126,7 @@ class Upscaling {
   uint32_t tilesShown_ = 0;
   uint64_t pace_ = NetworkOptions{}.multiplyAddsAtOnce;  // of this device
   std::chrono::steady_clock::time_point lastPicture_{};
-  std::vector<StageTime> loadStages_;
+  StageClock clock_;
   std::future<std::vector<ComparedPicture>> measuring_;
   uint64_t measuredFrame_ = 0, frameCount_ = 0;
   bool measured_ = false;

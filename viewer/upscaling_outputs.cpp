@@ -41,18 +41,32 @@ void Upscaling::saveIfAsked() {
     const std::lock_guard lock(mutex_);
     if (saveTo_.empty() || asked_ != serving_) return;
     path = std::exchange(saveTo_, {});
+    saving_ = true;
   }
-  std::string notice = "There is no picture to save yet.";
-  if (network_ && upscaled_) {
-    ExrOutput output = frame_ ? frame_->output : ExrOutput{};
-    const Image image = network_->download();
-    if (output.dataWindow.width() != image.width || output.dataWindow.height() != image.height)
-      output.dataWindow = output.displayWindow = {0, 0, image.width - 1, image.height - 1};
-    output.texts["xrds:model"] = fs::path(network_->name()).stem().string() + " " + network_->model().hash();
-    writeExr(path, image, output);
-    notice = "Saved " + path.string();
+  std::string notice, error;
+  try {
+    notice = savedTo(path);
+  } catch (const std::exception& failure) {
+    error = failure.what();
   }
-  tell([&](Report& report) { report.notice = notice; });
+  tell([&](Report& report) {
+    report.notice = notice;
+    if (!error.empty()) report.error = error, report.failure = ExitCode::output;
+    saving_ = false;
+  });
+  wake_.notify_all();
+}
+
+// Returns what to tell. Throws Error if the file cannot be written.
+std::string Upscaling::savedTo(const fs::path& path) const {
+  if (!network_ || !upscaled_) return "There is no picture to save yet.";
+  ExrOutput output = frame_ ? frame_->output : ExrOutput{};
+  const Image image = network_->download();
+  if (output.dataWindow.width() != image.width || output.dataWindow.height() != image.height)
+    output.dataWindow = output.displayWindow = {0, 0, image.width - 1, image.height - 1};
+  output.texts["xrds:model"] = fs::path(network_->name()).stem().string() + " " + network_->model().hash();
+  writeExr(path, image, output);
+  return "Saved " + path.string();
 }
 
 }  // namespace xrds

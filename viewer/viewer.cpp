@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <ctime>
 #include <utility>
 
@@ -19,8 +18,6 @@ namespace xrds {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr uint64_t kProbeBytes = 3 * 32;  // two texels of each of three pictures
 
 constexpr auto kBarPeriod = std::chrono::milliseconds(250);
 
@@ -52,6 +49,8 @@ Placement placementOf(const ViewerOptions& options) {
 }  // namespace
 
 Wanted wantedOf(const ViewerOptions& options) {
+  if (!options.model.empty()) stage(ExitCode::model, [&] { Model{resolveModel(options.model)}; });
+  if (!options.scene.empty()) stage(ExitCode::input, [&] { LiveScene::requireExisting(options.scene); });
   Wanted wanted;
   wanted.layers = options.layers;
   wanted.model = options.model;
@@ -78,15 +77,15 @@ Device Viewer::openDevice() {
 
 Viewer::Viewer(const ViewerOptions& options)
     : options_(options),
+      wanted_(wantedOf(options)),
       device_(openDevice()),
       display_(desktop_, "xrds", placementOf(options), events_),
       swapchain_(EngineAccess::gpu(device_), display_),
       pictures_(EngineAccess::gpu(device_)),
       canvas_(EngineAccess::gpu(device_), pictures_, swapchain_.renderPass()),
       panel_(EngineAccess::gpu(device_), display_, swapchain_),
-      probeBuffer_(EngineAccess::gpu(device_).handles(), kProbeBytes),
+      probeBuffer_(EngineAccess::gpu(device_).handles(), 3 * kProbeRowBytes),
       models_(shippedModels()) {
-  wanted_ = wantedOf(options);
   playback_.framesPerSecond = static_cast<float>(options.framesPerSecond);
   if (!options.model.empty() && std::find(models_.begin(), models_.end(), options.model) == models_.end())
     models_.push_back(options.model);
@@ -98,14 +97,21 @@ Viewer::Viewer(const ViewerOptions& options)
   if (!options.scene.empty()) showScene(options.scene);
   if (!options.files.empty()) stage(ExitCode::input, [&] { open(options.files); });
   if (!options.script.empty())
-    script_ =
-        stage(ExitCode::usage, [&] { return std::make_unique<Script>(readScript(options.script), scriptVerbs()); });
+    script_ = stage(ExitCode::usage, [&] {
+      return std::make_unique<Script>(readScript(options.script), scriptVerbs(), scriptActions());
+    });
 }
 
 Viewer::~Viewer() {
-  if (options_.size.empty()) writePlacement(placementFile(), display_.placement());
   upscaling_.reset();
   swapchain_.wait();
+}
+
+bool Viewer::leave() {
+  constexpr auto kPatience = std::chrono::milliseconds(400);
+  if (options_.size.empty()) writePlacement(placementFile(), display_.placement());
+  display_.hide();
+  return upscaling_->stop(kPatience);
 }
 
 void Viewer::run() {
@@ -136,6 +142,7 @@ void Viewer::takeTurn() {
   const auto start = Clock::now();
   if (changed_.exchange(false)) needDrawing(probe_.x >= 0 ? 2 : 1);  // the values come one drawing late
   report_ = upscaling_->report();
+  if (!report_.error.empty() && report_.pictures == 0 && !touched_) throw Failure{report_.failure, report_.error};
   // The bar moves a few times a second only: drawing takes the device's time from the network.
   if (report_.share < 1 && Clock::now() - lastBar_ > kBarPeriod) {
     lastBar_ = Clock::now();
@@ -176,7 +183,10 @@ void Viewer::measureTurn(double seconds) {
 // Whether all that was asked for is on the display.
 bool Viewer::ready() const {
   if (playback_.playing) return report_.pictures >= awaited_;  // the next frame is always on its way
-  return report_.settled && !changed_ && (dirty_ == 0 || display_.minimized()) && report_.pictures >= awaited_;
+  const bool sampled = awaitedSamples_ > 0 && report_.current && report_.error.empty() &&
+                       report_.samples >= std::min(awaitedSamples_, wanted_.live.mostSamples);
+  return (report_.settled || sampled) && !changed_ && (dirty_ == 0 || display_.minimized()) &&
+         report_.pictures >= awaited_;
 }
 
 void Viewer::advancePlayback() {
@@ -208,7 +218,7 @@ void Viewer::placeViewport() {
   const PictureView input = pictures_.at(Slot::input);
   if (!input.valid) return;
   const VkExtent2D extent = swapchain_.extent();
-  const double width = extent.width - std::min(panel_.width(view_), extent.width - 1);
+  const double width = extent.width - std::min(panel_.width(view_, extent.width), extent.width - 1);
   view_.windowSide = report_.windowSide;
   view_.viewport.resize(width, extent.height, report_.scale * input.width, report_.scale * input.height);
 }
@@ -225,6 +235,8 @@ void Viewer::draw() {
                    .report = report_,
                    .probe = probe_,
                    .models = models_,
+                   .browser = browser_,
+                   .hasPicture = pictures_.at(Slot::input).valid,
                    .shownLeft = canvas_.shownFor(view_.left),
                    .shownRight = canvas_.shownFor(view_.right),
                    .drawMilliseconds = drawMilliseconds_,
@@ -237,47 +249,12 @@ void Viewer::draw() {
       [&](VkCommandBuffer commands) { recordProbe(commands); },
       [&](VkCommandBuffer commands) {
         const VkExtent2D extent = swapchain_.extent();
-        canvas_.draw(commands, view_, extent.width - std::min(panel_.width(view_), extent.width), extent.height);
+        canvas_.draw(commands, view_, extent.width - std::min(panel_.width(view_, extent.width), extent.width),
+                     extent.height);
         Panel::draw(commands);
       });
   drawMilliseconds_ = 1000 * secondsSince(start);
   if (drawn && !screenshotTo_.empty()) saveScreenshot(std::exchange(screenshotTo_, {}));
-}
-
-void Viewer::recordProbe(VkCommandBuffer commands) {
-  probe_.rows.clear();
-  probe_.x = -1;
-  const Viewport& viewport = view_.viewport;
-  if (!pictures_.at(Slot::input).valid || cursorX_ < 0 || cursorX_ >= viewport.areaWidth || panel_.takesMouse() ||
-      !viewport.contains(cursorX_, cursorY_))
-    return;
-  probe_.x = static_cast<int>(viewport.pictureX(cursorX_));
-  probe_.y = static_cast<int>(viewport.pictureY(cursorY_));
-  std::vector<View> views{view_.right};
-  if (view_.wiping && view_.left != view_.right) views.insert(views.begin(), view_.left);
-  if (pictures_.at(Slot::reference).valid && std::find(views.begin(), views.end(), View::reference) == views.end())
-    views.push_back(View::reference);
-  const Gpu::Handles& gpu = EngineAccess::gpu(device_).handles();
-  for (const View view : views) {
-    if (canvas_.shownFor(view) != view) continue;
-    const Canvas::Choice choice = Canvas::choiceOf(view);
-    const PictureView picture = pictures_.at(choice.slot);
-    const auto x = static_cast<uint64_t>(probe_.x * picture.width / viewport.pictureWidth);
-    const auto y = static_cast<uint64_t>(probe_.y * picture.height / viewport.pictureHeight);
-    const uint64_t pixel = std::min<uint64_t>(y, picture.height - 1) * picture.width + x;
-    const VkBufferCopy region{4 * (pixel * picture.channels + choice.channel()), 32 * probe_.rows.size(), 12};
-    gpu.vk.vkCmdCopyBuffer(commands, picture.buffer, probeBuffer_.buffer(), 1, &region);
-    probe_.rows.push_back({nameOf(view)});
-  }
-}
-
-// What the drawing before this one has copied.
-void Viewer::readProbe() {
-  for (size_t i = 0; i < probe_.rows.size(); ++i) {
-    float values[3];
-    std::memcpy(values, probeBuffer_.bytes().data() + 32 * i, sizeof values);
-    probe_.rows[i] = {probe_.rows[i].name, values[0], values[1], values[2]};
-  }
 }
 
 void Viewer::saveScreenshot(const fs::path& path) {

@@ -46,6 +46,10 @@ class Viewer {
   /// Returns when the window is closed or the script is finished. Throws Failure if Vulkan fails or complains.
   void run();
 
+  /// Closes the window and cancels what goes on. Returns false if something that cannot be cancelled would keep the
+  /// program for longer than a moment: then end the process.
+  bool leave();
+
  private:
   struct Measured {
     double seconds = 0, slowestTurn = 0, turns = 0;
@@ -58,7 +62,11 @@ class Viewer {
     double turns = 0, longestTurn = 0;  // since then, in seconds
   };
   Device openDevice();
-  std::map<std::string, Script::Verb> scriptVerbs();
+  Script::Actions scriptActions();
+  void addInputActions(Script::Actions& actions);
+  void addWindowActions(Script::Actions& actions);
+  void addFileActions(Script::Actions& actions);
+  void openAsked(const std::vector<std::string>& files);
   void open(const std::vector<std::string>& files);
 
   // Events.
@@ -89,9 +97,13 @@ class Viewer {
   void saveScreenshot(const std::filesystem::path& path);
   void printStatistics() const;
   void printReport();
+  void printTimes();
   void printClock();
 
+  static constexpr uint64_t kProbeRowBytes = 32;  // two texels of each of three rows
+
   ViewerOptions options_;
+  Wanted wanted_;
   std::atomic<int> complaints_ = 0;  // of the validation layers
   Desktop desktop_;
   DisplayEvents events_;
@@ -103,7 +115,7 @@ class Viewer {
   Panel panel_;
   HostBuffer probeBuffer_;
   ViewState view_;
-  Wanted wanted_;
+  FileBrowser browser_{[this](const std::vector<std::string>& files) { openAsked(files); }};
   Playback playback_;
   Report report_;
   PixelProbe probe_;
@@ -113,7 +125,9 @@ class Viewer {
   bool quit_ = false, draggingWipe_ = false, draggingPicture_ = false, draggingCamera_ = false;
   double cursorX_ = -1, cursorY_ = -1, drawMilliseconds_ = 0;
   int dirty_ = 3;
-  uint64_t awaited_ = 0;  // pictures, by the script
+  bool touched_ = false;         // the user has chosen something since the start
+  uint64_t awaited_ = 0;         // pictures, by the script
+  uint32_t awaitedSamples_ = 0;  // 0: all
   std::filesystem::path screenshotTo_;
   std::chrono::steady_clock::time_point nextFrame_{}, lastBar_{};
   Measured measured_;

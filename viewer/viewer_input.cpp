@@ -1,4 +1,4 @@
-// What the user does, and what scripts do in the user's place.
+// What the user does.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
@@ -33,20 +33,23 @@ void Viewer::listen() {
   events_.button = [this](int button, bool pressed) { pressButton(button, pressed); };
   events_.move = [this](double x, double y) { moveCursor(x, y); };
   events_.scroll = [this](double steps) { turnWheel(steps); };
-  events_.drop = [this](const std::vector<std::string>& files) {
-    try {
-      open(files);
-    } catch (const Error& failure) {
-      upscaling_->fail(failure.what());
-    }
-    needDrawing();
-  };
+  events_.drop = [this](const std::vector<std::string>& files) { openAsked(files); };
   events_.redraw = [this] { needDrawing(); };
   events_.rescale = [this] {
     swapchain_.wait();
     panel_.rescale();
     needDrawing();
   };
+}
+
+void Viewer::openAsked(const std::vector<std::string>& files) {
+  touched_ = true;
+  try {
+    open(files);
+  } catch (const Error& failure) {
+    upscaling_->fail(failure.what());
+  }
+  needDrawing();
 }
 
 // One folder is watched; names with '#' are a sequence; files of a frame may come in any order.
@@ -86,7 +89,9 @@ void Viewer::open(const std::vector<std::string>& files) {
 
 void Viewer::pressKey(int key, int modifiers) {
   needDrawing();
+  touched_ = true;
   if (panel_.takesKeys()) return;
+  if (browser_.isOpen()) return browser_.pressKey(key, modifiers);
   if (const auto pressed = commandOf(key, modifiers)) perform(pressed->command, pressed->digit);
 }
 
@@ -101,7 +106,10 @@ void Viewer::perform(Command command, int digit) {
       view_.help = !view_.help;
       break;
     case Command::panel:
-      view_.panel = !view_.panel;
+      view_.panel = view_.unfolded = !view_.panel;
+      break;
+    case Command::openFiles:
+      browser_.open();
       break;
     case Command::nextModel:
       chooseModel(1);
@@ -245,6 +253,7 @@ void Viewer::chooseModel(int step) {
 
 void Viewer::pressButton(int button, bool pressed) {
   needDrawing();
+  touched_ = true;
   if (!pressed) draggingWipe_ = draggingPicture_ = draggingCamera_ = false;
   if (!pressed || panel_.takesMouse()) return;
   const bool onDivider = view_.wiping && std::abs(cursorX_ - view_.divider()) < kGrip * panel_.scale();
@@ -270,84 +279,6 @@ void Viewer::turnWheel(double steps) {
   needDrawing();
   if (panel_.takesMouse() || steps == 0) return;
   view_.viewport.zoomAbout(cursorX_, cursorY_, view_.viewport.zoomStep(steps > 0 ? 1 : -1));
-}
-
-void Viewer::printReport() {
-  swapchain_.wait();
-  readProbe();
-  std::printf("pictures=%llu files=%s model=%s precision=%s frame=%zu zoom=%g window=%ux%u swapchains=%u compared=%zu",
-              static_cast<unsigned long long>(report_.pictures), report_.files.c_str(), report_.model.c_str(),
-              report_.fp16 ? "fp16" : "fp32", playback_.index, view_.viewport.zoom, swapchain_.extent().width,
-              swapchain_.extent().height, swapchain_.timesMade(), report_.compared.size());
-  if (!report_.onDevice)
-    std::printf(" tiles=%u partial=%llu interpolated=%.2f kept=%.2f", report_.tiles,
-                static_cast<unsigned long long>(report_.partialPictures), report_.interpolated, report_.kept);
-  if (report_.samples > 0) std::printf(" samples=%u", report_.samples);
-  for (const PixelProbe::Row& row : probe_.rows)
-    std::printf(" %s@%d,%d=%.4g,%.4g,%.4g", row.name.c_str(), probe_.x, probe_.y, row.red, row.green, row.blue);
-  if (!report_.error.empty()) std::printf(" error=\"%s\"", report_.error.c_str());
-  if (!report_.whyNotSkipped.empty()) std::printf(" not-skipped=\"%s\"", report_.whyNotSkipped.c_str());
-  if (!report_.waiting.empty()) std::printf(" waiting=\"%s\"", report_.waiting.c_str());
-  std::printf("\n");
-  std::fflush(stdout);
-}
-
-// What has passed since it was printed last.
-void Viewer::printClock() {
-  const Clocked now{std::chrono::steady_clock::now(), std::clock(), measured_.drawings};
-  const Clocked last = std::exchange(clocked_, now);
-  const uint64_t drawings = now.drawings - last.drawings;
-  std::printf("clock seconds=%.3f processor=%.3f drawings=%llu mean_turn_ms=%.1f longest_turn_ms=%.1f\n",
-              std::chrono::duration<double>(now.wall - last.wall).count(),
-              static_cast<double>(now.processor - last.processor) / CLOCKS_PER_SEC,
-              static_cast<unsigned long long>(drawings),
-              1000 * last.turns / std::max<double>(1, static_cast<double>(drawings)), 1000 * last.longestTurn);
-  std::fflush(stdout);
-}
-
-std::map<std::string, Script::Verb> Viewer::scriptVerbs() {
-  using Arguments = std::vector<std::string>;
-  const auto number = [](const std::string& text) { return std::atof(text.c_str()); };
-  std::map<std::string, Script::Verb> verbs;
-  verbs["key"] = {1, [this](const Arguments& words) {
-                    const auto press = parseKey(words[0]);
-                    if (!press) throw Error("there is no key '" + words[0] + "'");
-                    pressKey(press->key, press->modifiers);
-                  }};
-  verbs["drop"] = {-1, [this](const Arguments& words) { events_.drop(words); }};
-  verbs["move"] = {2, [=, this](const Arguments& words) { moveCursor(number(words[0]), number(words[1])); }};
-  verbs["press"] = {0, [this](const Arguments&) { pressButton(GLFW_MOUSE_BUTTON_LEFT, true); }};
-  verbs["release"] = {0, [this](const Arguments&) { pressButton(GLFW_MOUSE_BUTTON_LEFT, false); }};
-  verbs["scroll"] = {1, [=, this](const Arguments& words) { turnWheel(number(words[0])); }};
-  verbs["size"] = {2, [=, this](const Arguments& words) {
-                     display_.resize(static_cast<int>(number(words[0])), static_cast<int>(number(words[1])));
-                     needDrawing();
-                   }};
-  verbs["minimize"] = {0, [this](const Arguments&) { display_.minimize(); }};
-  verbs["restore"] = {0, [this](const Arguments&) {
-                        display_.restore();
-                        needDrawing();
-                      }};
-  verbs["lose"] = {1, [this](const Arguments& words) {
-                     swapchain_.lose(words[0] == "surface");
-                     needDrawing();
-                   }};
-  verbs["clock"] = {0, [this](const Arguments&) { printClock(); }};
-  // Stand in for a renderer that writes while the viewer runs.
-  verbs["copy"] = {
-      2, [](const Arguments& words) { fs::copy_file(words[0], words[1], fs::copy_options::overwrite_existing); }};
-  verbs["part"] = {3, [](const Arguments& words) {
-                     fs::copy_file(words[1], words[2], fs::copy_options::overwrite_existing);
-                     fs::resize_file(words[2], std::stoull(words[0]));
-                   }};
-  verbs["await"] = {1, [=, this](const Arguments& words) { awaited_ = static_cast<uint64_t>(number(words[0])); }};
-  verbs["save"] = {1, [this](const Arguments& words) { upscaling_->save(words[0]); }};
-  verbs["screenshot"] = {1, [this](const Arguments& words) {
-                           screenshotTo_ = words[0];
-                           needDrawing(1);
-                         }};
-  verbs["print"] = {0, [this](const Arguments&) { printReport(); }};
-  return verbs;
 }
 
 }  // namespace xrds

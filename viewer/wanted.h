@@ -36,4 +36,7 @@ struct Wanted {
   bool operator==(const Wanted&) const;
 };
 
+/// Whether both take the same layers of a file.
+bool samePixels(const AovRequest& a, const AovRequest& b);
+
 }  // namespace xrds

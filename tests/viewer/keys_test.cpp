@@ -45,7 +45,7 @@ TEST(Keys, AreReadAsScriptsWriteThem) {
 TEST(Script, WaitsUntilItIsReady) {
   std::string log;
   const auto note = [&log](const std::vector<std::string>& words) { log += words.empty() ? "." : words[0]; };
-  Script script({{1, "say", {"a"}}, {2, "!say", {"b"}}, {3, "say", {"c"}}}, {{"say", {1, note}}});
+  Script script({{1, "say", {"a"}}, {2, "!say", {"b"}}, {3, "say", {"c"}}}, {{"say", "WORD", ""}}, {{"say", note}});
   script.step(false);
   EXPECT_EQ(log, "");
   script.step(true);
@@ -61,7 +61,7 @@ TEST(Script, WaitsUntilItIsReady) {
 
 TEST(Script, RefusesWhatItCannotDo) {
   const auto refused = [](ScriptLine line) {
-    EXPECT_THROW(Script({line}, {{"say", {1, [](const auto&) {}}}}), Error) << line.verb;
+    EXPECT_THROW(Script({line}, {{"say", "WORD", ""}}, {{"say", [](const auto&) {}}}), Error) << line.verb;
   };
   refused({1, "sing", {"a"}});
   refused({1, "say", {}});
@@ -73,6 +73,25 @@ TEST(Script, RefusesWhatItCannotDo) {
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_EQ(lines[0].number, 3);
   EXPECT_EQ(lines[0].arguments, std::vector<std::string>{"W"});
+}
+
+TEST(Script, TakesAsManyArgumentsAsItsTableNames) {
+  EXPECT_EQ((ScriptVerb{"wait", "", ""}.argumentCount()), 0);
+  EXPECT_EQ((ScriptVerb{"move", "X Y", ""}.argumentCount()), 2);
+  EXPECT_EQ((ScriptVerb{"drop", "FILE ...", ""}.argumentCount()), -1);
+  // A step of the table that does nothing is our mistake.
+  EXPECT_THROW(Script({}, {{"say", "", ""}}, {}), std::logic_error);
+}
+
+TEST(Script, HasAHelpThatNamesEveryStepOnce) {
+  const std::string help = scriptHelp();
+  std::set<std::string> seen;
+  for (const ScriptVerb& verb : scriptVerbs()) {
+    EXPECT_TRUE(seen.insert(verb.word).second) << verb.word;
+    EXPECT_FALSE(std::string(verb.text).empty()) << verb.word;
+    const std::string written = std::string("\n  ") + verb.word + " " + verb.arguments;
+    EXPECT_NE(help.find(written), std::string::npos) << verb.word;
+  }
 }
 
 }  // namespace

@@ -76,6 +76,25 @@ TEST_F(ViewerWindow, DoesNotFlickerWhileNothingMoves) {
   EXPECT_LT(meanDifference(shot("120"), shot("128")), 1) << "from one picture to the next";
 }
 
+TEST_F(ViewerWindow, TakesStepsBeforeAllSamplesAreThere) {
+  const Ended ended = run("samples 2\nwait\nprint\nkey Shift+Left\nwait\nprint\n", live("spheres", "1000000"));
+  const std::vector<double> samples = valuesOf(ended.output, "samples");
+  ASSERT_EQ(samples.size(), 2u) << ended.output;
+  for (const double count : samples) {
+    EXPECT_GE(count, 2);
+    EXPECT_LT(count, 1000000);
+  }
+}
+
+TEST_F(ViewerWindow, SaysThatItPreparesALiveScene) {
+  run("!screenshot preparing.png\n!sleep 0.05\n!key Q\n", live("room", "4"));
+  const Image shot = readPng(folder / "preparing.png");
+  double brightest = 0;
+  for (const float value : cropped(shot, 40, 60, 240, 140).pixels)
+    brightest = std::max(brightest, static_cast<double>(value));
+  EXPECT_GT(brightest, 200) << "letters in the middle of the window";
+}
+
 TEST_F(ViewerWindow, CostsNothingWhileNothingHappens) {
   const Ended ended = run("wait\nclock\nsleep 3\nclock\n", live("room", "4"));
   ASSERT_EQ(valuesOf(ended.output, "seconds").size(), 2u) << ended.output;

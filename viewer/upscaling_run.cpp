@@ -1,0 +1,186 @@
+// How a frame goes through the network and becomes pictures.
+#include <utility>
+
+#include "app/models.h"
+#include "app/stage.h"
+#include "viewer/upscaling.h"
+
+namespace xrds {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kTilePeriod = std::chrono::milliseconds(200);
+
+// From so much work on, a second or more on a CPU, the guided image is shown first.
+constexpr uint64_t kWorkWorthABase = uint64_t{1} << 36;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+const char* baseName(Slot slot) {
+  return slot == Slot::bicubic ? "bicubic" : slot == Slot::demodulated ? "demodulated" : "guided";
+}
+
+}  // namespace
+
+std::string Upscaling::wantedModel(const Wanted& wanted) const {
+  if (!wanted.model.empty()) return wanted.model;
+  if (live_) return "xrds-x4-mini";
+  if (size_.inputs.empty()) return "xrds-x4-compact-plain";
+  return defaultModel(size_.scale, size_.has("normal")).stem().string();
+}
+
+// Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
+// frames follow each other; in a live view every sample changes every pixel but those that are skipped anyway.
+NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) const {
+  NetworkOptions options{.fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes, .multiplyAddsAtOnce = pace_};
+  if (wanted.skip.bound() == 0 || !model.whyNeverSkipped().empty()) return options;
+  options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.inSequence)};
+  return options;
+}
+
+void Upscaling::prepare(const Wanted& wanted) {
+  const std::string name = wantedModel(wanted);
+  const bool same = network_ && network_->name() == name;
+  if (same && network_->options() == optionsFor(wanted, network_->model()) && network_->fits(size_)) return;
+  upscaled_ = false;
+  tell([&](Report& report) { report.waiting = "Preparing the network " + fs::path(name).stem().string() + " ..."; });
+  network_.reset();  // its memory goes before the next one's comes
+  pictures_.invalidate(Slot::skipMap);
+  if (!bases_.empty() && !bases_.begin()->second->fits(size_)) bases_.clear();
+  Model model = stage(ExitCode::model, [&] { return Model(resolveModel(name)); });
+  const NetworkOptions options = optionsFor(wanted, model);
+  network_ = std::make_unique<PreparedNetwork>(device_, name, std::move(model), size_, options);
+  clock_.end("preparing");
+}
+
+void Upscaling::giveInputs(PreparedNetwork& network) {
+  if (live_)
+    live_->giveTo(network);
+  else
+    network.take(*frame_);
+}
+
+// Cuts the work as this device needs it: on a fast one small submissions take longer to make than to run.
+void Upscaling::keepPace() {
+  if (network_->options().multiplyAddsAtOnce == pace_) return;
+  const std::string name = network_->name();
+  NetworkOptions options = network_->options();
+  options.multiplyAddsAtOnce = pace_;
+  network_.reset();
+  network_ = std::make_unique<PreparedNetwork>(device_, name, Model(resolveModel(name)), size_, options);
+  clock_.end("preparing");
+}
+
+// Something to look at while a large network computes.
+void Upscaling::showBaseFirst() {
+  const PictureView output = pictures_.at(Slot::output);
+  if (live_ || output.valid || pictures_.at(Slot::guided).valid) return;
+  const uint32_t scale = network_->model().scale();
+  const Model::Cost cost = network_->model().cost(scale * size_.width, scale * size_.height, network_->options().fp16,
+                                                  device_.description().kernelFamily);
+  if (cost.multiplyAdds < kWorkWorthABase) return;
+  makeBase(Slot::guided);
+  clock_.end("guided image first");
+}
+
+// Of a run that is under way; returns whether it shall go on. Tiles are shown as they are finished.
+bool Upscaling::showProgress(double share) {
+  const auto finished = static_cast<uint32_t>(share * network_->tileCount());
+  if (finished > tilesShown_ && Clock::now() - lastShown_ > kTilePeriod) {
+    tilesShown_ = finished;
+    network_->showOutput(pictures_, Slot::output);
+    lastShown_ = Clock::now();
+    tell([](Report& report) { ++report.partialPictures; });
+  }
+  const std::lock_guard lock(mutex_);
+  report_.share = share;
+  const bool hardlyLost = live_ || (share > 0.5 && network_->tileCount() == 1);
+  return !stopping_ && (asked_ == serving_ || hardlyLost);
+}
+
+void Upscaling::upscale() {
+  keepPace();
+  const auto begin = [&](Report& report) {
+    report.width = size_.width;
+    report.height = size_.height;
+    report.scale = network_->model().scale();
+    report.hasReference = frame_ && frame_->reference;
+    report.files = live_ ? "live" : frame_->files.colour.filename().string();
+    report.warnings = live_ ? std::vector<std::string>{} : frame_->warnings;
+    report.error.clear();
+    report.failure = ExitCode::ok;
+    report.waiting.clear();
+    report.compared.clear();
+    report.share = 0;
+    report.tiles = network_->tileCount();
+    report.onDevice = network_->isOnDevice();
+    report.whyNotSkipped = wanted_.skip.bound() > 0 ? network_->model().whyNeverSkipped() : "";
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    begin(report_);
+  }
+  giveInputs(*network_);
+  network_->showInputs(pictures_);
+  if (!live_) changed_();  // a live view is drawn once for each picture
+  clock_.end("copies");
+  showBaseFirst();
+  tilesShown_ = 0;
+  const auto running = Clock::now();
+  if (!network_->run([this](double share) { return showProgress(share); })) return;
+  const uint64_t pace = network_->paceFor(millisecondsSince(running));
+  clock_.end(kNetworkStage);
+  if (pace > 3 * pace_ || 3 * pace < pace_) pace_ = pace;
+  network_->showOutput(pictures_, Slot::output);
+  network_->showSkipMap(pictures_);
+  upscaled_ = true;
+  measured_ = false;
+  clock_.end("copies");
+  tellPicture();
+}
+
+void Upscaling::tellPicture() {
+  std::vector<StageTime> stages = stageTimes(clock_.steps(), network_->upscaler().profile());
+  const double period = millisecondsSince(lastPicture_) / 1000;
+  lastPicture_ = Clock::now();
+  tell([&](Report& report) {
+    report.model = network_->name();
+    report.samples = live_ ? live_->samples() : 0;
+    report.fp16 = network_->options().fp16;
+    const SkipMap map = network_->upscaler().skipMap();
+    report.interpolated = map.share(SkipMap::Window::interpolated);
+    report.kept = map.share(SkipMap::Window::kept);
+    report.windowSide = map.side;
+    report.exposure = network_->upscaler().exposure();
+    report.deviceBytes = network_->upscaler().deviceBytes() + pictures_.byteSize();
+    report.stages = std::move(stages);
+    const double rate = period > 0 ? 1 / period : 0;
+    report.picturesPerSecond = period > 2 ? rate : 0.7 * report.picturesPerSecond + 0.3 * rate;
+    report.share = 1;
+    ++report.pictures;
+  });
+}
+
+void Upscaling::makeBase(Slot slot) {
+  std::unique_ptr<PreparedNetwork>& base = bases_[slot];
+  const auto scale = network_->model().scale();
+  const NetworkOptions options{.memoryBytes = network_->options().memoryBytes, .multiplyAddsAtOnce = pace_};
+  if (!base || !base->fits(size_) || base->model().scale() != scale || base->options() != options) {
+    Model model = Model::untrained(scale, baseName(slot));
+    for (const std::string& input : model.auxiliaryInputs())
+      if (!size_.has(input)) return;
+    base = std::make_unique<PreparedNetwork>(device_, baseName(slot), std::move(model), size_, options);
+  }
+  giveInputs(*base);
+  if (!base->run([&](double) { return !stopping(); })) return;
+  base->showOutput(pictures_, slot);
+  measured_ = false;
+  changed_();
+}
+
+}  // namespace xrds
