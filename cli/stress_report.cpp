@@ -22,6 +22,9 @@ constexpr std::pair<const char*, const char*> kDefinitions[] = {
      "natural images with automatic exposure"},
     {"bounded",
      "false: with these weights the network amplifies rounding so much that no bound on its error is claimed"},
+    {"worstScaling",
+     "as worstError, between the result of a natural image and that of 1e-12 or 1e6 times its colour, over the factor"},
+    {"litFromBlack", "pixels above 0 of frames whose colour is black, of models with a base image"},
     {"worstSkip", "the largest change of a window that was skipped, root mean square of log(1 + exposure radiance)"},
     {"firstDegraded", "the first operator whose own error, on the inputs that the device gave it, exceeds its budget"},
     {"promoted", "what the engine stores in fp32 although fp16 was asked for"},
@@ -135,6 +138,8 @@ Json jsonOf(const StressRow& row) {
           {"replaysExactly", row.replaysExactly},
           {"bandsExactly", row.bandsExactly},
           {"tilesExactly", row.tilesExactly},
+          {"worstScaling", row.worstScaling},
+          {"litFromBlack", row.litFromBlack},
           {"worstSkip", row.worstSkip}};
 }
 
@@ -144,8 +149,14 @@ std::string plainText(const StressReport& found) { return report(found, aligned)
 std::string markdownText(const StressReport& found) { return report(found, markdown); }
 
 std::string jsonText(const StressReport& report) {
-  Json json{{"version", XRDS_VERSION},          {"seed", report.seed},           {"cases", report.cases()},
-            {"fp32Bound", report.fp32Bound},    {"fp16Bound", report.fp16Bound}, {"colours", report.colours},
+  Json json{{"version", XRDS_VERSION},
+            {"seed", report.seed},
+            {"cases", report.cases()},
+            {"fp32Bound", report.fp32Bound},
+            {"fp16Bound", report.fp16Bound},
+            {"fp32ScalingBound", report.fp32ScalingBound},
+            {"fp16ScalingBound", report.fp16ScalingBound},
+            {"colours", report.colours},
             {"auxiliaries", report.auxiliaries}};
   for (const auto& [name, definition] : kDefinitions) json["definitions"][name] = definition;
   json["rows"] = json["operators"] = json["exceptions"] = Json::array();

@@ -87,6 +87,18 @@ TEST(Stress, ShortFormTriesTheFusedLayersOfADeviceThatRunsThem) {
   }));
 }
 
+// What runs without the ceiling draws on black; a row that did is an exception.
+TEST(Stress, NamesWhatIsDrawnOnBlackAndWhatDoesNotScale) {
+  StressReport report{.fp32ScalingBound = 1e-3};
+  report.rows.push_back({.model = "m", .weights = "w", .precision = "fp32", .family = "plain"});
+  EXPECT_TRUE(report.exceptions().empty());
+  report.rows[0].litFromBlack = 3;
+  report.rows[0].worstScaling = 2e-3;
+  ASSERT_EQ(report.exceptions().size(), 2u);
+  EXPECT_NE(report.exceptions()[0].find("3 pixels of black frames are lit"), std::string::npos);
+  EXPECT_NE(report.exceptions()[1].find("0.002"), std::string::npos);
+}
+
 TEST(Stress, InputsHoldWhatTheirNamesSay) {
   const auto colours = stressColours();
   for (size_t i = 0; i < colours.size(); ++i) {

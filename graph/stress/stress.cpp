@@ -15,6 +15,8 @@ namespace {
 
 constexpr FrameShape kFrame{9, 7};  // more than one window of any model, and padding
 constexpr size_t kFewReferences = 2;
+constexpr float kScales[] = {1e-12f, 1e6f};  // of the colour, in turn
+constexpr double kScalingBound = 1e-3;       // in fp32; in fp16 two results are as far apart as rounding makes them
 
 const char* nameOf(Precision precision) { return precision == Precision::fp32 ? "fp32" : "fp16"; }
 
@@ -44,6 +46,16 @@ double relativeError(const std::vector<float>& output, const Reference& referenc
   return power > 0 ? std::sqrt(difference / power) : std::sqrt(difference);
 }
 
+bool isBlack(const Image& colour) {
+  return std::all_of(colour.pixels.begin(), colour.pixels.end(), [](float value) { return value == 0; });
+}
+
+uint64_t countLit(const std::vector<float>& output) {
+  uint64_t lit = 0;
+  for (size_t i = 0; i < output.size(); i += 3) lit += output[i] != 0 || output[i + 1] != 0 || output[i + 2] != 0;
+  return lit;
+}
+
 /// One way to make a session of a model.
 struct Mode {
   bool autoExposure = true, banded = false, checksOperators = false;
@@ -55,6 +67,8 @@ class StressRun {
     report_.seed = options.seed;
     report_.fp32Bound = kNetworkBudget.fp32;
     report_.fp16Bound = kNetworkBudget.fp16;
+    report_.fp32ScalingBound = kScalingBound;
+    report_.fp16ScalingBound = kNetworkBudget.fp16;
     for (const StressInput& input : stressColours()) report_.colours.emplace_back(input.name);
     for (const StressInput& input : stressAuxiliaries()) report_.auxiliaries.emplace_back(input.name);
   }
@@ -150,6 +164,7 @@ class StressRun {
       session.run(frame.input(mode.autoExposure), output);
       count(frame, output, session.lostPixels().size(), row);
       if (frame.natural && mode.autoExposure) compareWithReference(frame, natural++, output, config.transfer, row);
+      if (config.base != BaseImage::none && isBlack(frame.colour)) row.litFromBlack += countLit(output);
       if (mode.autoExposure && !mode.banded) expected_[i] = output;
       if (mode.banded) row.bandsExactly = row.bandsExactly && output == expected_[i];
       if (i == 0) first = output;
@@ -157,6 +172,7 @@ class StressRun {
     }
     session.run(frames_.front().input(mode.autoExposure), output);
     row.replaysExactly = row.replaysExactly && output == first;
+    if (mode.autoExposure && !mode.banded) scaleColour(session, output, config.transfer, row);
   }
 
   // Frames in tiles and with windows skipped; one way in turn where not all is tried.
@@ -215,6 +231,19 @@ class StressRun {
     row.worstInput = frame.name;
   }
 
+  // The first frame, whose result is `output`, once more with another unit of the colour.
+  void scaleColour(Session& session, const std::vector<float>& output, Transfer transfer, StressRow& row) {
+    StressFrame frame = frames_.front();
+    Reference unscaled{session.exposure(), std::vector<double>(output.size() / 3 * 4)};
+    for (size_t i = 0; i < output.size(); ++i) unscaled.output[i / 3 * 4 + i % 3] = output[i];
+    const float scale = kScales[report_.rows.size() % std::size(kScales)];
+    for (float& value : frame.colour.pixels) value *= scale;
+    std::vector<float> scaled(output.size());
+    session.run(frame.input(true), scaled);
+    for (float& value : scaled) value /= scale;
+    row.worstScaling = std::max(row.worstScaling, relativeError(scaled, unscaled, transfer));
+  }
+
   void checkOperators(const Session& session, Precision precision, StressRow& row) {
     const std::vector<Divergence> errors = operatorErrors(session);
     for (size_t n = 0; n < errors.size(); ++n) {
@@ -270,7 +299,13 @@ std::vector<std::string> StressReport::exceptions() const {
     if (!row.replaysExactly) found.push_back(what + "a replay gave other bits.");
     if (!row.tilesExactly) found.push_back(what + "exact tiles gave other bits than one piece.");
     if (!row.bandsExactly) found.push_back(what + "bands of rows gave other bits than one piece.");
+    if (row.litFromBlack > 0)
+      found.push_back(what + std::to_string(row.litFromBlack) + " pixels of black frames are lit.");
     if (!row.bounded) continue;
+    const double scalingBound = row.precision == "fp32" ? fp32ScalingBound : fp16ScalingBound;
+    if (!(row.worstScaling <= scalingBound))
+      found.push_back(what + "scaling the colour changes the result by " + number(row.worstScaling) + ", more than " +
+                      number(scalingBound) + ".");
     if (!(row.worstError <= bound))
       found.push_back(what + "the error " + number(row.worstError) + " exceeds " + number(bound) + " on '" +
                       row.worstInput + "'.");

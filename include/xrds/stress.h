@@ -38,7 +38,9 @@ struct StressRow {
   bool replaysExactly = true;         // after all other inputs
   bool bandsExactly = true;           // in bands of rows as in one piece
   bool tilesExactly = true;           // in exact tiles as in one piece
-  double worstSkip = 0;               // largest change of a skipped window, as SkipOptions::bound has it
+  double worstScaling = 0;    // change of the result where the colour is scaled: as worstError, of natural inputs
+  uint64_t litFromBlack = 0;  // pixels above 0 of black frames, of models with a base image
+  double worstSkip = 0;       // largest change of a skipped window, as SkipOptions::bound has it
 };
 
 /// The largest error of an operator alone, on what the device gave it, over all natural inputs.
@@ -52,6 +54,7 @@ struct StressOperator {
 struct StressReport {
   uint32_t seed = 0;
   double fp32Bound = 0, fp16Bound = 0;  // of StressRow::worstError
+  double fp32ScalingBound = 0, fp16ScalingBound = 0;
   std::vector<std::string> colours, auxiliaries;
   std::vector<StressRow> rows;
   std::vector<StressOperator> operators;
