@@ -65,8 +65,6 @@ std::filesystem::path usersShaderCacheFolder() {
 }
 
 void placeShaderCache(const std::filesystem::path& folder) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
   usersShaderCache.clear();
   ourShaderCache = folder.string();
   setVariable(kShaderCache, ourShaderCache);
