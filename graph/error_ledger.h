@@ -40,7 +40,7 @@ inline constexpr LedgerEntry kErrorLedger[] = {
     {"conv3x3", {1e-6, 8e-4}},
     {"linear", {1e-6, 8e-4}},
     // Four maps and an attention in one, whose features between them are halves; there is none in fp32.
-    {"swin_layer", {1e-6, 1.5e-3}},
+    {"swin_layer", {1e-6, 1e-3}},
 };
 
 /// The operator's name and its entry. Throws std::logic_error if the ledger has none.
