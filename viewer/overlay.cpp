@@ -121,13 +121,20 @@ void drawDivider(ImDrawList& list, float x, float height, float scale) {
   list.AddCircleFilled({x, height / 2}, 5 * scale, IM_COL32(255, 255, 255, 230), 24);
 }
 
+// Of what is asked for, before the worker tells more.
+std::string firstMessage(const Wanted& wanted) {
+  if (!wanted.live.scene.empty()) return "Preparing the scene " + wanted.live.scene + " ...";
+  if (!wanted.files.colour.empty()) return "Preparing " + wanted.files.colour.filename().string() + " ...";
+  if (!wanted.folder.empty()) return "Looking for EXR files in " + wanted.folder.string() + " ...";
+  return "Drop EXR files here, or press Ctrl+O to open some.";
+}
+
 // In the middle while there is no picture, else at the top, beside the folded panel.
 void drawMessage(const PanelModel& model, float width, float scale, float height) {
   const Report& report = model.report;
   const bool failed = !report.error.empty();
   std::string text = failed ? report.error : report.waiting;
-  if (text.empty() && !model.hasPicture)
-    text = report.settled ? "Drop EXR files here, or press Ctrl+O to open some." : "Preparing ...";
+  if (text.empty() && !model.hasPicture) text = firstMessage(model.wanted);
   if (text.empty()) return;
   const float rim = 6 * scale, kept = model.hasPicture ? 90 * scale : 0;
   const float wrap = std::max(60 * scale, std::min(420 * scale, width - 2 * rim - 16 * scale - kept));

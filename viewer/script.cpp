@@ -34,12 +34,13 @@ Script::Script(std::vector<ScriptLine> lines, const std::vector<ScriptVerb>& ver
         std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(seconds);
   };
   for (const ScriptVerb& verb : verbs) XRDS_CHECK(actions_.contains(verb.word));
-  for (const ScriptLine& line : lines_) {
+  for (ScriptLine& line : lines_) {
     const std::string word = line.verb.starts_with('!') ? line.verb.substr(1) : line.verb;
     const std::string where = "Line " + std::to_string(line.number) + " of the script ";
     const auto verb = std::find_if(verbs.begin(), verbs.end(), [&](const ScriptVerb& v) { return v.word == word; });
     if (verb == verbs.end())
       throw Error(where + "has an unknown step '" + line.verb + "': xrds view --help lists all.");
+    if (verb->atOnce) line.verb = "!" + word;
     const int wanted = verb->argumentCount(), given = static_cast<int>(line.arguments.size());
     if (wanted >= 0 ? given != wanted : given < 1)
       throw Error(where + "gives '" + line.verb + "' " + std::to_string(given) + " arguments, expected " +

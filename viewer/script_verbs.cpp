@@ -18,7 +18,7 @@ const std::vector<ScriptVerb>& scriptVerbs() {
       {"wait", "", "do nothing but wait, as every step does"},
       {"sleep", "SECONDS", "wait so long"},
       {"await", "N", "wait for N upscaled pictures since the start"},
-      {"samples", "N", "from here on wait for N samples a pixel of a live scene, not for all (0: for all)"},
+      {"samples", "N", "from here on wait for N samples a pixel of a live scene, not for all (0: for all)", true},
       {"key", "KEY", "press a key: W, Shift+2, Ctrl+S, Space, Left, PageDown, Enter, Backspace, F1, Plus, Comma"},
       {"move", "X Y", "move the mouse there, in pixels of the window"},
       {"press", "", "press the left mouse button"},
@@ -44,7 +44,7 @@ std::string scriptHelp() {
   std::string text =
       "Steps of a --script, one a line, '#' begins a comment. Each waits until the picture is what the steps before "
       "it\n"
-      "asked for; a ! before the word takes it at once.\n";
+      "asked for, but samples; a ! before the word takes it at once.\n";
   size_t widest = 0;
   const auto usage = [](const ScriptVerb& verb) {
     return std::string(verb.word) + (*verb.arguments ? " " : "") + verb.arguments;

@@ -11,6 +11,7 @@ struct ScriptVerb {
   const char* word;
   const char* arguments;
   const char* text;
+  bool atOnce = false;  // it waits for nothing
 
   /// How many arguments it takes; -1: one or more.
   int argumentCount() const;

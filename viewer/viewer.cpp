@@ -152,7 +152,8 @@ void Viewer::takeTurn() {
     orbit_.emplace(report_.startCamera);
   advancePlayback();
   if (script_) script_->step(ready());
-  updateWanted();
+  // The first drawing says what is prepared; after that a CPU's queue may be busy compiling.
+  if (measured_.drawings > 0 || display_.minimized()) updateWanted();
   if (dirty_ > 0 && !display_.minimized()) {
     --dirty_;
     draw();

@@ -83,6 +83,15 @@ TEST(Script, TakesAsManyArgumentsAsItsTableNames) {
   EXPECT_THROW(Script({}, {{"say", "", ""}}, {}), std::logic_error);
 }
 
+TEST(Script, WaitsForNothingWhereTheTableSaysSo) {
+  std::string log;
+  const auto note = [&log](const std::vector<std::string>&) { log += "."; };
+  Script script({{1, "go", {}}}, {{"go", "", "", true}}, {{"go", note}});
+  EXPECT_EQ(script.patience(false), 0);
+  script.step(false);
+  EXPECT_EQ(log, ".");
+}
+
 TEST(Script, HasAHelpThatNamesEveryStepOnce) {
   const std::string help = scriptHelp();
   std::set<std::string> seen;
