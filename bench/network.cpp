@@ -7,8 +7,8 @@
 #include <map>
 #include <random>
 
-#include "graph/matrix_proof.h"
-#include "graph/session.h"
+#include "checks/matrix_proof.h"
+#include "frames/session.h"
 #include "shaders/programs.h"
 #include "xrds/error.h"
 
@@ -56,8 +56,8 @@ void printKernels(const std::vector<DispatchTime>& times) {
 }
 
 void run(const BenchOptions& options) {
-  const ModelWeights model =
-      options.model.empty() ? ModelWeights::random(options.config, 1) : ModelWeights::read(options.model);
+  const NetworkModel model =
+      options.model.empty() ? NetworkModel::random(options.config, 1) : NetworkModel::read(options.model);
   if (!options.writeModel.empty()) writeTensors(options.writeModel, model.file(), DataType::f16);
   Gpu gpu({.select = options.device, .kernelFamily = options.family, .programs = embeddedProgram});
   if (!proveMatrixKernels(gpu)) std::printf("the matrix kernels are wrong here: tile kernels run instead\n");

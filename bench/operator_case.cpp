@@ -31,7 +31,7 @@ Signature signatureOf(const Graph& one, const Dispatch& first) {
 
 }  // namespace
 
-std::vector<OperatorCase> distinctOperators(const std::string& network, const ModelWeights& model, uint32_t side,
+std::vector<OperatorCase> distinctOperators(const std::string& network, const NetworkModel& model, uint32_t side,
                                             Precision precision, const DeviceTraits& device) {
   const uint32_t scale = model.config().scale;
   if (side == 0 || side % scale != 0)

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/model.h"
-#include "graph/placed_operator.h"
+#include "checks/placed_operator.h"
+#include "network/network_model.h"
 
 namespace xrds::bench {
 
@@ -21,7 +21,7 @@ struct OperatorCase {
 
 /// The distinct operators of a model's graph in order, for an output of `side` x `side` pixels. The model must outlive
 /// the cases. Throws Error if the side is no multiple of the model's scale.
-std::vector<OperatorCase> distinctOperators(const std::string& network, const ModelWeights& model, uint32_t side,
+std::vector<OperatorCase> distinctOperators(const std::string& network, const NetworkModel& model, uint32_t side,
                                             Precision precision, const DeviceTraits& device);
 
 /// What one run of the operator multiplies and moves: its inputs and outputs and its weights, each counted once.

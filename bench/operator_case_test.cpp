@@ -21,7 +21,7 @@ Gpu gpuWith(ProgramSource source) {
 }
 
 TEST(OperatorCase, HoldsEveryNodeOfTheGraph) {
-  const ModelWeights model = ModelWeights::random(kSmall, 1);
+  const NetworkModel model = NetworkModel::random(kSmall, 1);
   const auto cases = distinctOperators("small", model, 64, Precision::fp32, test::gpu().traits());
   uint32_t nodes = 0;
   std::set<std::string> names;
@@ -37,7 +37,7 @@ TEST(OperatorCase, HoldsEveryNodeOfTheGraph) {
 }
 
 TEST(OperatorCase, TakesFramesThatAreComputedInBandsInOnePiece) {
-  const ModelWeights model = ModelWeights::random(kSmall, 1);
+  const NetworkModel model = NetworkModel::random(kSmall, 1);
   const FrameShape frame{256, 256};
   ASSERT_GT(buildGraph(kSmall, frame, model.lookup(), {}).nodes.size(),
             buildGraph(kSmall, {16, 16}, model.lookup(), {}).nodes.size());
@@ -47,7 +47,7 @@ TEST(OperatorCase, TakesFramesThatAreComputedInBandsInOnePiece) {
 }
 
 TEST(OperatorCase, CountsEachTensorOnce) {
-  const ModelWeights model = ModelWeights::random(kSmall, 1);
+  const NetworkModel model = NetworkModel::random(kSmall, 1);
   for (const auto& operatorCase : distinctOperators("small", model, 64, Precision::fp16, test::gpu().traits())) {
     if (!operatorCase.name.ends_with("xm.self_attn.qkv")) continue;
     const OperatorWork work = workOf(operatorCase, test::gpu().traits());
@@ -60,7 +60,7 @@ TEST(OperatorCase, CountsEachTensorOnce) {
 }
 
 TEST(OperatorCase, AgreesWithTheReferenceInBothPrecisions) {
-  const ModelWeights model = ModelWeights::random(kSmall, 1);
+  const NetworkModel model = NetworkModel::random(kSmall, 1);
   for (const Precision precision : {Precision::fp32, Precision::fp16})
     for (const auto& operatorCase : distinctOperators("small", model, 64, precision, test::gpu().traits())) {
       const OperatorError error = compareWithReference(test::gpu(), operatorCase);
@@ -75,7 +75,7 @@ TEST(OperatorCase, FindsAWrongKernel) {
     if (name.starts_with("window_attention_")) other.replace(other.size() - 3, 3, "f16");
     return embeddedProgram(other);
   });
-  const ModelWeights model = ModelWeights::random(kSmall, 1);
+  const NetworkModel model = NetworkModel::random(kSmall, 1);
   int wrong = 0;
   for (const auto& operatorCase : distinctOperators("small", model, 64, Precision::fp32, gpu.traits())) {
     const bool attention = operatorCase.name.starts_with("window_attention/");

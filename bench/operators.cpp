@@ -12,7 +12,7 @@
 #include "bench/operator_case.h"
 #include "bench/peaks.h"
 #include "bench/timing.h"
-#include "graph/matrix_proof.h"
+#include "checks/matrix_proof.h"
 #include "shaders/programs.h"
 #include "xrds/error.h"
 
@@ -40,9 +40,9 @@ NetworkConfig configOf(const std::string& network) {
       .channels = 32, .auxChannels = 16, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5, .outputSide = 1};
 }
 
-ModelWeights modelOf(const std::string& network) {
-  if (network.ends_with(".safetensors")) return ModelWeights::read(network);
-  return ModelWeights::random(configOf(network), 1);
+NetworkModel modelOf(const std::string& network) {
+  if (network.ends_with(".safetensors")) return NetworkModel::read(network);
+  return NetworkModel::random(configOf(network), 1);
 }
 
 std::string nameOf(const std::string& network) { return std::filesystem::path(network).stem().string(); }
@@ -112,7 +112,7 @@ int run(const OperatorsOptions& options) {
   if (!proveMatrixKernels(bench.gpu)) std::fprintf(stderr, "The matrix kernels are wrong here: tile kernels run.\n");
   bench.peaks = measurePeaks(bench.gpu);
   describe(bench, options);
-  std::vector<ModelWeights> models;
+  std::vector<NetworkModel> models;
   models.reserve(options.networks.size());
   for (const std::string& network : options.networks) {
     models.push_back(modelOf(network));

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <string>
 
-#include "graph/model.h"
 #include "image/exr_write.h"
 #include "image/test_files.h"
+#include "network/network_model.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -62,7 +62,7 @@ void writeModelSeeds(const fs::path& folder) {
   configs["untrained"].groups = 0;
   for (const auto& [name, config] : configs)
     for (const DataType type : {DataType::f32, DataType::f16})
-      writeTensors(folder / (name + (type == DataType::f32 ? "_f32" : "_f16")), ModelWeights::random(config, 1).file(),
+      writeTensors(folder / (name + (type == DataType::f32 ? "_f32" : "_f16")), NetworkModel::random(config, 1).file(),
                    type);
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "graph/network.h"
+#include "network/network.h"
 
 namespace xrds {
 namespace {

@@ -6,7 +6,6 @@
 #include <variant>
 #include <vector>
 
-#include "graph/config.h"
 #include "graph/planner.h"
 #include "shaders/bicubic/bicubic.h"
 #include "shaders/box_mean/box_mean.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "graph/reference.h"
-#include "graph/session.h"
+#include "checks/reference.h"
+#include "frames/session.h"
 #include "tests/harness.h"
 
 namespace xrds {
@@ -25,7 +25,7 @@ std::vector<std::string> goldenNames() {
 /// A golden model with the frame it was given and what PyTorch made of it.
 struct Golden {
   explicit Golden(const std::string& name)
-      : model(ModelWeights::read(kFolder / (name + ".model.safetensors"))),
+      : model(NetworkModel::read(kFolder / (name + ".model.safetensors"))),
         tensors(readTensors(kFolder / (name + ".io.safetensors"))) {
     const auto& colour = tensors.tensors.at("colour");
     frame = {static_cast<uint32_t>(colour.shape[0]), static_cast<uint32_t>(colour.shape[1])};
@@ -40,7 +40,7 @@ struct Golden {
   const std::vector<float>& output() const { return tensors.tensors.at("output").values; }
   float exposure() const { return tensors.tensors.at("exposure").values[0]; }
 
-  ModelWeights model;
+  NetworkModel model;
   TensorFile tensors;
   FrameShape frame;
   FrameInput input;

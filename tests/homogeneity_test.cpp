@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "graph/session.h"
+#include "frames/session.h"
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
 
@@ -37,7 +37,7 @@ double relativeRms(const std::vector<float>& found, const std::vector<float>& ex
 class Homogeneity : public testing::TestWithParam<std::tuple<std::string, Precision>> {
  protected:
   Homogeneity()
-      : model_(ModelWeights::read(XRDS_SOURCE_FOLDER "/models/" + std::get<0>(GetParam()) + ".safetensors")),
+      : model_(NetworkModel::read(XRDS_SOURCE_FOLDER "/models/" + std::get<0>(GetParam()) + ".safetensors")),
         frame_(model_.config(), kFrame) {}
 
   std::vector<float> run(bool autoExposure, const std::vector<float>& colour, float exposure = 1) {
@@ -51,7 +51,7 @@ class Homogeneity : public testing::TestWithParam<std::tuple<std::string, Precis
     return frame.output;
   }
 
-  const ModelWeights model_;
+  const NetworkModel model_;
   const test::NoiseFrame frame_;
   std::optional<Session> automatic_, given_;
 };

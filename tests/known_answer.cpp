@@ -1,8 +1,8 @@
-// Writes graph/known_frame_answer.inc to standard output: the known frame, computed in double precision.
+// Writes checks/known_frame_answer.inc to standard output: the known frame, computed in double precision.
 #include <cstdio>
 
-#include "graph/known_frame.h"
-#include "graph/reference.h"
+#include "checks/known_frame.h"
+#include "checks/reference.h"
 
 int main() {
   const xrds::KnownFrame known;

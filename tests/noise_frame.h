@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "graph/session.h"
+#include "frames/session.h"
 
 namespace xrds::test {
 

@@ -1,7 +1,7 @@
 // Every failure: one clear sentence, its exit code, and no file left behind.
 #include <cmath>
 
-#include "graph/safetensors.h"
+#include "network/safetensors.h"
 #include "tests/cli/frames.h"
 
 namespace xrds::test {

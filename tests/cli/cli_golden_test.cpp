@@ -1,7 +1,7 @@
 // The command on the golden frames, written as OpenEXR, against what PyTorch made of them.
 #include <cmath>
 
-#include "graph/safetensors.h"
+#include "network/safetensors.h"
 #include "tests/cli/frames.h"
 
 namespace xrds::test {

@@ -1,7 +1,7 @@
 // info and devices: what a model costs and what there is to run it on.
 #include <nlohmann/json.hpp>
 
-#include "graph/model.h"
+#include "network/network_model.h"
 #include "tests/cli/frames.h"
 
 namespace xrds::test {
@@ -57,8 +57,8 @@ class CliInfoOfThePaper : public testing::TestWithParam<PaperRow> {};
 TEST_P(CliInfoOfThePaper, PrintsItsCount) {
   const TemporaryFolder folder;
   const auto file = folder / "paper.safetensors";
-  const ModelWeights model =
-      ModelWeights::random({.groups = GetParam().groups, .blocks = GetParam().blocks, .base = BaseImage::none}, 1);
+  const NetworkModel model =
+      NetworkModel::random({.groups = GetParam().groups, .blocks = GetParam().blocks, .base = BaseImage::none}, 1);
   writeTensors(file, model.file(), DataType::f16);
   Ended ended;
   const Json json = infoJson({file.string(), "--kernels", "lane"}, &ended);

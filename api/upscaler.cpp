@@ -1,0 +1,319 @@
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include "api/arguments.h"
+#include "api/state.h"
+#include "checks/reference.h"
+#include "checks/stress/stress.h"
+#include "frames/ensemble.h"
+#include "frames/quiet_windows.h"
+#include "frames/sparse_runner.h"
+#include "frames/tile_choice.h"
+#include "frames/tile_runner.h"
+#include "image/repair.h"
+#include "network/halo.h"
+#include "xrds/engine_access.h"
+
+namespace xrds {
+namespace {
+
+// Three tightly packed floats a pixel.
+Image packed(const PixelView& view) {
+  Image image(static_cast<int>(view.width), static_cast<int>(view.height), 3);
+  for (uint32_t y = 0; y < view.height; ++y)
+    copyRow(view, 0, y, view.width, &image.pixels[size_t{3} * y * view.width], 3);
+  return image;
+}
+
+/// An image of the caller, or a repaired copy if it has pixels that are not finite.
+class FiniteImage {
+ public:
+  /// Adds the number of those pixels to `repaired`.
+  FiniteImage(const PixelView& given, uint64_t& repaired) : view_(given) {
+    const size_t pixels = size_t{given.width} * given.height;
+    const auto isFinite = [&](size_t p) {
+      const float* rgb = given.pixels + p * given.stride;
+      return std::isfinite(rgb[0]) && std::isfinite(rgb[1]) && std::isfinite(rgb[2]);
+    };
+    size_t p = 0;
+    while (p < pixels && isFinite(p)) ++p;
+    if (p == pixels) return;
+    copy_ = packed(given);
+    repaired += repairNonFinite(copy_).nonFinitePixels;
+    view_ = {copy_.pixels.data(), given.width, given.height};
+  }
+  FiniteImage(FiniteImage&&) = default;  // the pixels of the copy stay where they are
+  const PixelView& view() const { return view_; }
+
+ private:
+  PixelView view_;
+  Image copy_;
+};
+
+FrameInput inputOf(const PixelView& colour, std::span<const PixelView> auxiliary, const Upscaler::Options& options) {
+  return {colour, {auxiliary.begin(), auxiliary.end()}, options.exposure};
+}
+
+// Of a small frame on a CPU nearly all the time is the driver's, which optimizes kernels of written-out products.
+std::optional<KernelFamily> familyFor(const Gpu& gpu, FrameShape frame) {
+  const bool small = uint64_t{frame.width} * frame.height <= Upscaler::kSmallFrame;
+  if (!small || gpu.hasAskedFamily() || gpu.traits().family != KernelFamily::lane) return {};
+  return KernelFamily::plain;
+}
+
+SessionOptions sessionOptions(const Upscaler::Options& options) {
+  return {.precision = options.fp16 ? Precision::fp16 : Precision::fp32,
+          .autoExposure = !options.exposure.has_value(),
+          .timestamps = options.profile,
+          .multiplyAddsPerSubmission = options.multiplyAddsPerSubmission};
+}
+
+// `progress` as the engine calls it, with the submissions done and their total.
+std::function<bool(size_t, size_t)> countingShare(const Upscaler::Progress& progress) {
+  if (!progress) return nullptr;
+  return [&progress](size_t done, size_t total) {
+    return progress(static_cast<double>(done) / static_cast<double>(total));
+  };
+}
+
+SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
+  if (options.tiles.wrap)
+    throw Error("A panorama whose borders continue into each other is computed in full: skip nothing, or do not wrap.");
+  // Around what is quiet one window is enough: bench/skip.md. Around what moved it is not.
+  const uint32_t bounded =
+      options.skip.keepUnchanged ? boundedHalo(config) : std::min(config.window, exactHalo(config));
+  const uint32_t halo = options.tiles.halo.value_or(options.tiles.exact ? exactHalo(config) : bounded);
+  return {.bound = options.skip.bound, .keepUnchanged = options.skip.keepUnchanged, .reach = halo, .halo = halo};
+}
+
+uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
+  return options.memoryBytes ? options.memoryBytes : gpu.description().memoryBytes / 4 * 3;
+}
+
+}  // namespace
+
+struct Upscaler::State {
+  State(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& given)
+      : config(model.config()), frame(shape), options(given) {
+    if (options.ensemble == 8 && frame.width != frame.height) {
+      options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
+      Options once = options;
+      once.ensemble = 1;
+      turned = std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once);
+    }
+    try {
+      prepare(gpu, model, memoryOf(gpu, options.tiles));
+    } catch (const OutOfMemory&) {
+      prepareSmaller(gpu, model, std::current_exception());
+    }
+  }
+
+  void prepare(Gpu& gpu, const NetworkModel& model, uint64_t memory) {
+    SessionOptions of = sessionOptions(options);
+    of.family = familyFor(gpu, frame);
+    DeviceTraits traits = gpu.traits();
+    traits.family = of.family.value_or(traits.family);
+    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits});
+    const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
+    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips)
+      return openSession(session, gpu, model, frame, of);
+    tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
+    if (skips) {
+      sparse.emplace(gpu, model, of, tiles, sparseOptions(config, options));
+      return;
+    }
+    runner.emplace(gpu, model, of);
+    runner->prepare(tiles);
+  }
+
+  // The device has less memory than it says, for other programs use it: tiles of half as much, again and again.
+  void prepareSmaller(Gpu& gpu, const NetworkModel& model, const std::exception_ptr& first) {
+    while (true) {
+      runner.reset();
+      sparse.reset();
+      try {
+        return prepare(gpu, model, (tiling.arenaBytes + tiling.weightBytes) / 2);
+      } catch (const OutOfMemory&) {
+      } catch (const Cancelled&) {
+        throw;
+      } catch (const Error&) {  // there are no smaller tiles
+        std::rethrow_exception(first);
+      }
+    }
+  }
+
+  bool runFinite(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                 const Progress& progress) {
+    const FrameInput frame = inputOf(colour, auxiliary, options);
+    if (session) return session->run(frame, output, countingShare(progress));
+    return sparse ? sparse->run(frame, output, progress) : runner->run(frame, tiles, output, progress);
+  }
+
+  bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+           const Progress& progress) {
+    if (options.ensemble > 1) return runEnsemble(colour, auxiliary, output, progress);
+    if (!runFinite(colour, auxiliary, output, progress)) return false;
+    repairs.output = lostPixels().size();
+    return true;
+  }
+
+  bool runEnsemble(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                   const Progress& progress) {
+    const auto mirrors = mirrorsOf(options.ensemble);
+    const uint32_t width = config.scale * frame.width, height = config.scale * frame.height;
+    const double share = 1.0 / static_cast<double>(mirrors.size());
+    EnsembleMean mean(width, height, config.transfer);
+    std::vector<uint64_t> lost;
+    for (size_t pass = 0; pass < mirrors.size(); ++pass) {
+      const MirroredFrame images(colour, auxiliary, config.auxInputs, mirrors[pass]);
+      State& state = turned && mirrors[pass].transposed ? *turned : *this;
+      const auto report = [&](double done) { return progress((static_cast<double>(pass) + done) * share); };
+      if (!state.runFinite(images.colour(), images.auxiliary(), output, progress ? Progress(report) : Progress()))
+        return false;
+      mean.add(output, mirrors[pass], state.usedExposure());
+      const bool across = mirrors[pass].transposed;
+      for (const uint64_t pixel : state.lostPixels())
+        lost.push_back(mirroredPixel(pixel, across ? height : width, across ? width : height, mirrors[pass]));
+    }
+    mean.write(output, usedExposure());
+    std::sort(lost.begin(), lost.end());
+    repairs.output = static_cast<size_t>(std::unique(lost.begin(), lost.end()) - lost.begin());
+    return true;
+  }
+
+  // The images of a frame that is computed in tiles are never on the device as a whole.
+  Session& wholeSession() {
+    if (!session)
+      throw Error("The frame is computed in parts, so that it cannot be drawn from the device: use Upscaler::run().");
+    return *session;
+  }
+
+  NetworkConfig config;
+  FrameShape frame;
+  Options options;
+  Tiling tiling;
+  std::vector<Tile> tiles;
+  std::optional<Session> session;      // of the whole frame
+  std::optional<TileRunner> runner;    // or of its tiles
+  std::optional<SparseRunner> sparse;  // or of those of its windows that need it
+  std::unique_ptr<State> turned;       // an ensemble's, of frames that are not square, on their diagonal
+  Repairs repairs{};
+
+  float usedExposure() const {
+    if (session) return session->exposure();
+    return sparse ? sparse->exposure() : runner->exposure();
+  }
+  uint64_t byteSize() const { return session ? session->ownByteSize() : tileRunner().byteSize(); }
+  const TileRunner& tileRunner() const { return sparse ? sparse->runner() : *runner; }
+  const std::vector<uint64_t>& lostPixels() const {
+    return session ? session->lostPixels() : sparse ? sparse->lostPixels() : runner->lostPixels();
+  }
+};
+
+Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
+    : state_((checkOptions(options), checkShape(model.state_->weights.config(), {height, width}),
+              new State(device.state_->gpu, model.state_->weights, {height, width}, options))) {}
+Upscaler::~Upscaler() = default;
+Upscaler::Upscaler(Upscaler&&) noexcept = default;
+Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
+
+bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                   const Progress& progress) {
+  checkImages(state_->config, state_->frame, colour, auxiliary);
+  checkOutput(state_->config, state_->frame, output);
+  Repairs repairs;
+  const FiniteImage finiteColour(colour, repairs.colour);
+  std::vector<FiniteImage> finiteImages;
+  std::vector<PixelView> views;
+  for (const PixelView& image : auxiliary) finiteImages.emplace_back(image, repairs.auxiliary);
+  for (const FiniteImage& image : finiteImages) views.push_back(image.view());
+  if (!state_->run(finiteColour.view(), views, output, progress)) return false;
+  state_->repairs.colour = repairs.colour;
+  state_->repairs.auxiliary = repairs.auxiliary;
+  return true;
+}
+
+Upscaler::Repairs Upscaler::repairs() const { return state_->repairs; }
+
+float Upscaler::exposure() const { return state_->usedExposure(); }
+
+uint64_t Upscaler::deviceBytes() const {
+  return state_->byteSize() + (state_->turned ? state_->turned->byteSize() : 0);
+}
+
+SkipMap Upscaler::skipMap() const {
+  const NetworkConfig& config = state_->config;
+  const WindowMask none(state_->frame, config.window, false);
+  SkipMap map{.side = config.window * config.scale, .columns = none.columns, .rows = none.rows};
+  map.windows.resize(none.marks.size());
+  map.work = state_->sparse ? state_->sparse->work() : state_->tiling.work;
+  for (size_t i = 0; i < map.windows.size() && state_->sparse; ++i) {
+    if (state_->sparse->interpolated().marks[i]) map.windows[i] = SkipMap::Window::interpolated;
+    if (state_->sparse->kept().marks[i]) map.windows[i] = SkipMap::Window::kept;
+  }
+  return map;
+}
+
+const Tiling& Upscaler::tiling() const { return state_->tiling; }
+
+std::vector<Upscaler::ProfileRow> Upscaler::profile() const {
+  std::vector<ProfileRow> rows;
+  for (const DispatchTime& time : state_->session ? state_->session->times() : state_->tileRunner().times())
+    rows.push_back({time.label, time.program, time.multiplyAdds, time.byteSize, time.microseconds});
+  return rows;
+}
+
+std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& model, const PixelView& colour,
+                                                std::span<const PixelView> auxiliary, const Options& options) {
+  const FrameShape frame{colour.height, colour.width};
+  checkOptions(options);
+  checkShape(model.state_->weights.config(), frame);
+  checkImages(model.state_->weights.config(), frame, colour, auxiliary);
+  const CheckResult result = checkAgainstReference(device.state_->gpu, model.state_->weights, frame,
+                                                   inputOf(colour, auxiliary, options), sessionOptions(options));
+  std::vector<CheckRow> rows;
+  for (const Divergence& node : result.nodes)
+    rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
+  return rows;
+}
+
+Gpu& EngineAccess::gpu(Device& device) { return device.state_->gpu; }
+
+bool EngineAccess::isWhole(const Upscaler& upscaler) { return upscaler.state_->session.has_value(); }
+
+DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
+  const Session& session = upscaler.state_->wholeSession();
+  const auto place = [&](const TensorView& view) -> DeviceImage {
+    if (!view.exists()) return {};
+    return {session.placeOf(view), view.width, view.height, view.channels};
+  };
+  const Graph& graph = session.graph();
+  return {&session.arena(), place(graph.colour), place(graph.auxiliary), place(graph.output)};
+}
+
+void EngineAccess::upload(Upscaler& upscaler, const PixelView& colour, std::span<const PixelView> auxiliary) {
+  Upscaler::State& state = *upscaler.state_;
+  checkImages(state.config, state.frame, colour, auxiliary);
+  state.wholeSession().upload(inputOf(colour, auxiliary, state.options));
+}
+
+bool EngineAccess::replay(Upscaler& upscaler, const Upscaler::Progress& progress) {
+  return upscaler.state_->wholeSession().replay(countingShare(progress));
+}
+
+void EngineAccess::download(const Upscaler& upscaler, std::span<float> output) {
+  checkOutput(upscaler.state_->config, upscaler.state_->frame, output);
+  upscaler.state_->wholeSession().download(output);
+}
+
+StressReport Upscaler::stress(Device& device, const StressOptions& options) {
+  std::vector<StressModel> models;
+  for (const auto& [name, model] : options.models) {
+    if (!model) throw Error("Model '" + name + "' of a stress run is a null pointer, expected a model.");
+    models.push_back({name, model->state_->weights, true});
+  }
+  return runStress(device.state_->gpu, models, options);
+}
+
+}  // namespace xrds

@@ -1,0 +1,179 @@
+#include "checks/placed_operator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "engine/half.h"
+#include "shaders/common/tolerance.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+std::string shapeText(const TensorView& view) {
+  return std::to_string(view.height) + "x" + std::to_string(view.width) + "x" + std::to_string(view.channels);
+}
+
+std::vector<std::byte> stored(std::span<const float> numbers, DataType type) {
+  std::vector<std::byte> bytes(numbers.size() * byteSize(type));
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    const uint16_t half = toHalf(numbers[i]);
+    if (type == DataType::f32)
+      std::memcpy(&bytes[4 * i], &numbers[i], 4);
+    else
+      std::memcpy(&bytes[2 * i], &half, 2);
+  }
+  return bytes;
+}
+
+// Positive, as exposures, albedos and radiance are; the same on every machine.
+std::vector<float> inputNumbers(size_t count, uint32_t seed, DataType type) {
+  std::mt19937 bits(seed);
+  std::vector<float> numbers(count);
+  for (float& number : numbers) {
+    number = static_cast<float>(bits() >> 8) * 0x1p-24F + 0.1F;
+    if (type == DataType::f16) number = fromHalf(toHalf(number));
+  }
+  return numbers;
+}
+
+// Throws unless the values, their copies on the host and what the driver needs surely fit.
+void requireMemory(const Gpu& gpu, const Graph& graph, const std::vector<LoweredDispatch>& lowered) {
+  std::set<ValueId> bound;
+  for (const LoweredDispatch& step : lowered)
+    for (const Binding& binding : step.dispatch.bindings)
+      if (binding.value != kWeights) bound.insert(binding.value);
+  uint64_t needed = 0;
+  for (const ValueId value : bound) needed += graph.values[value].byteSize();
+  if (needed > gpu.description().memoryBytes)
+    throw Error("The operator binds " + std::to_string(needed >> 20) + " MiB, more than the device has, " +
+                std::to_string(gpu.description().memoryBytes >> 20) + " MiB: choose a smaller size.");
+}
+
+uint64_t bufferSize(uint64_t byteSize) {
+  return std::max<uint64_t>(1, ceilDivide(byteSize, kBindingAlignment)) * kBindingAlignment;
+}
+
+}  // namespace
+
+OperatorViews viewsOf(const Node& node) {
+  OperatorViews views;
+  const auto add = [&](const TensorView& view) {
+    if (view.exists()) views.inputs.push_back(view);
+  };
+  std::visit(
+      [&](const auto& op) {
+        views.output = op.output;
+        if constexpr (requires { op.input; }) add(op.input);
+        if constexpr (requires { op.colour; }) add(op.colour);
+        if constexpr (requires { op.aux; }) add(op.aux);
+        if constexpr (requires { op.auxMean; }) add(op.auxMean);
+        if constexpr (requires { op.network; }) add(op.network);
+        if constexpr (requires { op.base; }) add(op.base);
+        if constexpr (requires { op.ceiling; }) add(op.ceiling);
+        if constexpr (requires { op.exposure; }) add(op.exposure);
+        if constexpr (requires { op.appended; }) add(op.appended);
+        if constexpr (requires { op.residual; }) add(op.residual);
+        if constexpr (requires { op.queries; }) add(op.queries), add(op.keys), add(op.values);
+      },
+      node.op);
+  return views;
+}
+
+std::string shapesText(const OperatorViews& views) {
+  std::string text;
+  for (const TensorView& view : views.inputs) text += (text.empty() ? "" : ", ") + shapeText(view);
+  return text + " -> " + shapeText(views.output);
+}
+
+Graph single(const Graph& graph, const Node& node) {
+  Graph one{.values = graph.values, .exposure = graph.exposure, .madeWeights = graph.madeWeights};
+  one.nodes.push_back(node);
+  return one;
+}
+
+PlacedOperator::PlacedOperator(Gpu& gpu, const Graph& graph)
+    : gpu_(gpu), graph_(graph), buffers_(graph.values.size()), inputs_(graph.values.size()) {
+  const auto lowered = lower(graph, gpu.traits());
+  requireMemory(gpu, graph, lowered);
+  std::set<ValueId> read;
+  for (const LoweredDispatch& step : lowered)
+    for (const Binding& binding : step.dispatch.bindings)
+      if (binding.access == Access::read) read.insert(binding.value);
+  const auto rangeOf = [&](const Binding& binding) -> ByteRange {
+    if (binding.value != kWeights) {
+      const Value& value = graph.values[binding.value];
+      if (!buffers_[binding.value])
+        fill(binding.value, value.type, value.byteSize() / byteSize(value.type), read.contains(binding.value));
+      return {buffers_[binding.value].get(), binding.byteOffset, binding.byteSize};
+    }
+    const auto weights =
+        std::visit([&](const auto& op) { return packedWeights(op, gpu.traits()); }, graph.nodes.front().op);
+    const auto bytes = stored(weights, binding.type);
+    if (!weights_) {
+      weights_ = std::make_unique<Buffer>(gpu, bufferSize(bytes.size()));
+      weights_->upload(0, bytes);
+    }
+    return {weights_.get(), 0, bytes.size()};
+  };
+  for (const LoweredDispatch& step : lowered) {
+    PlacedDispatch& placed = dispatches_.emplace_back(PlacedDispatch{step.dispatch, {}});
+    for (const Binding& binding : step.dispatch.bindings) placed.ranges.push_back(rangeOf(binding));
+  }
+}
+
+void PlacedOperator::fill(ValueId value, DataType type, size_t elementCount, bool isRead) {
+  buffers_[value] = std::make_unique<Buffer>(gpu_, bufferSize(elementCount * byteSize(type)));
+  if (!isRead) return buffers_[value]->fill(~0U);  // NaN in both types
+  inputs_[value] = inputNumbers(elementCount, value + 1, type);
+  if (value == graph_.exposure.value) inputs_[value] = {0.5F, 2, 0, 0};  // e and 1 / e
+  buffers_[value]->upload(0, stored(inputs_[value], type));
+}
+
+std::vector<float> PlacedOperator::read(const TensorView& view) const {
+  std::vector<std::byte> bytes(view.storedByteSize());
+  buffers_[view.value]->download(0, bytes);
+  std::vector<float> numbers(bytes.size() / byteSize(view.type));
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    uint16_t half = 0;
+    if (view.type == DataType::f32)
+      std::memcpy(&numbers[i], &bytes[4 * i], 4);
+    else
+      std::memcpy(&half, &bytes[2 * i], 2), numbers[i] = fromHalf(half);
+  }
+  return numbers;
+}
+
+OperatorError PlacedOperator::error() const {
+  const Node& node = graph_.nodes.front();
+  const TensorView view = viewsOf(node).output;
+  HostMemory host, device;
+  for (ValueId value = 0; value < inputs_.size(); ++value)
+    if (const auto& numbers = inputs_[value]; !numbers.empty())
+      std::copy(numbers.begin(), numbers.end(), host.storage(value, numbers.size()).begin());
+  std::visit([&](const auto& op) { reference(op, host); }, node.op);
+  const std::vector<float> found = read(view);
+  std::copy(found.begin(), found.end(), device.storage(view).begin());
+
+  OperatorError error;
+  double squares = 0, power = 0;
+  for (uint32_t y = 0; y < view.height; ++y)
+    for (uint32_t x = 0; x < view.width; ++x)
+      for (uint32_t c = 0; c < view.channels; ++c) {
+        const double expected = host.at(view, y, x, c), difference = std::abs(device.at(view, y, x, c) - expected);
+        error.finite = error.finite && std::isfinite(difference);
+        squares += difference * difference;
+        power += expected * expected;
+        error.max = std::max(error.max, difference);
+      }
+  const double referenceRms = std::sqrt(power / static_cast<double>(view.pixelCount() * view.channels));
+  error.rms = std::sqrt(squares / power);
+  error.max /= referenceRms;
+  const Tolerance tolerance = toleranceOf(view.type);
+  error.withinTolerance = error.finite && error.rms <= tolerance.rms && error.max <= tolerance.max;
+  return error;
+}
+
+}  // namespace xrds

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "network/network_model.h"
+
+namespace xrds {
+
+/// A change to the weights of a model that brings a part of it to the edge of what numbers can hold.
+struct WeightEdge {
+  std::string name;
+  bool bounded = false;  // the network stays as well conditioned as it was: the bounds on its error still hold
+  bool inShortForm = false;
+  TensorFile (*apply)(TensorFile file);
+};
+
+/// All changes, the first of which leaves the weights as they are. Those that scale values and divide by the same
+/// power of two behind them leave the network's output as it was.
+const std::vector<WeightEdge>& weightEdges();
+
+/// Random models of every scale, kind of block, way to join, base image and transfer.
+std::vector<NetworkConfig> stressConfigs();
+
+}  // namespace xrds

@@ -1,0 +1,46 @@
+#include "checks/stress/frames.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "checks/stress/inputs.h"
+#include "image/repair.h"
+
+namespace xrds {
+namespace {
+
+constexpr float kExposures[] = {1e-30f, 1e-6f, 1, 1e6f, 1e30f};
+
+}  // namespace
+
+FrameInput StressFrame::input(bool autoExposure) const {
+  const auto viewOf = [](const Image& image) {
+    return PixelView{image.pixels.data(), static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height)};
+  };
+  FrameInput in{viewOf(colour)};
+  for (const Image& image : auxiliary) in.auxiliary.push_back(viewOf(image));
+  if (!autoExposure) in.exposure = givenExposure;
+  return in;
+}
+
+std::vector<StressFrame> stressFrames(const NetworkConfig& config, FrameShape shape, uint32_t seed, size_t turn) {
+  const auto colours = stressColours(), auxiliaries = stressAuxiliaries();
+  const auto naturalCount = static_cast<size_t>(
+      std::count_if(auxiliaries.begin(), auxiliaries.end(), [](const StressInput& input) { return input.natural; }));
+  std::vector<StressFrame> frames;
+  for (size_t i = 0; i < colours.size(); ++i) {
+    const bool natural = colours[i].natural;
+    const size_t aux = natural ? i % naturalCount : (i + 5 * turn) % auxiliaries.size();
+    const auto frameSeed = static_cast<uint32_t>(seed + 100 * turn + i);
+    StressFrame frame{std::string(colours[i].name), natural, stressColour(i, shape, frameSeed),
+                      stressAuxiliary(aux, config, shape, frameSeed)};
+    if (!frame.auxiliary.empty()) frame.name += ", " + std::string(auxiliaries[aux].name);
+    frame.repairedPixels = repairNonFinite(frame.colour).nonFinitePixels;
+    for (Image& image : frame.auxiliary) frame.repairedPixels += repairNonFinite(image).nonFinitePixels;
+    frame.givenExposure = kExposures[(i + turn) % std::size(kExposures)];
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+}  // namespace xrds

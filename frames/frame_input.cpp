@@ -1,0 +1,18 @@
+#include "frames/frame_input.h"
+
+#include <algorithm>
+
+namespace xrds {
+
+void copyRow(const PixelView& image, int64_t x, uint32_t y, uint32_t width, float* to, uint32_t stride) {
+  const float* row = image.pixels + uint64_t{y} * image.width * image.stride;
+  auto column = static_cast<uint32_t>((x % image.width + image.width) % image.width);
+  for (uint32_t left = width; left > 0; column = 0) {
+    const uint32_t count = std::min(left, image.width - column);
+    const float* from = row + size_t{column} * image.stride;
+    for (uint32_t i = 0; i < count; ++i, from += image.stride, to += stride) std::copy_n(from, 3, to);
+    left -= count;
+  }
+}
+
+}  // namespace xrds

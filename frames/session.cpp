@@ -1,0 +1,260 @@
+#include "frames/session.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "engine/half.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+std::vector<std::byte> encode(std::span<const float> values, DataType type) {
+  if (type == DataType::f32) {
+    const auto bytes = std::as_bytes(values);
+    return {bytes.begin(), bytes.end()};
+  }
+  std::vector<std::byte> bytes(values.size() * byteSize(type));
+  for (size_t i = 0; i < values.size(); ++i) {
+    const uint16_t half = toHalf(std::clamp(values[i], -65504.0f, 65504.0f));
+    std::memcpy(bytes.data() + 2 * i, &half, 2);
+  }
+  return bytes;
+}
+
+/// The packed weights of every node, one behind the other.
+struct PackedModel {
+  struct Range {
+    uint64_t offset = 0, byteSize = 0;
+  };
+  std::vector<Range> ranges;    // by node
+  std::vector<PackedKey> keys;  // in the order of the bytes
+  std::vector<std::byte> bytes;
+};
+
+PackedKey keyOf(const std::string& program, const Operator& op) {
+  PackedKey key{program};
+  std::visit(
+      [&](const auto& o) {
+        if constexpr (requires { o.weight; }) key.weight = o.weight.data();
+        if constexpr (requires { o.biasTable; }) key.weight = o.biasTable.data();
+        if constexpr (requires { o.first; }) key.first = o.first.weight.data();
+      },
+      op);
+  return key;
+}
+
+PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
+  PackedModel packed;
+  std::map<PackedKey, PackedModel::Range> known;  // bands of a layer share theirs
+  for (const Node& node : graph.nodes) {
+    const Dispatch launch = std::visit([&](const auto& op) { return dispatch(op, device); }, node.op);
+    const auto [range, isNew] = known.try_emplace(keyOf(launch.program, node.op));
+    if (isNew) {
+      DataType type = DataType::f32;
+      for (const Binding& binding : launch.bindings)
+        if (binding.value == kWeights) type = binding.type;
+      const auto values = std::visit([&](const auto& op) { return packedWeights(op, device); }, node.op);
+      const std::vector<std::byte> bytes = encode(values, type);
+      range->second = {packed.bytes.size(), bytes.size()};
+      packed.keys.push_back(range->first);
+      packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
+      packed.bytes.resize(alignUp(packed.bytes.size(), kBindingAlignment));
+    }
+    packed.ranges.push_back(range->second);
+  }
+  if (packed.bytes.empty()) packed.bytes.resize(kBindingAlignment);
+  return packed;
+}
+
+void checkSize(const char* what, const PixelView& image, const TensorView& expected) {
+  if (image.width != expected.width || image.height != expected.height)
+    throw Error(std::string("The ") + what + " image is " + std::to_string(image.width) + " x " +
+                std::to_string(image.height) + " pixels, expected " + std::to_string(expected.width) + " x " +
+                std::to_string(expected.height) + ".");
+}
+
+void checkLimits(const Graph& graph, const DeviceTraits& device) {
+  for (const Value& value : graph.values)
+    if (value.texelCount() > device.maxTexelBufferElements)
+      throw Error("The frame needs a tensor of " + std::to_string(value.byteSize() >> 20) +
+                  " MiB, more than the device can bind: use smaller tiles.");
+}
+
+std::vector<ValueId> ownStorage(const Graph& graph) {
+  std::vector<ValueId> storage(graph.values.size());
+  std::iota(storage.begin(), storage.end(), ValueId{0});
+  return storage;
+}
+
+DeviceTraits traitsFor(const Gpu& gpu, const SessionOptions& options) {
+  DeviceTraits traits = gpu.traits();
+  traits.family = options.family.value_or(traits.family);
+  return traits;
+}
+
+}  // namespace
+
+uint64_t arenaByteSize(const Graph& graph) {
+  return alignUp(planMemory(lifetimes(graph, inPlaceStorage(graph))).byteSize, kBindingAlignment);
+}
+
+MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device) {
+  const auto aliased = lifetimes(graph, inPlaceStorage(graph));
+  MemoryNeeds needs;
+  needs.planned = planMemory(aliased).byteSize;
+  needs.lowerBound = largestLiveSet(aliased);
+  needs.unaliased = planWithoutAliasing(lifetimes(graph, ownStorage(graph))).byteSize;
+  needs.weights = packModel(graph, device).bytes.size();
+  return needs;
+}
+
+Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionOptions options)
+    : graph_(buildGraph(model.config(), frame, model.lookup(),
+                        fastOn(traitsFor(gpu, options), {options.precision, options.autoExposure, options.bandRows}))),
+      storage_(options.aliasing ? inPlaceStorage(graph_) : ownStorage(graph_)) {
+  const DeviceTraits traits = traitsFor(gpu, options);
+  checkLimits(graph_, traits);
+  const auto lives = lifetimes(graph_, storage_);
+  plan_ = options.aliasing ? planMemory(lives) : planWithoutAliasing(lives);
+  const PackedModel packed = packModel(graph_, traits);
+  packedKeys_ = packed.keys;
+  const Session* lender = options.lender;
+  const bool arenaFits = lender && lender->arena_->byteSize() >= alignUp(plan_.byteSize, kBindingAlignment);
+  arena_ = arenaFits ? lender->arena_ : &ownArena_.emplace(gpu, alignUp(plan_.byteSize, kBindingAlignment));
+  if (lender && lender->packedKeys_ == packedKeys_) {
+    weights_ = lender->weights_;
+  } else {
+    weights_ = &ownWeights_.emplace(gpu, packed.bytes.size());
+    weights_->upload(0, packed.bytes);
+  }
+
+  const uint64_t mostWork = std::min(options.multiplyAddsPerSubmission, kMostWorkPerDispatch);
+  for (LoweredDispatch& lowered : lower(graph_, traits, mostWork)) {
+    const auto place = [&](const Binding& binding) -> ByteRange {
+      if (binding.value == kWeights)
+        return {weights_, packed.ranges[lowered.node].offset, packed.ranges[lowered.node].byteSize};
+      return {arena_, plan_.offsets[storage_[binding.value]] + binding.byteOffset, binding.byteSize};
+    };
+    PlacedDispatch placed{std::move(lowered.dispatch), {}};
+    for (const Binding& binding : placed.dispatch.bindings) placed.ranges.push_back(place(binding));
+    placed_.push_back(std::move(placed));
+  }
+  recording_.emplace(gpu, placed_, RecordingOptions{options.timestamps, options.multiplyAddsPerSubmission});
+}
+
+bool Session::run(const FrameInput& input, std::span<float> output,
+                  const std::function<bool(size_t, size_t)>& progress) {
+  upload(input);
+  if (!replay(progress)) return false;
+  download(output);
+  return true;
+}
+
+void Session::upload(const FrameInput& input) {
+  checkSize("colour", input.colour, graph_.colour);
+  for (const PixelView& image : input.auxiliary) checkSize("auxiliary", image, graph_.auxiliary);
+  uploadPart(input, 0, 0);
+}
+
+void Session::uploadPart(const FrameInput& frame, int64_t x, uint32_t y) {
+  // Images side by side in the channels of a view, the rest of them zero.
+  const auto write = [&](const TensorView& view, std::span<const PixelView> images, int64_t left, uint32_t top) {
+    XRDS_CHECK_EQ(byteSize(view.type), sizeof(float));
+    const auto given = static_cast<uint32_t>(3 * images.size());
+    for (const PixelView& image : images) XRDS_CHECK_LE(top + view.height, image.height);
+    const uint64_t rowBytes = uint64_t{view.width} * view.channels * sizeof(float);
+    arena_->uploadRows(placeOf(view), rowBytes, view.height, [&](uint32_t row, std::span<std::byte> bytes) {
+      auto* to = reinterpret_cast<float*>(bytes.data());
+      for (size_t i = 0; i < images.size(); ++i)
+        copyRow(images[i], left, top + row, view.width, to + 3 * i, view.channels);
+      for (uint32_t column = 0; column < view.width; ++column)
+        std::fill(to + size_t{column} * view.channels + given, to + size_t{column + 1} * view.channels, 0.f);
+    });
+  };
+  write(graph_.colour, {&frame.colour, 1}, x, y);
+  if (graph_.auxiliary.exists()) {
+    if (3 * frame.auxiliary.size() > graph_.auxiliary.channels ||
+        3 * frame.auxiliary.size() + 3 < graph_.auxiliary.channels)
+      throw Error("The model was given " + std::to_string(frame.auxiliary.size()) +
+                  " auxiliary images, another number than it expects.");
+    const uint32_t scale = graph_.output.width / graph_.colour.width;
+    write(graph_.auxiliary, frame.auxiliary, x * scale, y * scale);
+  }
+  if (!graph_.computesExposure()) {
+    const float e = frame.exposure.value_or(1.f);
+    const float numbers[4] = {e, frame.inverseExposure.value_or(1 / e), 0, 0};
+    arena_->upload(placeOf(graph_.exposure), std::as_bytes(std::span(numbers)));
+  }
+}
+
+void Session::downloadRows(const std::function<void(uint32_t, std::span<const float>)>& read) const {
+  const TensorView& view = graph_.output;
+  XRDS_CHECK_EQ(byteSize(view.type), sizeof(float));
+  const size_t count = size_t{view.width} * view.channels;
+  arena_->downloadRows(placeOf(view), count * sizeof(float), view.height,
+                       [&](uint32_t row, std::span<const std::byte> bytes) {
+                         read(row, {reinterpret_cast<const float*>(bytes.data()), count});
+                       });
+}
+
+void Session::download(std::span<float> output) const {
+  XRDS_CHECK_EQ(output.size(), 3 * graph_.output.pixelCount());
+  lostPixels_.clear();
+  downloadRows([&](uint32_t row, std::span<const float> pixels) {
+    const uint64_t first = uint64_t{row} * graph_.output.width;
+    for (uint64_t x = 0; x < graph_.output.width; ++x) {
+      std::copy_n(&pixels[4 * x], 3, &output[3 * (first + x)]);
+      if (pixels[4 * x + 3] != 0) lostPixels_.push_back(first + x);
+    }
+  });
+}
+
+std::vector<DispatchTime> Session::times() const {
+  const auto microseconds = recording_->gpuMicroseconds();
+  std::vector<DispatchTime> times;
+  for (size_t i = 0; i < microseconds.size(); ++i) {
+    const Dispatch& dispatch = placed_[i].dispatch;
+    DispatchTime row{dispatch.label, dispatch.program, dispatch.multiplyAdds, 0, microseconds[i]};
+    for (const ByteRange& range : placed_[i].ranges) row.byteSize += range.byteSize;
+    times.push_back(std::move(row));
+  }
+  return times;
+}
+
+std::vector<float> Session::read(const TensorView& view) const {
+  std::vector<std::byte> bytes(view.storedByteSize());
+  arena_->download(placeOf(view), bytes);
+  std::vector<float> values(bytes.size() / byteSize(view.type));
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (view.type == DataType::f32) {
+      std::memcpy(&values[i], &bytes[4 * i], 4);
+    } else {
+      uint16_t half;
+      std::memcpy(&half, &bytes[2 * i], 2);
+      values[i] = fromHalf(half);
+    }
+  }
+  return values;
+}
+
+uint64_t Session::ownByteSize() const {
+  return (ownArena_ ? ownArena_->byteSize() : 0) + (ownWeights_ ? ownWeights_->byteSize() : 0);
+}
+
+float Session::exposure() const { return read(graph_.exposure).front(); }
+
+void openSession(std::optional<Session>& session, Gpu& gpu, const NetworkModel& model, FrameShape frame,
+                 SessionOptions options) {
+  try {
+    session.emplace(gpu, model, frame, options);
+    return;
+  } catch (const OutOfMemory&) {
+    if (options.bandRows != 0) throw;
+  }
+  options.bandRows = model.config().window;
+  session.emplace(gpu, model, frame, options);
+}
+
+}  // namespace xrds

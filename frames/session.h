@@ -1,0 +1,117 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/recording.h"
+#include "frames/frame_input.h"
+#include "network/network_model.h"
+
+namespace xrds {
+
+/// What a frame shape needs of a device's memory, in bytes: a question that needs no device.
+struct MemoryNeeds {
+  uint64_t planned = 0;     // the arena
+  uint64_t lowerBound = 0;  // largest live set
+  uint64_t unaliased = 0;   // every value with bytes of its own
+  uint64_t weights = 0;     // packed
+};
+MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device);
+
+/// The bytes of the arena that a session of the graph allocates.
+uint64_t arenaByteSize(const Graph& graph);
+
+class Session;
+
+struct SessionOptions {
+  Precision precision = Precision::fp32;
+  bool autoExposure = true;
+  bool timestamps = false;
+  uint64_t multiplyAddsPerSubmission = RecordingOptions{}.multiplyAddsPerSubmission;
+  uint32_t bandRows = 0;                 // as in GraphOptions
+  std::optional<KernelFamily> family{};  // in place of the device's
+  bool aliasing = true;                  // off: every value keeps its bytes, so that each can be looked at
+  /// A session of the same model whose arena, where it is large enough, and weights are used too: the two then run in
+  /// turn, and it must outlive this one.
+  const Session* lender = nullptr;
+};
+
+/// Names packed weights: the program that reads them, and the weights that they are made of as the model has them.
+struct PackedKey {
+  std::string program;
+  const float *weight = nullptr, *first = nullptr;  // first: of a map joined to the layer's own
+  auto operator<=>(const PackedKey&) const = default;
+};
+
+struct DispatchTime {
+  std::string label, program;
+  uint64_t multiplyAdds = 0, byteSize = 0;
+  double microseconds = 0;
+};
+
+/// A model made ready for one frame shape on one device: planned and recorded once, replayed for each frame.
+class Session {
+ public:
+  /// Throws Error if the device cannot hold the plan. The device must outlive the session.
+  Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionOptions options = {});
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Upscales one frame into output [s h, s w, 3]. Throws Error if an image is of another size. `progress` as in
+  /// Recording::run; returns false if it stopped the run.
+  bool run(const FrameInput& input, std::span<float> output, const std::function<bool(size_t, size_t)>& progress = {});
+
+  /// The three steps of run(), for frames whose inputs or output stay on the device. upload() writes the inputs to
+  /// where placeOf() says; replay() reads them there and may overwrite them.
+  void upload(const FrameInput& input);
+  /// Uploads the part of a larger frame whose upper left low-resolution pixel is (x, y); its columns are cyclic.
+  void uploadPart(const FrameInput& frame, int64_t x, uint32_t y);
+  bool replay(const std::function<bool(size_t, size_t)>& progress = {}) { return recording_->run(progress); }
+  void download(std::span<float> output) const;
+  /// Hands over the rows of the last run's output: four floats a pixel, the last one not 0 where the network's share
+  /// was not finite and is missing.
+  void downloadRows(const std::function<void(uint32_t row, std::span<const float> pixels)>& read) const;
+  /// Byte offset of an input or the output of the graph in arena().
+  uint64_t placeOf(const TensorView& view) const { return plan_.offsets[storage_[view.value]]; }
+  const Buffer& arena() const { return *arena_; }
+
+  const Graph& graph() const { return graph_; }
+  const MemoryPlan& plan() const { return plan_; }
+  /// Between runs its bytes are free for other uses.
+  Buffer& arena() { return *arena_; }
+  uint64_t weightByteSize() const { return weights_->byteSize(); }
+  /// Bytes of device memory that this session holds itself, not lent to it.
+  uint64_t ownByteSize() const;
+  size_t barrierCount() const { return recording_->barrierCount(); }
+  /// Per dispatch, of the last run; needs timestamps.
+  std::vector<DispatchTime> times() const;
+  /// The elements of a value after a run, widened to float; what aliasing has overwritten is gone.
+  std::vector<float> read(const TensorView& view) const;
+  /// Fills the arena with a bit pattern (tests: NaN).
+  void fillArena(uint32_t pattern) { arena_->fill(pattern); }
+  /// Pixels of the last download's output without the network's share, which was not finite there, row by row from 0.
+  const std::vector<uint64_t>& lostPixels() const { return lostPixels_; }
+  /// The exposure that the last run used.
+  float exposure() const;
+
+ private:
+  Graph graph_;
+  std::vector<ValueId> storage_;
+  MemoryPlan plan_;
+  std::vector<PlacedDispatch> placed_;
+  std::optional<Buffer> ownArena_, ownWeights_;
+  Buffer *arena_ = nullptr, *weights_ = nullptr;  // the own ones or the lender's
+  std::vector<PackedKey> packedKeys_;             // what the weights hold, in order
+  std::optional<Recording> recording_;
+  mutable std::vector<uint64_t> lostPixels_;  // found by download()
+};
+
+/// Opens a session of the frame. Where the device has no room for it, one whose bands are as narrow as bands can be,
+/// unless the options choose them: slower, but the same picture. Throws OutOfMemory if that does not fit either.
+void openSession(std::optional<Session>& session, Gpu& gpu, const NetworkModel& model, FrameShape frame,
+                 SessionOptions options);
+
+}  // namespace xrds

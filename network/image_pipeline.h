@@ -1,0 +1,29 @@
+#pragma once
+
+#include "network/network.h"
+
+namespace xrds {
+
+/// Auxiliary channels, their means (of a model that demodulates), and the colour demodulated by these and transformed.
+struct Prepared {
+  TensorView aux{}, auxMean{}, x{};
+};
+
+/// Adds the inputs of the graph and what the network sees of them: padded to whole windows.
+Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const GraphOptions& options, Graph& graph);
+
+/// Adds the values, without nodes, of the means and the colour encoded with them of `height` x `width` pixels.
+/// `prefix` begins their names and those of the nodes of encodeRows().
+void createEncoded(const NetworkConfig& config, const std::string& prefix, uint32_t height, uint32_t width,
+                   Graph& graph, Prepared& prepared);
+
+/// Computes rows of the means and of the encoded colour.
+void encodeRows(const NetworkConfig& config, const std::string& prefix, Graph& graph, const Prepared& prepared,
+                RowRange rows = {});
+
+/// Computes rows of the result: the base image of these rows, which is kept no longer, plus the network's raw output,
+/// decoded. `network` need not exist.
+void decodeRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
+                RowRange rows);
+
+}  // namespace xrds

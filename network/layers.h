@@ -1,0 +1,99 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "graph/bands.h"
+#include "network/joined_weights.h"
+#include "network/network.h"
+
+namespace xrds {
+
+/// Writes the layers of a network into a graph: each function adds a node and returns the view that it writes.
+/// `into` names the rows and channels to write, so that a concatenation is never copied; else a value is added.
+class Layers {
+ public:
+  Layers(const NetworkConfig& network, const WeightLookup& weights, Graph& target, const GraphOptions& options)
+      : config(network), graph(target), weights_(weights), options_(options) {}
+
+  struct ConvOptions {
+    TensorView into{}, residual{};
+    Activation activation = Activation::none;
+    bool unshuffle = false, shuffle = false;
+    RowRange rows{};       // of the convolution
+    bool inFours = false;  // see Conv3x3; wider kernels, for which exactHalo() is larger
+  };
+  TensorView conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs, ConvOptions options);
+  TensorView conv(const std::string& name, TensorView x, uint32_t outputs) {
+    return conv(name, x, x.channels, outputs, {});
+  }
+  TensorView linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into = {},
+                    TensorView residual = {}, Activation activation = Activation::none);
+  /// The 1x1 convolution `name` of t + the linear layer `first` of x, joined into two maps where maps are.
+  TensorView conv1x1OfSum(const std::string& first, const std::string& name, TensorView x, TensorView t,
+                          uint32_t outputs, TensorView into);
+  TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,
+                     TensorView residual = {});
+  /// Of the rows of x and of the channels of `appended` behind its own.
+  TensorView conv1x1Rows(const std::string& name, TensorView x, TensorView appended, uint32_t outputs, TensorView into,
+                         RowRange rows);
+  /// The 1x1 convolution `name` of the doubling pixel_shuffle(conv3x3(x)) and of `appended`, joined; rows of the
+  /// output.
+  void outputOfDoubling(const std::string& doubling, const std::string& name, TensorView x, TensorView appended,
+                        uint32_t outputs, TensorView into, RowRange rows);
+  /// The 3x3 convolution `name` of the doubling, joined, as the patches that Fold adds up; rows of x.
+  void patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
+                         TensorView into, RowRange rows);
+  /// A linear layer of LN(x).
+  TensorView normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
+                          Activation activation = Activation::none);
+  /// Attention of the band's rows, of which the views are images of their own.
+  TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
+                       const WindowBand& band);
+
+  /// The Swin layer in one kernel, with the convolution `grow` behind it if that is named; false: the device does not
+  /// make it so, or something in it is stored in fp32.
+  bool fusedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted, TensorView into);
+
+  /// Whether maps in a row are made as one.
+  bool joinsMaps() const { return options_.mapsJoined; }
+  /// The type of the value or of the layer's weights.
+  DataType stored(const std::string& value) const { return graph.typeOf(value, false, precision()); }
+  DataType storedWeights(const std::string& layer) const { return graph.typeOf(layer, true, precision()); }
+  TensorView create(const std::string& name, const TensorView& like, uint32_t channels) {
+    return graph.create(name, stored(name), {like.height, like.width, channels});
+  }
+
+  /// The steps over the high-resolution image.
+  Sweep sweep(uint32_t height, uint32_t width) const;
+  /// Rows between two stages of a sweep at high resolution: enough for a convolution at any of its resolutions, and
+  /// whole strips of the kernels.
+  uint32_t sweepDistance() const { return std::max(8u, config.scale); }
+  /// Bands for a chain of operators that holds at most `tensors` times the bytes of the branch's features for a row.
+  std::vector<WindowBand> bands(const TensorView& image, bool shifted, uint32_t tensors) const;
+
+  const NetworkConfig& config;
+  Graph& graph;
+
+ private:
+  // Whether a frame with so much colour is made in one piece where no rows of a band are asked for.
+  bool isSmall(uint32_t height, uint32_t width) const;
+  uint64_t bandRows(const TensorView& image, uint32_t tensors) const;
+  DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
+  TensorView layerNorm(const std::string& name, TensorView x);
+  // Of that layer: the steps of a sweep share them.
+  ConvWeights madeOnce(const std::string& name, const std::function<JoinedWeights()>& make);
+  Conv3x3 joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined);
+  ConvWeights doublingWeights(const std::string& doubling, uint32_t channels);
+  TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
+  std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
+    return weights_(name, std::span(shape.begin(), shape.size()));
+  }
+
+  std::map<std::string, ConvWeights> made_;
+  const WeightLookup& weights_;
+  const GraphOptions& options_;
+};
+
+}  // namespace xrds

@@ -1,0 +1,42 @@
+#include "network/network.h"
+
+#include "network/auxiliary_branch.h"
+#include "network/low_resolution_branch.h"
+#include "network/promotion.h"
+#include "network/upsampling.h"
+#include "xrds/error.h"
+
+namespace xrds {
+
+GraphOptions fastOn(const DeviceTraits& device, GraphOptions options) {
+  options.normsInLinear = device.family == KernelFamily::lane;
+  options.mapsJoined = true;
+  if (device.family == KernelFamily::fused) options.layersFusedOn = device;
+  return options;
+}
+
+Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
+                 const GraphOptions& options) {
+  if (frame.height == 0 || frame.width == 0 || frame.height > kMaxSide / config.scale ||
+      frame.width > kMaxSide / config.scale)
+    throw Error("A frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                " pixels cannot be upscaled by " + std::to_string(config.scale) +
+                ": each side of the output must be 1 to 65536 pixels.");
+  Graph graph;
+  if (options.precision == Precision::fp16 && config.groups > 0)
+    graph.promoted =
+        findPromotions(buildGraph(config, {1, 1}, weights, {.autoExposure = false, .mapsJoined = options.mapsJoined}));
+  Layers layers(config, weights, graph, options);
+  const Prepared prepared = prepareInputs(config, frame, options, graph);
+  graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});
+  TensorView u, h;
+  if (config.groups > 0) {
+    const AuxiliaryFeatures aux = prepared.aux.exists() ? auxiliaryBranch(layers, prepared.aux) : AuxiliaryFeatures{};
+    u = lowResolutionBranch(layers, prepared.x, aux.d);
+    h = aux.h;
+  }
+  upsample(layers, u, h, prepared);
+  return graph;
+}
+
+}  // namespace xrds

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "graph/graph.h"
+#include "network/config.h"
+#include "network/frame_shape.h"
+#include "network/precision.h"
+
+namespace xrds {
+
+/// Gives the weights of a parameter, row-major in PyTorch's layout, by its name in the weight file ("up.0.weight") and
+/// the shape that the network needs. The floats must outlive the graph.
+using WeightLookup = std::function<std::span<const float>(const std::string& name, std::span<const uint32_t> shape)>;
+
+/// GraphOptions::bandRows for a frame in one piece.
+inline constexpr uint32_t kWholeFrame = kMaxSide;
+
+struct GraphOptions {
+  Precision precision = Precision::fp32;
+  bool autoExposure = true;  // else the exposure is an input of the graph
+  /// Low-resolution rows of the bands, of whole windows, in which wide tensors are computed; 0: chosen by the frame's
+  /// size, small frames in one piece. Bands take less memory and give the same output bit for bit.
+  uint32_t bandRows = 0;
+  /// Layer norms are made by the linear layers behind them, as the lane and the plain kernels can.
+  bool normsInLinear = false;
+  /// Linear maps in a row with nothing between them are made as one, whose weights are their product: of an RDST a
+  /// seventh fewer multiply-adds; so are the last doubling and the output convolution where that is less work.
+  bool mapsJoined = false;
+  /// The device on which Swin layers that fit() it are made by one kernel each, in fp16; none: nowhere.
+  std::optional<DeviceTraits> layersFusedOn{};
+};
+
+/// The network as its definition is written, in one piece: what papers count, and what references are made of.
+inline const GraphOptions kAsWritten{.bandRows = kWholeFrame};
+
+/// The options with what makes the graph fast on a device: whatever is to be true of the graph that a device runs
+/// builds it with these.
+GraphOptions fastOn(const DeviceTraits& device, GraphOptions options);
+
+/// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).
+/// In fp16 what the weights show to be beyond a half is stored in fp32 (findPromotions).
+/// Throws Error if the frame is empty or too large, and what the lookup throws.
+Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
+                 const GraphOptions& options);
+
+}  // namespace xrds
