@@ -7,10 +7,9 @@
 #include "checks/reference.h"
 #include "checks/stress/stress.h"
 #include "frames/ensemble.h"
+#include "frames/frame_runner.h"
 #include "frames/quiet_windows.h"
-#include "frames/sparse_runner.h"
 #include "frames/tile_choice.h"
-#include "frames/tile_runner.h"
 #include "image/repair.h"
 #include "network/halo.h"
 #include "xrds/engine_access.h"
@@ -69,14 +68,6 @@ SessionOptions sessionOptions(const Upscaler::Options& options) {
           .multiplyAddsPerSubmission = options.multiplyAddsPerSubmission};
 }
 
-// `progress` as the engine calls it, with the submissions done and their total.
-std::function<bool(size_t, size_t)> countingShare(const Upscaler::Progress& progress) {
-  if (!progress) return nullptr;
-  return [&progress](size_t done, size_t total) {
-    return progress(static_cast<double>(done) / static_cast<double>(total));
-  };
-}
-
 SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
   if (options.tiles.wrap)
     throw Error("A panorama whose borders continue into each other is computed in full: skip nothing, or do not wrap.");
@@ -116,22 +107,19 @@ struct Upscaler::State {
     traits.family = of.family.value_or(traits.family);
     tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits});
     const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
-    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips)
-      return openSession(session, gpu, model, frame, of);
-    tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
-    if (skips) {
-      sparse.emplace(gpu, model, of, tiles, sparseOptions(config, options));
+    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
+      runner = wholeRunner(gpu, model, frame, of);
       return;
     }
-    runner.emplace(gpu, model, of);
-    runner->prepare(tiles);
+    const auto tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
+    runner =
+        skips ? partsRunner(gpu, model, tiles, of, sparseOptions(config, options)) : tiledRunner(gpu, model, tiles, of);
   }
 
   // The device has less memory than it says, for other programs use it: tiles of half as much, again and again.
   void prepareSmaller(Gpu& gpu, const NetworkModel& model, const std::exception_ptr& first) {
     while (true) {
       runner.reset();
-      sparse.reset();
       try {
         return prepare(gpu, model, (tiling.arenaBytes + tiling.weightBytes) / 2);
       } catch (const OutOfMemory&) {
@@ -145,16 +133,14 @@ struct Upscaler::State {
 
   bool runFinite(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                  const Progress& progress) {
-    const FrameInput frame = inputOf(colour, auxiliary, options);
-    if (session) return session->run(frame, output, countingShare(progress));
-    return sparse ? sparse->run(frame, output, progress) : runner->run(frame, tiles, output, progress);
+    return runner->run(inputOf(colour, auxiliary, options), output, progress);
   }
 
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
            const Progress& progress) {
     if (options.ensemble > 1) return runEnsemble(colour, auxiliary, output, progress);
     if (!runFinite(colour, auxiliary, output, progress)) return false;
-    repairs.output = lostPixels().size();
+    repairs.output = runner->lostPixels().size();
     return true;
   }
 
@@ -171,12 +157,12 @@ struct Upscaler::State {
       const auto report = [&](double done) { return progress((static_cast<double>(pass) + done) * share); };
       if (!state.runFinite(images.colour(), images.auxiliary(), output, progress ? Progress(report) : Progress()))
         return false;
-      mean.add(output, mirrors[pass], state.usedExposure());
+      mean.add(output, mirrors[pass], state.runner->exposure());
       const bool across = mirrors[pass].transposed;
-      for (const uint64_t pixel : state.lostPixels())
+      for (const uint64_t pixel : state.runner->lostPixels())
         lost.push_back(mirroredPixel(pixel, across ? height : width, across ? width : height, mirrors[pass]));
     }
-    mean.write(output, usedExposure());
+    mean.write(output, runner->exposure());
     std::sort(lost.begin(), lost.end());
     repairs.output = static_cast<size_t>(std::unique(lost.begin(), lost.end()) - lost.begin());
     return true;
@@ -184,6 +170,7 @@ struct Upscaler::State {
 
   // The images of a frame that is computed in tiles are never on the device as a whole.
   Session& wholeSession() {
+    Session* const session = runner->whole();
     if (!session)
       throw Error("The frame is computed in parts, so that it cannot be drawn from the device: use Upscaler::run().");
     return *session;
@@ -193,22 +180,9 @@ struct Upscaler::State {
   FrameShape frame;
   Options options;
   Tiling tiling;
-  std::vector<Tile> tiles;
-  std::optional<Session> session;      // of the whole frame
-  std::optional<TileRunner> runner;    // or of its tiles
-  std::optional<SparseRunner> sparse;  // or of those of its windows that need it
-  std::unique_ptr<State> turned;       // an ensemble's, of frames that are not square, on their diagonal
+  std::unique_ptr<FrameRunner> runner;
+  std::unique_ptr<State> turned;  // an ensemble's, of frames that are not square, on their diagonal
   Repairs repairs{};
-
-  float usedExposure() const {
-    if (session) return session->exposure();
-    return sparse ? sparse->exposure() : runner->exposure();
-  }
-  uint64_t byteSize() const { return session ? session->ownByteSize() : tileRunner().byteSize(); }
-  const TileRunner& tileRunner() const { return sparse ? sparse->runner() : *runner; }
-  const std::vector<uint64_t>& lostPixels() const {
-    return session ? session->lostPixels() : sparse ? sparse->lostPixels() : runner->lostPixels();
-  }
 };
 
 Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
@@ -236,10 +210,10 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
 
 Upscaler::Repairs Upscaler::repairs() const { return state_->repairs; }
 
-float Upscaler::exposure() const { return state_->usedExposure(); }
+float Upscaler::exposure() const { return state_->runner->exposure(); }
 
 uint64_t Upscaler::deviceBytes() const {
-  return state_->byteSize() + (state_->turned ? state_->turned->byteSize() : 0);
+  return state_->runner->byteSize() + (state_->turned ? state_->turned->runner->byteSize() : 0);
 }
 
 SkipMap Upscaler::skipMap() const {
@@ -247,10 +221,11 @@ SkipMap Upscaler::skipMap() const {
   const WindowMask none(state_->frame, config.window, false);
   SkipMap map{.side = config.window * config.scale, .columns = none.columns, .rows = none.rows};
   map.windows.resize(none.marks.size());
-  map.work = state_->sparse ? state_->sparse->work() : state_->tiling.work;
-  for (size_t i = 0; i < map.windows.size() && state_->sparse; ++i) {
-    if (state_->sparse->interpolated().marks[i]) map.windows[i] = SkipMap::Window::interpolated;
-    if (state_->sparse->kept().marks[i]) map.windows[i] = SkipMap::Window::kept;
+  const SparseRunner* const sparse = state_->runner->sparse();
+  map.work = sparse ? sparse->work() : state_->tiling.work;
+  for (size_t i = 0; i < map.windows.size() && sparse; ++i) {
+    if (sparse->interpolated().marks[i]) map.windows[i] = SkipMap::Window::interpolated;
+    if (sparse->kept().marks[i]) map.windows[i] = SkipMap::Window::kept;
   }
   return map;
 }
@@ -259,7 +234,7 @@ const Tiling& Upscaler::tiling() const { return state_->tiling; }
 
 std::vector<Upscaler::ProfileRow> Upscaler::profile() const {
   std::vector<ProfileRow> rows;
-  for (const DispatchTime& time : state_->session ? state_->session->times() : state_->tileRunner().times())
+  for (const DispatchTime& time : state_->runner->times())
     rows.push_back({time.label, time.program, time.multiplyAdds, time.byteSize, time.microseconds});
   return rows;
 }
@@ -280,7 +255,7 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
 
 Gpu& EngineAccess::gpu(Device& device) { return device.state_->gpu; }
 
-bool EngineAccess::isWhole(const Upscaler& upscaler) { return upscaler.state_->session.has_value(); }
+bool EngineAccess::isWhole(const Upscaler& upscaler) { return upscaler.state_->runner->whole() != nullptr; }
 
 DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
   const Session& session = upscaler.state_->wholeSession();
