@@ -7,6 +7,7 @@
 #include "checks/stress/edges.h"
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
+#include "tests/print_case.h"
 #include "xrds/error.h"
 
 namespace xrds {

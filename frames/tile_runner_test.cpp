@@ -9,6 +9,7 @@
 #include "network/halo.h"
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {

@@ -7,10 +7,13 @@
 
 #include "frames/tile_choice.h"
 #include "network/halo.h"
+#include "tests/print_case.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
+
+using test::PrintTo;
 
 struct Case {
   FrameShape frame;

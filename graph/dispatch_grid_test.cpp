@@ -6,6 +6,7 @@
 #include "checks/stress/edges.h"
 #include "engine/kernel_family.h"
 #include "network/network_model.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "graph/graph.h"
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {

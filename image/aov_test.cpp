@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tests/print_case.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -52,6 +53,8 @@ Names operator+(Names a, const Names& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
+
+using test::PrintTo;
 
 struct Renderer {
   const char* name;

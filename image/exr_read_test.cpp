@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "image/test_files.h"
+#include "tests/print_case.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -17,6 +18,7 @@ namespace {
 
 using test::FixturePart;
 using test::fixtureValue;
+using test::PrintTo;
 using test::TemporaryFolder;
 using test::writeFixture;
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "image/flip_filters.h"
+#include "tests/print_case.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -63,6 +64,8 @@ Image spotted() {
   }
   return image;
 }
+
+using test::PrintTo;
 
 struct Case {
   const char* name;

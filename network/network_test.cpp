@@ -7,10 +7,13 @@
 #include "engine/work.h"
 #include "frames/session.h"
 #include "network/network_model.h"
+#include "tests/print_case.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
+
+using test::PrintTo;
 
 struct Row {
   uint32_t groups, blocks;

@@ -7,6 +7,7 @@
 #include "checks/reference.h"
 #include "frames/session.h"
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {

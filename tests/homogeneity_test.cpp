@@ -8,6 +8,7 @@
 #include "frames/session.h"
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {

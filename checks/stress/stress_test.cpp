@@ -13,6 +13,7 @@
 #include "checks/stress/inputs.h"
 #include "engine/kernel_family.h"
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {
 
+using test::PrintTo;
 using test::view;
 
 struct Shape {

@@ -6,10 +6,12 @@
 #include <limits>
 
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {
 
+using test::PrintTo;
 using test::view;
 
 Exposure exposureOf(uint32_t height, uint32_t width, DataType type = DataType::f32) {

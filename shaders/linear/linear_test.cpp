@@ -4,10 +4,12 @@
 
 #include "shaders/common/matrix.h"
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {
 
+using test::PrintTo;
 using test::view;
 
 struct Case {

@@ -5,10 +5,12 @@
 #include <cmath>
 
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {
 
+using test::PrintTo;
 using test::view;
 
 struct Shape {

@@ -6,10 +6,12 @@
 #include <deque>
 
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {
 
+using test::PrintTo;
 using test::view;
 
 struct Case {

@@ -6,10 +6,12 @@
 
 #include "engine/recording.h"
 #include "tests/harness.h"
+#include "tests/print_case.h"
 
 namespace xrds {
 namespace {
 
+using test::PrintTo;
 using test::view;
 
 enum class Layout { oneTensor, keysWithValues, separate };

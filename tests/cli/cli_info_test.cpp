@@ -3,6 +3,7 @@
 
 #include "network/network_model.h"
 #include "tests/cli/frames.h"
+#include "tests/print_case.h"
 
 namespace xrds::test {
 namespace {
@@ -45,6 +46,8 @@ TEST(CliInfo, FindsModelsInTheFolderOfTheEnvironment) {
   EXPECT_EQ(runXrds({"info", "mine"}, options).exitCode, 0);
   EXPECT_TRUE(contains(runXrds({"info"}, options).output, "mine\n"));
 }
+
+using test::PrintTo;
 
 /// A row of the paper's Tables 9 and 10.
 struct PaperRow {
