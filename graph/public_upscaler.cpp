@@ -270,8 +270,10 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
   checkOptions(options);
   checkShape(model.state_->weights.config(), frame);
   checkImages(model.state_->weights.config(), frame, colour, auxiliary);
+  SessionOptions of = sessionOptions(options);
+  of.family = familyFor(device.state_->gpu, frame);
   const CheckResult result = checkAgainstReference(device.state_->gpu, model.state_->weights, frame,
-                                                   inputOf(colour, auxiliary, options), sessionOptions(options));
+                                                   inputOf(colour, auxiliary, options), of);
   std::vector<CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
