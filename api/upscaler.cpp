@@ -56,9 +56,8 @@ FrameInput inputOf(const PixelView& colour, std::span<const PixelView> auxiliary
 
 // Of a small frame on a CPU nearly all the time is the driver's, which optimizes kernels of written-out products.
 std::optional<KernelFamily> familyFor(const Gpu& gpu, FrameShape frame) {
-  const bool small = uint64_t{frame.width} * frame.height <= Upscaler::kSmallFrame;
-  if (!small || gpu.hasAskedFamily() || gpu.traits().family != KernelFamily::lane) return {};
-  return KernelFamily::plain;
+  if (gpu.hasAskedFamily()) return {};
+  return kernelFamilyOf(Upscaler::kernelFamily(nameOf(gpu.traits().family), frame.width, frame.height));
 }
 
 SessionOptions sessionOptions(const Upscaler::Options& options) {
@@ -192,6 +191,11 @@ Upscaler::~Upscaler() = default;
 Upscaler::Upscaler(Upscaler&&) noexcept = default;
 Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
 
+std::string Upscaler::kernelFamily(const std::string& family, uint32_t width, uint32_t height) {
+  const bool small = uint64_t{width} * height <= kSmallFrame;
+  return small && family == nameOf(KernelFamily::lane) ? nameOf(KernelFamily::plain) : family;
+}
+
 bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                    const Progress& progress) {
   checkImages(state_->config, state_->frame, colour, auxiliary);
@@ -245,8 +249,10 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
   checkOptions(options);
   checkShape(model.state_->weights.config(), frame);
   checkImages(model.state_->weights.config(), frame, colour, auxiliary);
-  const CheckResult result = checkAgainstReference(device.state_->gpu, model.state_->weights, frame,
-                                                   inputOf(colour, auxiliary, options), sessionOptions(options));
+  SessionOptions of = sessionOptions(options);
+  of.family = familyFor(device.state_->gpu, frame);
+  const CheckResult result =
+      checkAgainstReference(device.state_->gpu, model.state_->weights, frame, inputOf(colour, auxiliary, options), of);
   std::vector<CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});

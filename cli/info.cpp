@@ -51,7 +51,10 @@ struct Answer {
 Answer answerOf(const Model& model, Size size, const InfoOptions& options) {
   if (uint64_t{size.width} * size.height > static_cast<uint64_t>(kMaxPixelCount))
     throw Error("--size is too large: expected at most " + std::to_string(kMaxPixelCount) + " pixels.");
-  const std::string family = options.kernels.empty() ? usualKernelFamily() : options.kernels;
+  const uint32_t scale = model.scale();
+  const std::string family = options.kernels.empty()
+                                 ? Upscaler::kernelFamily(usualKernelFamily(), size.width / scale, size.height / scale)
+                                 : options.kernels;
   Answer answer{size, family, model.cost(size.width, size.height, false, family),
                 model.cost(size.width, size.height, true, family)};
   if (options.memory.empty()) return answer;

@@ -125,6 +125,7 @@ NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs) {
   try {
     result.open = seconds([&] { device.emplace(optionsOf(networkCase)); });
     result.kernelFamily = device->description().kernelFamily;
+    if (networkCase.family.empty()) result.kernelFamily = Upscaler::kernelFamily(result.kernelFamily, low, low);
     result.cost = model.cost(networkCase.side, networkCase.side, networkCase.fp16(), result.kernelFamily);
     std::optional<Upscaler> upscaler;
     result.preparation = seconds([&] {

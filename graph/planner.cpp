@@ -102,7 +102,7 @@ MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
   // turn, while that does no harm.
   const auto isLong = [&](uint32_t v) { return span(v) > kLongLife; };
   std::minstd_rand random(4);
-  for (int trial = 0; trial < 1500 && best.byteSize > bound + bound / 200; ++trial) {
+  for (int trial = 0; trial < 3000 && best.byteSize > bound + bound / 200; ++trial) {
     Order above, early;
     for (uint32_t v = 0; v < lifetimes.size(); ++v)
       if (best.offsets[v] + size(v) > bound) above.push_back(v);

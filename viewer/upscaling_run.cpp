@@ -135,7 +135,9 @@ void Upscaling::upscale() {
   if (!network_->run([this](double share) { return showProgress(share); })) return;
   const uint64_t pace = network_->paceFor(millisecondsSince(running));
   clock_.end(kNetworkStage);
-  if (pace > 3 * pace_ || 3 * pace < pace_) pace_ = pace;
+  // Submissions of another size run at another speed themselves: only what is far off is worth a network made anew.
+  constexpr uint64_t kFarOff = 5;
+  if (pace > kFarOff * pace_ || kFarOff * pace < pace_) pace_ = pace;
   network_->showOutput(pictures_, Slot::output);
   network_->showSkipMap(pictures_);
   upscaled_ = true;

@@ -37,6 +37,9 @@ class Upscaler {
     uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
   };
   static constexpr uint32_t kSmallFrame = 256;  // low-resolution pixels
+  /// The kernels of a frame of width x height low-resolution pixels on a device that runs `family`, where no family was
+  /// asked for: "plain" in place of "lane" for frames of at most kSmallFrame pixels.
+  static std::string kernelFamily(const std::string& family, uint32_t width, uint32_t height);
   /// Called between submissions with the finished share in [0, 1]; returning false cancels the run.
   using Progress = std::function<bool(double)>;
   struct ProfileRow {
@@ -53,8 +56,8 @@ class Upscaler {
 
   /// width x height: of the low-resolution colour. Device and model must outlive the upscaler. Throws Error if the
   /// device cannot hold even the smallest tiles of the frame, or if an option is out of range; Cancelled if
-  /// Device::Options::onPreparation says so. Frames of at most kSmallFrame pixels take the plain kernels on CPU
-  /// devices unless a family was asked for: they start in a tenth of the time.
+  /// Device::Options::onPreparation says so. Small frames take the plain kernels on CPU devices unless a family was
+  /// asked for (kernelFamily()): they start in a tenth of the time.
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
   ~Upscaler();
   Upscaler(Upscaler&&) noexcept;
