@@ -42,11 +42,11 @@ constexpr size_t fieldCount() {
     return sizeof...(Fields);
 }
 
-/// The fields of an aggregate of at most nine.
+/// The fields of an aggregate, of at most fourteen: C++20 has no structured binding of any number.
 template <class T>
 auto fieldsOf(const T& value) {
   constexpr size_t kCount = fieldCount<T>();
-  static_assert(kCount >= 1 && kCount <= 9, "extend fieldsOf()");
+  static_assert(kCount >= 1 && kCount <= 14, "extend fieldsOf()");
   if constexpr (kCount == 1) {
     const auto& [a] = value;
     return std::tie(a);
@@ -71,9 +71,24 @@ auto fieldsOf(const T& value) {
   } else if constexpr (kCount == 8) {
     const auto& [a, b, c, d, e, f, g, h] = value;
     return std::tie(a, b, c, d, e, f, g, h);
-  } else {
+  } else if constexpr (kCount == 9) {
     const auto& [a, b, c, d, e, f, g, h, i] = value;
     return std::tie(a, b, c, d, e, f, g, h, i);
+  } else if constexpr (kCount == 10) {
+    const auto& [a, b, c, d, e, f, g, h, i, j] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j);
+  } else if constexpr (kCount == 11) {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k);
+  } else if constexpr (kCount == 12) {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
+  } else if constexpr (kCount == 13) {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
+  } else {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n);
   }
 }
 
