@@ -59,26 +59,9 @@ uint64_t bufferSize(uint64_t byteSize) {
 }  // namespace
 
 OperatorViews viewsOf(const Node& node) {
-  OperatorViews views;
-  const auto add = [&](const TensorView& view) {
+  OperatorViews views{.output = outputOf(node)};
+  for (const TensorView& view : factsOf(node).inputs)
     if (view.exists()) views.inputs.push_back(view);
-  };
-  std::visit(
-      [&](const auto& op) {
-        views.output = op.output;
-        if constexpr (requires { op.input; }) add(op.input);
-        if constexpr (requires { op.colour; }) add(op.colour);
-        if constexpr (requires { op.aux; }) add(op.aux);
-        if constexpr (requires { op.auxMean; }) add(op.auxMean);
-        if constexpr (requires { op.network; }) add(op.network);
-        if constexpr (requires { op.base; }) add(op.base);
-        if constexpr (requires { op.ceiling; }) add(op.ceiling);
-        if constexpr (requires { op.exposure; }) add(op.exposure);
-        if constexpr (requires { op.appended; }) add(op.appended);
-        if constexpr (requires { op.residual; }) add(op.residual);
-        if constexpr (requires { op.queries; }) add(op.queries), add(op.keys), add(op.values);
-      },
-      node.op);
   return views;
 }
 

@@ -9,8 +9,7 @@
 
 namespace xrds {
 
-/// What an operator reads and writes. A new operator's fields are added to viewsOf(), unless they have names that
-/// others have.
+/// The views that an operator reads and writes.
 struct OperatorViews {
   std::vector<TensorView> inputs;
   TensorView output;

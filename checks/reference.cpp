@@ -75,7 +75,7 @@ CheckResult checkAgainstReference(Gpu& gpu, const NetworkModel& model, FrameShap
   session.run(input, output);
   HostMemory memory;
   setInputs(session.graph(), input, memory);
-  CheckResult result{{}, -1, kChainBudget.of(options.precision)};
+  CheckResult result{{}, -1, boundOf(kChainBudget, options.precision)};
   runReference(session.graph(), memory, [&](const Node& node) {
     result.nodes.push_back(compare(node, session.read(outputOf(node)), memory));
     const Divergence& last = result.nodes.back();

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "checks/error_ledger.h"
+#include "checks/error_budget.h"
 #include "frames/session.h"
 
 namespace xrds {

@@ -18,24 +18,6 @@ std::vector<Binding> bindingsOf(const Node& node) {
   return std::visit([](const auto& op) { return dispatch(op, DeviceTraits{}).bindings; }, node.op);
 }
 
-uint32_t shuffleFactor(const auto& op) {
-  if constexpr (requires { op.shuffleOutput; }) return op.shuffleOutput ? 2 : 1;
-  return 1;
-}
-
-// The rows that the operator computes, before a pixel shuffle.
-template <class Op>
-RowRange computedRows(const Op& op) {
-  RowRange rows;
-  if constexpr (requires { op.rows; }) rows = op.rows;
-  return resolve(rows, op.output.height / shuffleFactor(op));
-}
-
-uint64_t computedPixels(const auto& op) {
-  const RowRange rows = computedRows(op);
-  return uint64_t{rows.end - rows.begin} * op.output.width / shuffleFactor(op);
-}
-
 // First rows of the dispatches, and the end: each fits a binding and a dispatch's share of work.
 template <class Op>
 std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, uint64_t multiplyAdds,
@@ -152,15 +134,13 @@ RowRange outputRows(const Node& node) {
       node.op);
 }
 
+OperatorFacts factsOf(const Node& node) {
+  return std::visit([](const auto& op) { return facts(op); }, node.op);
+}
+
 NodeCost cost(const Node& node) {
-  if (const auto* op = std::get_if<Linear>(&node.op))
-    return {computedPixels(*op) * inputChannels(*op) * op->bias.size(), 0};
-  if (const auto* op = std::get_if<Conv3x3>(&node.op))
-    return {computedPixels(*op) * 9 * op->inputChannels * op->outputChannels, 0};
-  if (const auto* op = std::get_if<WindowAttention>(&node.op))
-    return {0, 2 * computedPixels(*op) * op->window * op->window * op->output.channels};
-  if (const auto* op = std::get_if<SwinLayer>(&node.op)) return {mapMultiplyAdds(*op), attentionMultiplyAdds(*op)};
-  return {};
+  const OperatorFacts facts = factsOf(node);
+  return {facts.multiplyAdds, facts.attentionMultiplyAdds};
 }
 
 NodeCost cost(const Graph& graph) {

@@ -76,6 +76,9 @@ struct Graph {
   bool computesExposure() const;
 };
 
+/// What the node's operator states of itself.
+OperatorFacts factsOf(const Node& node);
+
 /// The output view of a node, and the rows of it that the node computes.
 TensorView outputOf(const Node& node);
 RowRange outputRows(const Node& node);

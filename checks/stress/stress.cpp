@@ -247,11 +247,11 @@ class StressRun {
   void checkOperators(const Session& session, Precision precision, StressRow& row) {
     const std::vector<Divergence> errors = operatorErrors(session);
     for (size_t n = 0; n < errors.size(); ++n) {
-      const LedgerEntry& entry = ledgerEntry(session.graph().nodes[n].op);
-      const double budget = entry.budget.of(precision);
+      const OperatorFacts facts = factsOf(session.graph().nodes[n]);
+      const double budget = boundOf(facts.budget, precision);
       if (row.firstDegraded.empty() && !(errors[n].relativeRms <= budget)) row.firstDegraded = errors[n].node;
       if (!row.bounded) continue;
-      StressOperator& op = operatorOf(std::string(entry.op), row, budget);
+      StressOperator& op = operatorOf(std::string(facts.name), row, budget);
       if (errors[n].relativeRms <= op.worstError) continue;
       op.worstError = errors[n].relativeRms;
       op.where = row.model + " (" + row.weights + "), " + errors[n].node;

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <set>
 
-#include "checks/error_ledger.h"
+#include "checks/error_budget.h"
 #include "checks/stress/edges.h"
 #include "checks/stress/inputs.h"
 #include "engine/kernel_family.h"
@@ -45,7 +45,7 @@ std::set<std::pair<std::string, std::string>> operatorsOf(const DeviceTraits& de
   for (const NetworkModel& model : allModels())
     for (const Precision precision : {Precision::fp32, Precision::fp16})
       for (const Node& node : graphOf(model, device, precision, kWholeFrame).nodes)
-        found.emplace(ledgerEntry(node.op).op, precision == Precision::fp32 ? "fp32" : "fp16");
+        found.emplace(factsOf(node).name, precision == Precision::fp32 ? "fp32" : "fp16");
   return found;
 }
 
@@ -119,35 +119,34 @@ std::string programOf(const Node& node, const DeviceTraits& device) {
   return std::visit([&](const auto& op) { return dispatch(op, device).program; }, node.op);
 }
 
-class LedgerOfFamilies : public testing::TestWithParam<KernelFamily> {};
+class BudgetsOfFamilies : public testing::TestWithParam<KernelFamily> {};
 
-TEST_P(LedgerOfFamilies, HasABudgetForEveryOperatorThatDevicesRun) {
+TEST_P(BudgetsOfFamilies, HasABudgetForEveryOperatorThatDevicesRun) {
   const DeviceTraits device = usualTraits(GetParam());
   for (const NetworkModel& model : allModels())
     for (const Precision precision : {Precision::fp32, Precision::fp16})
       for (const uint32_t bandRows : {model.config().window, kWholeFrame})
         for (const Node& node : graphOf(model, device, precision, bandRows).nodes) {
-          const LedgerEntry& entry = ledgerEntry(node.op);
-          EXPECT_TRUE(programOf(node, device).starts_with(std::string(entry.op) + "_")) << node.name;
-          EXPECT_GT(entry.budget.fp32, 0) << node.name;
-          EXPECT_LE(entry.budget.fp32, entry.budget.fp16) << node.name;
-          EXPECT_LT(entry.budget.fp16, kNetworkBudget.fp16) << node.name;
+          const OperatorFacts facts = factsOf(node);
+          EXPECT_TRUE(programOf(node, device).starts_with(std::string(facts.name) + "_")) << node.name;
+          EXPECT_GT(facts.budget.fp32, 0) << node.name;
+          EXPECT_LE(facts.budget.fp32, facts.budget.fp16) << node.name;
+          EXPECT_LT(facts.budget.fp16, kNetworkBudget.fp16) << node.name;
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LedgerOfFamilies,
+INSTANTIATE_TEST_SUITE_P(All, BudgetsOfFamilies,
                          testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile,
                                          KernelFamily::matrix, KernelFamily::fused),
                          [](const auto& info) { return std::string(nameOf(info.param)); });
 
-TEST(ErrorLedger, KnowsWhatBandsFoldsAndFusedLayersAloneHave) {
+TEST(OperatorFacts, KnowsWhatBandsFoldsAndFusedLayersAloneHave) {
   std::set<std::string> programs;
   for (const KernelFamily family : {KernelFamily::lane, KernelFamily::fused})
     for (const Precision precision : {Precision::fp32, Precision::fp16})
       for (const NetworkConfig& config : stressConfigs()) {
         const DeviceTraits device = usualTraits(family);
         for (const Node& node : graphOf(NetworkModel::random(config, 1), device, precision, config.window).nodes) {
-          ledgerEntry(node.op);
           programs.insert(programOf(node, device));
         }
       }

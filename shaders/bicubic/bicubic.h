@@ -13,6 +13,7 @@ const float kBicubicParameter = -0.75f;
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// Cubic upsampling with parameter -0.75, half-pixel centres and edge replication.
@@ -35,6 +36,9 @@ std::vector<float> packedWeights(const Bicubic& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.
 void reference(const Bicubic& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const Bicubic& op);
 
 }  // namespace xrds
 #endif

@@ -47,4 +47,6 @@ void reference(const BoxMean& op, HostMemory& memory) {
       }
 }
 
+OperatorFacts facts(const BoxMean& op) { return {"box_mean", {op.input}, kRoundedBudget}; }
+
 }  // namespace xrds

@@ -10,6 +10,7 @@ struct BoxMeanParams {
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// Mean over scale x scale pixels: brings the auxiliary images to the colour's resolution.
@@ -30,6 +31,9 @@ std::vector<float> packedWeights(const BoxMean& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.
 void reference(const BoxMean& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const BoxMean& op);
 
 }  // namespace xrds
 #endif

@@ -258,4 +258,9 @@ void reference(const Conv3x3& op, HostMemory& memory) {
       }
 }
 
+OperatorFacts facts(const Conv3x3& op) {
+  return {
+      "conv3x3", {op.input, op.residual}, {1e-6, 8e-4}, computedPixels(op) * 9 * op.inputChannels * op.outputChannels};
+}
+
 }  // namespace xrds

@@ -18,6 +18,7 @@ const float kWinogradPoint = 1.5;   // of F(4, 3), beside its inverse, the negat
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// y = activation(x * w + b) + residual, a 3x3 convolution with zero padding of one pixel.
@@ -50,6 +51,9 @@ std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.
 void reference(const Conv3x3& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const Conv3x3& op);
 
 }  // namespace xrds
 #endif

@@ -69,4 +69,8 @@ void reference(const DecodeRadiance& op, HostMemory& memory) {
     }
 }
 
+OperatorFacts facts(const DecodeRadiance& op) {
+  return {"decode_radiance", {op.network, op.base, op.ceiling, op.aux, op.exposure}, {1e-6, 1e-6}};
+}
+
 }  // namespace xrds

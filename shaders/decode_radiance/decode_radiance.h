@@ -12,6 +12,7 @@ struct DecodeRadianceParams {
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The result image: T^-1(clamp(base + network, 0, max(min(11, c), base))) (a + 0.02) / e with the albedo a and the
@@ -43,6 +44,9 @@ std::vector<float> packedWeights(const DecodeRadiance& op, const DeviceTraits& d
 
 /// Double precision, in the order of the formula.
 void reference(const DecodeRadiance& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const DecodeRadiance& op);
 
 }  // namespace xrds
 #endif

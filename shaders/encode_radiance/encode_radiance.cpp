@@ -49,4 +49,8 @@ void reference(const EncodeRadiance& op, HostMemory& memory) {
     }
 }
 
+OperatorFacts facts(const EncodeRadiance& op) {
+  return {"encode_radiance", {op.colour, op.auxMean, op.exposure}, {5e-7, 5e-7}};
+}
+
 }  // namespace xrds

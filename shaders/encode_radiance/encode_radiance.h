@@ -12,6 +12,7 @@ struct EncodeRadianceParams {
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The colour as the network sees it: x = T(e I / (b + 0.02)) with b the mean albedo, or T(e I) where the model does
@@ -37,6 +38,9 @@ std::vector<float> packedWeights(const EncodeRadiance& op, const DeviceTraits& d
 
 /// Double precision, in the order of the formula.
 void reference(const EncodeRadiance& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const EncodeRadiance& op);
 
 }  // namespace xrds
 #endif

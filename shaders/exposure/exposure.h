@@ -18,6 +18,8 @@ XRDS_SHARED_END
 #ifdef __cplusplus
 #include <algorithm>
 #include <cmath>
+
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The automatic exposure of an image: e = 0.18 over the geometric mean of its Rec. 709 luminances L, at least 1e-37; 1
@@ -40,6 +42,9 @@ std::vector<float> packedWeights(const Exposure& op, const DeviceTraits& device)
 
 /// Double precision, in the order of the formula.
 void reference(const Exposure& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const Exposure& op);
 
 /// The same of pixelCount pixels, where luminanceOf(i) is the Rec. 709 luminance of pixel i.
 struct ExposureResult {

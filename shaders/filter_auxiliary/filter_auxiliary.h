@@ -10,6 +10,7 @@ struct FilterAuxiliaryParams {
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The auxiliary images without their noise: the mean of the m x m pixels around each, weighted by exp of the network's
@@ -34,6 +35,9 @@ std::vector<float> packedWeights(const FilterAuxiliary& op, const DeviceTraits& 
 
 /// Double precision, in the order of the formula.
 void reference(const FilterAuxiliary& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const FilterAuxiliary& op);
 
 }  // namespace xrds
 #endif

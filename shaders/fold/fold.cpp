@@ -44,4 +44,6 @@ void reference(const Fold& op, HostMemory& memory) {
       }
 }
 
+OperatorFacts facts(const Fold& op) { return {"fold", {op.input}, kRoundedBudget}; }
+
 }  // namespace xrds

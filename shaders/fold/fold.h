@@ -11,6 +11,7 @@ const int kFoldSide = 4;  // of a patch
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The sum of overlapping patches: pixel (y, x) of the input holds, for each output channel n, the 4 x 4 pixels that it
@@ -33,6 +34,9 @@ std::vector<float> packedWeights(const Fold& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.
 void reference(const Fold& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const Fold& op);
 
 }  // namespace xrds
 #endif

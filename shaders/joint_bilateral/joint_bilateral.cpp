@@ -82,4 +82,8 @@ void reference(const JointBilateral& op, HostMemory& memory) {
     for (uint32_t x = 0; x < op.output.width; ++x) referencePixel(op, memory, y, x);
 }
 
+OperatorFacts facts(const JointBilateral& op) {
+  return {"joint_bilateral", {op.input, op.aux, op.auxMean, op.network}, {1e-6, 1e-6}};
+}
+
 }  // namespace xrds

@@ -16,6 +16,7 @@ const int kFirstLogit = 3;            // channel of the network's output
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The guided base image: the mean of the 5 x 5 low-resolution neighbours of a pixel, weighted by distance and by how
@@ -44,6 +45,9 @@ std::vector<float> packedWeights(const JointBilateral& op, const DeviceTraits& d
 
 /// Double precision, in the order of the formula.
 void reference(const JointBilateral& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const JointBilateral& op);
 
 }  // namespace xrds
 #endif

@@ -69,4 +69,6 @@ void reference(const LayerNorm& op, HostMemory& memory) {
     }
 }
 
+OperatorFacts facts(const LayerNorm& op) { return {"layer_norm", {op.input}, {1e-6, 4e-4}}; }
+
 }  // namespace xrds

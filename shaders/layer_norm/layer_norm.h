@@ -13,6 +13,7 @@ struct LayerNormParams {
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// Layer normalization over the channels of each token, with an affine map ("LN" in the Swin layers).
@@ -34,6 +35,9 @@ std::vector<float> packedWeights(const LayerNorm& op, const DeviceTraits& device
 
 /// Double precision, in the order of the formula.
 void reference(const LayerNorm& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const LayerNorm& op);
 
 }  // namespace xrds
 #endif

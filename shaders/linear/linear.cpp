@@ -230,4 +230,11 @@ void reference(const Linear& op, HostMemory& memory) {
     }
 }
 
+OperatorFacts facts(const Linear& op) {
+  return {"linear",
+          {op.input, op.appended, op.residual},
+          {1e-6, 8e-4},
+          computedPixels(op) * inputChannels(op) * op.bias.size()};
+}
+
 }  // namespace xrds

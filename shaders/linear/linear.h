@@ -17,6 +17,7 @@ const uint kLinearTileInputs = 16;  // input channels of a step of the tile kern
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// y = activation(x W^T + b) + residual for every token, which is also the 1x1 convolution of an image. With a norm of
@@ -60,6 +61,9 @@ std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.
 void reference(const Linear& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const Linear& op);
 
 }  // namespace xrds
 #endif

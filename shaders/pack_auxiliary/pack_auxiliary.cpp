@@ -41,4 +41,6 @@ void reference(const PackAuxiliary& op, HostMemory& memory) {
       }
 }
 
+OperatorFacts facts(const PackAuxiliary& op) { return {"pack_auxiliary", {op.input}, {1e-7, 4e-4}}; }
+
 }  // namespace xrds

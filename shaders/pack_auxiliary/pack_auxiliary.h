@@ -10,6 +10,7 @@ struct PackAuxiliaryParams {
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The auxiliary images as the network reads them: padded on the right and at the bottom by edge replication, the
@@ -31,6 +32,9 @@ std::vector<float> packedWeights(const PackAuxiliary& op, const DeviceTraits& de
 
 /// Double precision, in the order of the formula.
 void reference(const PackAuxiliary& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const PackAuxiliary& op);
 
 }  // namespace xrds
 #endif

@@ -50,4 +50,6 @@ void reference(const RadianceCeiling& op, HostMemory& memory) {
       }
 }
 
+OperatorFacts facts(const RadianceCeiling& op) { return {"radiance_ceiling", {op.input}, {1e-6, 1e-6}}; }
+
 }  // namespace xrds

@@ -14,6 +14,7 @@ const float kCeilingFactor = 4.0f;  // g
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// The most that the network may make of its surroundings: T(g T^-1(m)), with m the largest of the 5 x 5 values of x
@@ -36,6 +37,9 @@ std::vector<float> packedWeights(const RadianceCeiling& op, const DeviceTraits& 
 
 /// Double precision, in the order of the formula.
 void reference(const RadianceCeiling& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const RadianceCeiling& op);
 
 }  // namespace xrds
 #endif

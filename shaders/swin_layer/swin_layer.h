@@ -16,6 +16,7 @@ const uint kSwinWindow = 8, kSwinTokens = 64;  // of a window, which is a workgr
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// A whole Swin layer ("STL", Hou & Liu 2023, figure 4) for matrix units, whose windows stay in shared memory:
@@ -56,6 +57,9 @@ std::vector<float> packedWeights(const SwinLayer& op, const DeviceTraits& device
 
 /// Double precision, in the order of the formula.
 void reference(const SwinLayer& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const SwinLayer& op);
 
 }  // namespace xrds
 #endif

@@ -195,4 +195,12 @@ void reference(const WindowAttention& op, HostMemory& memory) {
       }
 }
 
+OperatorFacts facts(const WindowAttention& op) {
+  return {"window_attention",
+          {op.queries, op.keys, op.values},
+          {1e-6, 5e-4},
+          0,
+          2 * computedPixels(op) * op.window * op.window * op.output.channels};
+}
+
 }  // namespace xrds

@@ -16,6 +16,7 @@ const uint kAttentionTileKeys = 8;  // whose scores the tile kernel takes togeth
 XRDS_SHARED_END
 
 #ifdef __cplusplus
+#include "shaders/common/operator_facts.h"
 namespace xrds {
 
 /// Softmax attention inside each window x window square of tokens, for each head: softmax(q k^T / sqrt(d) + bias) v
@@ -39,6 +40,9 @@ std::vector<float> packedWeights(const WindowAttention& op, const DeviceTraits& 
 
 /// Double precision, in the order of the formula.
 void reference(const WindowAttention& op, HostMemory& memory);
+
+/// What the rest of the house asks of it.
+OperatorFacts facts(const WindowAttention& op);
 
 }  // namespace xrds
 #endif

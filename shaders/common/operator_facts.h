@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "engine/tensor.h"
+
+namespace xrds {
+
+/// The largest RMS error, relative to double precision, that is allowed where values are stored in fp32 and in fp16.
+struct ErrorBudget {
+  double fp32 = 0, fp16 = 0;
+};
+
+/// Of what is rounded to 11 bits in fp16, which alone is 2.8e-4.
+inline constexpr ErrorBudget kRoundedBudget{5e-7, 4e-4};
+
+/// What every operator states of itself beside its kernels and its reference.
+struct OperatorFacts {
+  std::string_view name;               // as in the names of programs
+  std::vector<TensorView> inputs;      // views that it reads; those that do not exist are absent
+  ErrorBudget budget;                  // of the operator alone, on the inputs that the device gave it
+  uint64_t multiplyAdds = 0;           // of linear maps and convolutions
+  uint64_t attentionMultiplyAdds = 0;  // of the token pairs in attention
+};
+
+/// Output pixels to a side of one that the operator computes: 2 where a pixel shuffle ends it.
+uint32_t shuffleFactor(const auto& op) {
+  if constexpr (requires { op.shuffleOutput; }) return op.shuffleOutput ? 2 : 1;
+  return 1;
+}
+
+/// The rows that the operator computes, before a pixel shuffle, and the pixels in them.
+template <class Op>
+RowRange computedRows(const Op& op) {
+  RowRange rows;
+  if constexpr (requires { op.rows; }) rows = op.rows;
+  return resolve(rows, op.output.height / shuffleFactor(op));
+}
+uint64_t computedPixels(const auto& op) {
+  const RowRange rows = computedRows(op);
+  return uint64_t{rows.end - rows.begin} * op.output.width / shuffleFactor(op);
+}
+
+}  // namespace xrds
