@@ -23,8 +23,8 @@ void sumOver(bool roots, float darkest) {
     for (uint pixel = begin; pixel < end; pixel += kExposureGroup) {
       const vec3 value = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
       const float luminance = dot(value, vec3(0.2126, 0.7152, 0.0722));
-      // The second comparison fails for infinity, both fail for NaN.
-      const bool counts = luminance > darkest && luminance < 3.4e38;
+      // The second comparison fails for infinity, both for NaN.
+      const bool counts = luminance > darkest && luminance < kExposureBrightest;
       sum += counts ? vec2(roots ? sqrt(sqrt(sqrt(luminance))) : log(luminance), 1.0) : vec2(0);
     }
     total += sum;

@@ -11,8 +11,9 @@ struct ExposureParams {
 
 const uint kExposureGroup = 256;
 const float kExposureKey = 0.18f;
-const float kExposureDarkest = 1e-8f;  // over the power mean: darker pixels do not count
-const float kExposureMin = 1e-37f;     // of which the reciprocal is a float too; also of luminances
+const float kExposureDarkest = 1e-8f;      // over the power mean: darker pixels do not count
+const float kExposureMin = 1e-37f;         // of which the reciprocal is a float too; also of luminances
+const float kExposureBrightest = 3.4e38f;  // of luminances: the sum of the channels is a float
 XRDS_SHARED_END
 
 #ifdef __cplusplus
@@ -23,8 +24,8 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// The automatic exposure of an image: e = 0.18 over the geometric mean of its Rec. 709 luminances L, at least 1e-37; 1
-/// if the image is black. Pixels count that are finite and brighter than 1e-8 of the power mean (mean of L^(1/8))^8 of
-/// all that are finite and above 1e-37: nearly black ones do not, however bright the image is, and fireflies hardly
+/// if the image is black. Pixels count that are below 3.4e38 and brighter than 1e-8 of the power mean (mean of
+/// L^(1/8))^8 of all from 1e-37 to 3.4e38: nearly black ones do not, however bright the image is, and fireflies hardly
 /// move it. So the exposure of k times the image is e / k.
 struct Exposure {
   TensorView colour;  // [h, w, 4] linear radiance
@@ -46,7 +47,7 @@ void reference(const Exposure& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const Exposure& op);
 
-/// The same of pixelCount pixels, where luminanceOf(i) is the Rec. 709 luminance of pixel i.
+/// The exposure of pixelCount pixels in double precision, where luminanceOf(i) is the Rec. 709 luminance of pixel i.
 struct ExposureResult {
   double exposure = 1;
   uint64_t count = 0;  // pixels that count
@@ -55,7 +56,9 @@ template <class LuminanceOf>
 ExposureResult automaticExposure(uint64_t pixelCount, const LuminanceOf& luminanceOf) {
   double roots = 0, logarithms = 0;
   uint64_t lit = 0, count = 0;
-  const auto isAbove = [](double luminance, double bound) { return std::isfinite(luminance) && luminance > bound; };
+  const auto isAbove = [](double luminance, double bound) {
+    return luminance > bound && luminance < double{shader::kExposureBrightest};
+  };
   for (uint64_t i = 0; i < pixelCount; ++i) {
     const double luminance = luminanceOf(i);
     if (!isAbove(luminance, shader::kExposureMin)) continue;

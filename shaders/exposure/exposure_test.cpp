@@ -103,6 +103,14 @@ TEST(Exposure, IsThatOfTheLitPixels) {
   EXPECT_NEAR(exposureOnHostOf(luminances), std::pow(1e30 / 0.18, -1e-3), 1e-6);
 }
 
+// As the kernel, whose sums are floats: what is hardly a float does not count.
+TEST(Exposure, LeavesOutTheLargestFloats) {
+  const float largest = std::numeric_limits<float>::max();
+  EXPECT_EQ(exposureOnHostOf({largest, largest}), 1);
+  EXPECT_NEAR(exposureOnHostOf({largest, 0.36f}), 0.5, 1e-6);
+  test::expectMatchesReference(exposureOf(1, 2), {{0, {largest, largest, largest, 0, 0.36f, 0.36f, 0.36f, 0}}});
+}
+
 TEST(Exposure, OfABlackImageIsOne) {
   HostMemory memory;
   reference(exposureOf(2, 2), memory);
