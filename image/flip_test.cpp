@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "image/flip_filters.h"
-#include "tests/print_case.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -65,8 +64,6 @@ Image spotted() {
   return image;
 }
 
-using test::PrintTo;
-
 struct Case {
   const char* name;
   Image result;
@@ -75,6 +72,7 @@ struct Case {
   double inside;  ///< At (41, 31).
   double bottomRight;
 };
+void PrintTo(const Case& image, std::ostream* out) { *out << image.name; }
 
 class Flip : public ::testing::TestWithParam<Case> {};
 

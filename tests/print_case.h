@@ -100,9 +100,15 @@ void PrintTo(const T& value, std::ostream* out) {
   std::apply(
       [&](const auto&... fields) {
         const char* separator = "";
-        const auto print = [&](const auto& field) {
-          *out << separator << testing::PrintToString(field);
+        const auto print = [&]<class Field>(const Field& field) {
+          *out << separator;
           separator = ", ";
+          if constexpr (requires { PrintTo(field, out); })
+            PrintTo(field, out);
+          else if constexpr (std::is_enum_v<Field>)
+            *out << static_cast<int64_t>(field);
+          else
+            *out << testing::PrintToString(field);
         };
         (print(fields), ...);
       },
