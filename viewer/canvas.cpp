@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "canvas.frag.h"
-#include "canvas.vert.h"
+#include "canvas_frag.h"
+#include "canvas_vert.h"
 #include "engine/vulkan_result.h"
 #include "image/compose.h"
 
