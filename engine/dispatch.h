@@ -14,7 +14,7 @@ namespace xrds {
 
 /// The written version of a kernel: `plain` is the readable one and runs anywhere, `lane` keeps one token a lane for
 /// CPU devices, `tile` shares memory for GPUs, `matrix` uses matrix units, and `fused` besides makes whole layers in
-/// one kernel. A missing one falls back to `plain`.
+/// one kernel. An operator without it falls back: `fused` to `matrix`, `matrix` to `tile`, all to `plain`.
 enum class KernelFamily : uint8_t { plain, lane, tile, matrix, fused };
 
 /// Whether the family's kernels use matrix units.

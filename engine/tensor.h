@@ -37,7 +37,7 @@ struct TensorView {
   ValueId value = kNoValue;
   DataType type = DataType::f32;
   uint32_t height = 0, width = 0, channels = 0, channelOffset = 0, channelStride = 0;
-  int32_t firstRow = 0;       // of the view, which the stored tensor begins with; negative if rows are stored above it
+  int32_t firstRow = 0;       // of the view, stored first; negative if rows are stored above it
   uint32_t storedHeight = 0;  // rows of the stored tensor; 0: those of the view
 
   bool exists() const { return value != kNoValue; }

@@ -34,8 +34,8 @@ struct SessionOptions {
   uint32_t bandRows = 0;                 // as in GraphOptions
   std::optional<KernelFamily> family{};  // in place of the device's
   bool aliasing = true;                  // off: every value keeps its bytes, so that each can be looked at
-  /// A session of the same model whose arena, where it is large enough, and weights are used too: the two then run in
-  /// turn, and it must outlive this one.
+  /// A session of the same model that must outlive this one. Reuses its weights and, if it is large enough, its arena:
+  /// never run both at once.
   const Session* lender = nullptr;
 };
 

@@ -13,7 +13,7 @@ constexpr uint32_t kFour = 4;       // pixels of a row that are rounded together
 constexpr uint32_t kBaseReads = 2;  // low-resolution pixels to each side that the base images read
 
 /// The forward pass on distances: each value is the first pixel, counted from the edge of a crop, at which a tensor
-/// equals the whole frame's, in pixels of that tensor. A window is right where all of it is.
+/// equals the whole frame's, in pixels of that tensor. A window is exact if all its pixels are.
 class Reach {
  public:
   explicit Reach(const NetworkConfig& config) : config_(config) {}

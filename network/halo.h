@@ -4,9 +4,9 @@
 
 namespace xrds {
 
-/// How far the network sees: low-resolution pixels, whole windows, that a crop of the frame needs around the part of it
-/// that shall equal the frame's result bit for bit, where the crop begins and ends at multiples of the window or at the
-/// frame's border. Follows the forward pass of network.cpp layer by layer.
+/// How far the network sees, in low-resolution pixels rounded up to whole windows. A crop that begins and ends at
+/// multiples of the window, or at the frame's border, gives the frame's result bit for bit where it has that many
+/// pixels around it. Repeats the layers of the branches and the upsampling; tests compare it with what crops give.
 uint32_t exactHalo(const NetworkConfig& config);
 
 /// The halo of bounded tiles, two windows and at most exactHalo(): `xrds bench tiles` measures the error that it

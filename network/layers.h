@@ -30,7 +30,7 @@ class Layers {
   }
   TensorView linear(const std::string& name, TensorView x, uint32_t outputs, TensorView into = {},
                     TensorView residual = {}, Activation activation = Activation::none);
-  /// The 1x1 convolution `name` of t + the linear layer `first` of x, joined into two maps where maps are.
+  /// The 1x1 convolution `name` of t + the linear layer `first` of x, as two linear layers if joinsMaps().
   TensorView conv1x1OfSum(const std::string& first, const std::string& name, TensorView x, TensorView t,
                           uint32_t outputs, TensorView into);
   TensorView conv1x1(const std::string& name, TensorView x, uint32_t outputs, TensorView into,

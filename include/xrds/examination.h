@@ -6,7 +6,8 @@ namespace xrds {
 
 /// What a device offers beyond Vulkan 1.2, as far as it decides how kernels run.
 struct DeviceCapabilities {
-  /// Of the operators that are written for it: "plain", "lane", "tile", "matrix"; the others run "plain".
+  /// One of Device::kernelFamilies(). An operator without kernels of it falls back: "fused" to "matrix", "matrix" to
+  /// "tile", all to "plain".
   std::string kernelFamily;
   std::string matrixUnits = "none";  // Vulkan's way to them: "nv", "khr" or "none"
   bool matrixTrusted = false;        // they gave right products when the device was opened; in use in fp16 only

@@ -32,7 +32,7 @@ struct Conv3x3 {
   Activation activation = Activation::none;
   bool unshuffleInput = false;  // convolves pixel_unshuffle(input, 2): input [2h, 2w, inputChannels / 4]
   bool shuffleOutput = false;   // stores pixel_shuffle(result, 2): output [2h, 2w, outputChannels / 4]
-  // Rounding may depend on the aligned four pixels of a row that a result is of, and on what these read.
+  // Results are rounded per aligned group of 4 pixels of a row.
   bool inFours = false;
   DataType weightType = DataType::f32;  // storage of the packed weights
   RowRange rows{};                      // of the convolution, before a shuffle
