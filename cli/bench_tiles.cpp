@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 struct BenchTilesOptions {
   std::string folder, model, device, heatMap, precision = "fp32";
   std::vector<uint32_t> halos{0, 8, 16, 24, 32, 48};
+  bool halosAsked = false;  // else those that fit every scene
   uint32_t columns = 2, rows = 1;
   int colour = 64, aux = 16;
   bool quiet = false;
@@ -91,12 +92,10 @@ class Runner {
     upscaler.run(viewOf(frame_.colour()), auxiliary, result.pixels, [](double) { return !interrupted(); });
     stopIfInterrupted();
     exposure = upscaler.exposure();
-    count = upscaler.tiling().columns * upscaler.tiling().rows;
     return result;
   }
 
   float exposure = 1;  // of the last run
-  uint32_t count = 1;  // of its tiles
 
  private:
   const BenchTilesOptions& options_;
@@ -104,6 +103,16 @@ class Runner {
   const Model& model_;
   const Frame& frame_;
 };
+
+// A pure question, which needs no device.
+bool fits(const TileOptions& tiles, const Model& model, const Frame& frame) {
+  try {
+    model.tiling(model.scale() * frame.width(), model.scale() * frame.height(), false, tiles);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
 
 /// Errors of one halo, by scene.
 using Errors = std::vector<TileError>;
@@ -115,10 +124,14 @@ void measureScene(const BenchTilesOptions& options, Device& device, const Model&
   const Image whole = runner.run({});
   std::vector<Image> maps;
   for (size_t i = 0; i < options.halos.size(); ++i) {
-    const Image tiled = runner.run({.halo = options.halos[i], .columns = options.columns, .rows = options.rows});
-    if (runner.count < options.columns * options.rows)
-      throw Error("Scene '" + files.name + "' is too small for " + std::to_string(options.columns) + " x " +
-                  std::to_string(options.rows) + " tiles with a halo of " + std::to_string(options.halos[i]) + ".");
+    const TileOptions tiles{.halo = options.halos[i], .columns = options.columns, .rows = options.rows};
+    if (!fits(tiles, model, scene.frame)) {
+      if (options.halosAsked || i == 0)
+        throw Error("Scene '" + files.name + "' is too small for " + std::to_string(options.columns) + " x " +
+                    std::to_string(options.rows) + " tiles with a halo of " + std::to_string(options.halos[i]) + ".");
+      continue;
+    }
+    const Image tiled = runner.run(tiles);
     errors[i].push_back(errorOf(tiled, whole, scene.reference, runner.exposure));
     if (!options.heatMap.empty()) maps.push_back(heatMap(differenceMap(tiled, whole), 8));
   }
@@ -156,7 +169,8 @@ void run(const BenchTilesOptions& options) {
     }
   }
   std::vector<Row> table{{"halo", "RMS, mean", "RMS, worst", "PSNR, mean", "PSNR, worst", "largest step"}};
-  for (size_t i = 0; i < errors.size(); ++i) table.push_back(rowOf(options.halos[i], errors[i]));
+  for (size_t i = 0; i < errors.size(); ++i)
+    if (errors[i].size() == list.scenes.size()) table.push_back(rowOf(options.halos[i], errors[i]));
   if (options.quiet) return;
   std::printf("%s, %s, %zu scenes of %s, %u x %u tiles\n%s", options.model.c_str(), options.precision.c_str(),
               list.scenes.size(), options.folder.c_str(), options.columns, options.rows, markdown(table).c_str());
@@ -171,7 +185,9 @@ void addBenchTiles(CLI::App& group) {
   verb->add_option("--model", options->model, "A shipped model's name or a .safetensors file")
       ->required()
       ->type_name("MODEL");
-  verb->add_option("--halo", options->halos, "Low-resolution pixels around the tiles, with commas: whole windows")
+  verb->add_option(
+          "--halo", options->halos,
+          "Low-resolution pixels around the tiles, with commas: whole windows; by default those that fit all scenes")
       ->delimiter(',')
       ->capture_default_str()
       ->type_name("N");
@@ -200,7 +216,10 @@ void addBenchTiles(CLI::App& group) {
       "log(1 + e x). PSNR: against the reference, less that of the whole frame, in dB. Largest step: by how much the\n"
       "difference of the sRGB pictures changes between two neighbouring pixels, in 255ths: a seam at its worst.\n\n"
       "Example:\n  xrds bench tiles val --model xrds-x4-nano --halo 0,8,16,24");
-  verb->callback([options] { run(*options); });
+  verb->callback([options, verb] {
+    options->halosAsked = verb->count("--halo") > 0;
+    run(*options);
+  });
 }
 
 }  // namespace xrds

@@ -54,5 +54,19 @@ TEST(CliSamples, AreScenesOfTheBenchmarks) {
     EXPECT_GT(report["methods"][2]["scenes"][scene]["psnr"], 15) << scene;
 }
 
+// Halos that do not fit the smallest scene are left out, unless they were asked for.
+TEST(CliSamples, AreCutIntoTiles) {
+  const std::vector<std::string> tiles{"bench", "tiles", kSamples, "--model", goldenModel("s4_guided")};
+  const Ended fitting = runXrds(tiles);
+  ASSERT_EQ(fitting.exitCode, 0) << fitting.error;
+  EXPECT_NE(fitting.output.find("| 32 |"), std::string::npos) << fitting.output;
+  EXPECT_EQ(fitting.output.find("| 48 |"), std::string::npos) << fitting.output;
+  auto asked = tiles;
+  asked.insert(asked.end(), {"--halo", "48"});
+  const Ended refused = runXrds(asked);
+  EXPECT_EQ(refused.exitCode, 5) << refused.error;
+  EXPECT_NE(refused.error.find("is too small for 2 x 1 tiles with a halo of 48"), std::string::npos) << refused.error;
+}
+
 }  // namespace
 }  // namespace xrds::test
