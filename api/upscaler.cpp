@@ -55,16 +55,17 @@ FrameInput inputOf(const PixelView& colour, std::span<const PixelView> auxiliary
 }
 
 // Of a small frame on a CPU nearly all the time is the driver's, which optimizes kernels of written-out products.
-std::optional<KernelFamily> familyFor(const Gpu& gpu, FrameShape frame) {
-  if (gpu.hasAskedFamily()) return {};
+KernelFamily familyFor(const Gpu& gpu, FrameShape frame) {
+  if (gpu.hasAskedFamily()) return gpu.traits().family;
   return kernelFamilyOf(Upscaler::kernelFamily(nameOf(gpu.traits().family), frame.width, frame.height));
 }
 
-SessionOptions sessionOptions(const Upscaler::Options& options) {
+SessionOptions sessionOptions(const Gpu& gpu, FrameShape frame, const Upscaler::Options& options) {
   return {.precision = options.fp16 ? Precision::fp16 : Precision::fp32,
           .autoExposure = !options.exposure.has_value(),
           .timestamps = options.profile,
-          .multiplyAddsPerSubmission = options.multiplyAddsPerSubmission};
+          .multiplyAddsPerSubmission = options.multiplyAddsPerSubmission,
+          .family = familyFor(gpu, frame)};
 }
 
 SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
@@ -100,10 +101,9 @@ struct Upscaler::State {
   }
 
   void prepare(Gpu& gpu, const NetworkModel& model, uint64_t memory) {
-    SessionOptions of = sessionOptions(options);
-    of.family = familyFor(gpu, frame);
+    const SessionOptions of = sessionOptions(gpu, frame, options);
     DeviceTraits traits = gpu.traits();
-    traits.family = of.family.value_or(traits.family);
+    traits.family = *of.family;
     tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits});
     const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
     if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
@@ -249,10 +249,9 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
   checkOptions(options);
   checkShape(model.state_->weights.config(), frame);
   checkImages(model.state_->weights.config(), frame, colour, auxiliary);
-  SessionOptions of = sessionOptions(options);
-  of.family = familyFor(device.state_->gpu, frame);
-  const CheckResult result =
-      checkAgainstReference(device.state_->gpu, model.state_->weights, frame, inputOf(colour, auxiliary, options), of);
+  Gpu& gpu = device.state_->gpu;
+  const CheckResult result = checkAgainstReference(
+      gpu, model.state_->weights, frame, inputOf(colour, auxiliary, options), sessionOptions(gpu, frame, options));
   std::vector<CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
