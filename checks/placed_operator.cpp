@@ -60,8 +60,8 @@ uint64_t bufferSize(uint64_t byteSize) {
 
 OperatorViews viewsOf(const Node& node) {
   OperatorViews views{.output = outputOf(node)};
-  for (const TensorView& view : factsOf(node).inputs)
-    if (view.exists()) views.inputs.push_back(view);
+  for (const OperatorInput& input : factsOf(node).inputs)
+    if (input.view.exists()) views.inputs.push_back(input.view);
   return views;
 }
 

@@ -6,7 +6,7 @@ namespace xrds {
 
 /// How far the network sees, in low-resolution pixels rounded up to whole windows. A crop that begins and ends at
 /// multiples of the window, or at the frame's border, gives the frame's result bit for bit where it has that many
-/// pixels around it. Repeats the layers of the branches and the upsampling; tests compare it with what crops give.
+/// pixels around it. Throws Error if the network cannot be built.
 uint32_t exactHalo(const NetworkConfig& config);
 
 /// The halo of bounded tiles, two windows and at most exactHalo(): `xrds bench tiles` measures the error that it

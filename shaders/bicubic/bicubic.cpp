@@ -63,6 +63,6 @@ void reference(const Bicubic& op, HostMemory& memory) {
       }
 }
 
-OperatorFacts facts(const Bicubic& op) { return {"bicubic", {op.input}, {1e-6, 1e-6}}; }
+OperatorFacts facts(const Bicubic& op) { return {"bicubic", {{op.input, 2}}, {1e-6, 1e-6}}; }
 
 }  // namespace xrds

@@ -15,13 +15,26 @@ struct ErrorBudget {
 /// Of what is rounded to 11 bits in fp16, which alone is 2.8e-4.
 inline constexpr ErrorBudget kRoundedBudget{5e-7, 4e-4};
 
+/// A view that an operator reads.
+struct OperatorInput {
+  TensorView view;     // absent if it does not exist
+  uint32_t reach = 0;  // pixels to each side that a result reads, of the coarser of this view and the results
+  OperatorInput(const TensorView& read, uint32_t pixels = 0) : view(read), reach(pixels) {}
+};
+
+/// Squares of results that depend on the same inputs: attention windows, or pixels that are rounded together.
+struct ResultBlocks {
+  uint32_t side = 1, shift = 0;  // a block begins at every pixel shift + n side
+};
+
 /// What every operator states of itself beside its kernels and its reference.
 struct OperatorFacts {
-  std::string_view name;               // as in the names of programs
-  std::vector<TensorView> inputs;      // views that it reads; those that do not exist are absent
+  std::string_view name;  // as in the names of programs
+  std::vector<OperatorInput> inputs;
   ErrorBudget budget;                  // of the operator alone, on the inputs that the device gave it
   uint64_t multiplyAdds = 0;           // of linear maps and convolutions
   uint64_t attentionMultiplyAdds = 0;  // of the token pairs in attention
+  ResultBlocks blocks{};               // before a pixel shuffle
 };
 
 /// Output pixels to a side of one that the operator computes: 2 where a pixel shuffle ends it.

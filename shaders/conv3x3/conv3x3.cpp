@@ -10,6 +10,8 @@
 namespace xrds {
 namespace {
 
+constexpr uint32_t kFour = 4;  // pixels of a row that are rounded together (Conv3x3::inFours)
+
 uint32_t parts(bool shuffled) { return shuffled ? 4 : 1; }
 uint32_t factor(bool shuffled) { return shuffled ? 2 : 1; }
 
@@ -259,8 +261,11 @@ void reference(const Conv3x3& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const Conv3x3& op) {
-  return {
-      "conv3x3", {op.input, op.residual}, {1e-6, 8e-4}, computedPixels(op) * 9 * op.inputChannels * op.outputChannels};
+  return {.name = "conv3x3",
+          .inputs = {{op.input, 1}, op.residual},
+          .budget = {1e-6, 8e-4},
+          .multiplyAdds = computedPixels(op) * 9 * op.inputChannels * op.outputChannels,
+          .blocks = {op.inFours ? kFour : 1}};
 }
 
 }  // namespace xrds

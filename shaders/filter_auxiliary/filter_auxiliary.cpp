@@ -56,6 +56,8 @@ void reference(const FilterAuxiliary& op, HostMemory& memory) {
     for (uint32_t x = 0; x < op.output.width; ++x) referencePixel(op, memory, y, x);
 }
 
-OperatorFacts facts(const FilterAuxiliary& op) { return {"filter_auxiliary", {op.aux, op.network}, kRoundedBudget}; }
+OperatorFacts facts(const FilterAuxiliary& op) {
+  return {"filter_auxiliary", {{op.aux, op.kernelSide / 2}, op.network}, kRoundedBudget};
+}
 
 }  // namespace xrds

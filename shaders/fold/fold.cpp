@@ -44,6 +44,6 @@ void reference(const Fold& op, HostMemory& memory) {
       }
 }
 
-OperatorFacts facts(const Fold& op) { return {"fold", {op.input}, kRoundedBudget}; }
+OperatorFacts facts(const Fold& op) { return {"fold", {{op.input, 1}}, kRoundedBudget}; }
 
 }  // namespace xrds

@@ -83,7 +83,7 @@ void reference(const JointBilateral& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const JointBilateral& op) {
-  return {"joint_bilateral", {op.input, op.aux, op.auxMean, op.network}, {1e-6, 1e-6}};
+  return {"joint_bilateral", {{op.input, 2}, op.aux, {op.auxMean, 2}, op.network}, {1e-6, 1e-6}};
 }
 
 }  // namespace xrds

@@ -50,6 +50,8 @@ void reference(const RadianceCeiling& op, HostMemory& memory) {
       }
 }
 
-OperatorFacts facts(const RadianceCeiling& op) { return {"radiance_ceiling", {op.input}, {1e-6, 1e-6}}; }
+OperatorFacts facts(const RadianceCeiling& op) {
+  return {"radiance_ceiling", {{op.input, shader::kCeilingReach}}, {1e-6, 1e-6}};
+}
 
 }  // namespace xrds

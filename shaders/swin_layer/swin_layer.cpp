@@ -323,7 +323,8 @@ void reference(const SwinLayer& op, HostMemory& memory) {
 
 OperatorFacts facts(const SwinLayer& op) {
   // Four maps and an attention in one, whose features between them are halves; there is none in fp32.
-  return {"swin_layer", {op.input}, {1e-6, 1e-3}, mapMultiplyAdds(op), attentionMultiplyAdds(op)};
+  return {"swin_layer",         {op.input}, {1e-6, 1e-3}, mapMultiplyAdds(op), attentionMultiplyAdds(op),
+          {op.window, op.shift}};
 }
 
 }  // namespace xrds

@@ -200,7 +200,8 @@ OperatorFacts facts(const WindowAttention& op) {
           {op.queries, op.keys, op.values},
           {1e-6, 5e-4},
           0,
-          2 * computedPixels(op) * op.window * op.window * op.output.channels};
+          2 * computedPixels(op) * op.window * op.window * op.output.channels,
+          {op.window, op.shift}};
 }
 
 }  // namespace xrds
