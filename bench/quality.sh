@@ -5,10 +5,10 @@
 #
 # A table a setting (x4_64_aux16.md: scale 4, colour at 64 spp, albedo and normal at 16), and two that gather the means:
 # auxiliary.md (scale 4 with albedo and normal of growing quality) and equal.md (equal average samples, Open Image
-# Denoise included); beside each table its LPIPS (x4_64_aux16.lpips.md). XRDS is the program (default
-# build/release/cli/xrds). PEERS is a Python with bench/oidn-requirements.txt and bench/lpips-requirements.txt (default
-# python3). A model that is not there, a setting without renders, and OIDN and LPIPS, if they cannot run, are named and
-# left out.
+# Denoise included); beside each table its LPIPS (x4_64_aux16.lpips.md). `python3 bench/tables.py gather OUT_FOLDER`
+# takes all of it over for docs/quality.md. XRDS is the program (default build/release/cli/xrds). PEERS is a Python with
+# bench/oidn-requirements.txt and bench/lpips-requirements.txt (default python3). A model that is not there, a setting
+# without renders, and OIDN and LPIPS, if they cannot run, are named and left out.
 set -euo pipefail
 [ $# -eq 2 ] || { sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 val=$1 out=$2
@@ -16,7 +16,8 @@ here=$(cd "$(dirname "$0")" && pwd)
 xrds=${XRDS:-$here/../build/release/cli/xrds}
 peers=${PEERS:-python3}
 mkdir -p "$out"
-rm -f "$out"/{auxiliary,equal}.md
+rm -f "$out"/{auxiliary,equal}.md "$out"/x*_aux*.{md,json} "$out"/oidn_*.lpips.{md,json}
+python3 "$here/tables.py" origin > "$out/origin.json"
 shipped=" $("$xrds" info | tr '\n' ' ') "
 
 # The --model options of the shipped models of a scale.
@@ -50,9 +51,9 @@ table() {
   rm -r "$out/images"  # hundreds of MB
 }
 
-# lpips IMAGES FRAGMENT: writes FRAGMENT.lpips.md.
+# lpips IMAGES FRAGMENT: writes FRAGMENT.lpips.md and .json.
 lpips() {
-  "$peers" "$here/lpips.py" "$val" "$1" > "$2.lpips.md" 2> "$2.lpips.log" ||
+  "$peers" "$here/lpips.py" "$val" "$1" --json "$2.lpips.json" > "$2.lpips.md" 2> "$2.lpips.log" ||
     echo "left out: LPIPS of $1, $(tail -1 "$2.lpips.log")" >&2
 }
 

@@ -1,14 +1,17 @@
 """Keeps the tables of the documents equal to measurements that stand in bench/results.
 
     python3 bench/tables.py measure [--xrds build/release/cli/xrds]   # times every shipped model, minutes
+    python3 bench/tables.py gather OUT_FOLDER                         # takes over what bench/quality.sh has measured
     python3 bench/tables.py write                                     # writes the tables into the documents
     python3 bench/tables.py check                                     # exit code 1 if a document differs
+    python3 bench/tables.py origin                                    # commit and machine, for scripts that measure
 
-A table stands between <!-- table NAME --> and <!-- end --> and is made of bench/results/NAME.json, which carries the
-commit and the machine.
+A table stands between <!-- table NAME --> and <!-- end --> and is made of a file of bench/results, which carries the
+commit and the machine. A table whose file is not there stays as it is.
 """
 import argparse
 import json
+import os
 import pathlib
 import platform
 import re
@@ -16,9 +19,11 @@ import subprocess
 import sys
 import tempfile
 
+import quality_tables
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
-DOCUMENTS = ("docs/performance.md",)
+DOCUMENTS = ("docs/performance.md", "docs/quality.md")
 BLOCK = re.compile(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -46,10 +51,16 @@ def measure(program):
         report = json.loads(found.read_text())
     for row in report["networks"]:
         row.pop("kernels", None)
-    report = {"commit": commit(), "machine": {"processor": processor(), "processors": report["processors"]},
-              "command": "xrds bench network --model all --size 1024", **report}
+    keep("network", {**origin(), "command": "xrds bench network --model all --size 1024", **report})
+
+
+def origin():
+    return {"commit": commit(), "machine": {"processor": processor(), "processors": os.cpu_count()}}
+
+
+def keep(name, report):
     RESULTS.mkdir(exist_ok=True)
-    (RESULTS / "network.json").write_text(json.dumps(report, indent=1) + "\n")
+    (RESULTS / f"{name}.json").write_text(json.dumps(report, indent=1) + "\n")
 
 
 def network_table(report):
@@ -76,23 +87,35 @@ def network_table(report):
     return "\n".join(lines) + "\n"
 
 
-TABLES = {"network": network_table}
+# By the name of the table: the file of bench/results, and what makes Markdown of it.
+TABLES = {"network": ("network", network_table), "quality_means": ("quality", quality_tables.means),
+          "quality_scenes": ("quality", quality_tables.scenes), "quality_others": ("quality", quality_tables.others),
+          "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_equal": ("quality", quality_tables.equal)}
 
 
 def updated(text, results=RESULTS):
     """The document with every table made anew."""
     def table(match):
-        return match[1] + TABLES[match[2]](json.loads((results / f"{match[2]}.json").read_text())) + match[3]
+        file, markdown = TABLES[match[2]]
+        path = results / f"{file}.json"
+        return match[1] + markdown(json.loads(path.read_text())) + match[3] if path.exists() else match[0]
     return BLOCK.sub(table, text)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("measure", "write", "check"))
+    parser.add_argument("what", choices=("measure", "gather", "write", "check", "origin"))
+    parser.add_argument("folder", nargs="?", type=pathlib.Path, help="for gather: OUT_FOLDER of bench/quality.sh")
     parser.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
     options = parser.parse_args()
     if options.what == "measure":
         return measure(options.xrds)
+    if options.what == "gather":
+        if options.folder is None:
+            parser.error("gather takes the OUT_FOLDER of bench/quality.sh")
+        return keep("quality", quality_tables.gather(options.folder))
+    if options.what == "origin":
+        return print(json.dumps(origin()))
     for name in DOCUMENTS:
         path = ROOT / name
         text = path.read_text()

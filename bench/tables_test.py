@@ -6,6 +6,7 @@ import sys
 import tempfile
 import unittest
 
+import quality_tables
 import tables
 
 REPORT = {
@@ -16,6 +17,15 @@ REPORT = {
                   "openSeconds": 0.25, "preparationSeconds": 1.0, "wallSeconds": {"median": seconds},
                   "memory": {"plannedBytes": 100e6, "weightBytes": 2e6}}
                  for precision, seconds in (("fp32", 0.5), ("fp16", 0.75))]}
+
+
+def quality_report(scale, colour, aux, methods):
+    """As `xrds bench quality --json` writes it, of one scene."""
+    return {"device": "a device", "colourSamples": colour, "methods": [
+        {"name": name, "mean": {"psnr": psnr, "relMse": 0.5, "relMseTrimmed": 0.25, "relMseMedian": 0.1, "flip": 0.125},
+         **({"psnrToGuided": psnr - 20, "best": "s1", "worst": "s1"} if name != "guided" else {}),
+         "scenes": {"s1": {"psnr": psnr, "relMse": 0.5, **({"psnrToGuided": psnr - 20} if name != "guided" else {})}}}
+        for name, psnr in methods.items()]}
 
 
 class Tables(unittest.TestCase):
@@ -34,6 +44,29 @@ class Tables(unittest.TestCase):
             self.assertTrue(new.startswith("before\n<!-- table network -->\n`xrds") and new.endswith("<!-- end -->\nafter\n"))
             self.assertNotIn("old", new)
             self.assertEqual(tables.updated(new, pathlib.Path(folder)), new)
+
+    def test_a_table_without_results_stays(self):
+        with tempfile.TemporaryDirectory() as folder:
+            text = "<!-- table quality_means -->\nold\n<!-- end -->\n"
+            self.assertEqual(tables.updated(text, pathlib.Path(folder)), text)
+
+    def test_quality_is_gathered_with_its_origin_and_distances(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            write = lambda file, value: (folder / file).write_text(json.dumps(value))
+            write("origin.json", {"commit": "abc1234", "machine": {"processor": "a processor", "processors": 2}})
+            write("x4_64_aux16.json", quality_report(4, 64, 16, {"guided": 20.0, "xrds-x4-m": 21.5}))
+            write("x4_64_aux16.lpips.json", {"xrds-x4-m": {"s1": 0.1, "s2": 0.2}})
+            write("x1_2_aux2.json", quality_report(1, 2, 2, {"guided": 20.0, "OIDN, prefiltered": 30.0}))
+            write("oidn_prefiltered.lpips.json", {"oidn2": {"s1": 0.3}, "oidn4": {"s1": 0.4}})
+            report = quality_tables.gather(folder)
+        caption, _, _, _, *rows = quality_tables.means(report).splitlines()
+        self.assertIn("commit abc1234, a device, 2 cores of a processor", caption)
+        self.assertEqual(rows, ["| guided | 20.00 | - | 0.5000 | 0.2500 | 0.1250 | - | - |",
+                                "| xrds-x4-m | 21.50 | +1.50 | 0.5000 | 0.2500 | 0.1250 | 0.1500 | s1 +1.50 |"])
+        self.assertEqual(quality_tables.scenes(report).splitlines()[-1], "| s1 | 20.00 / 0.5000 | 21.50 / 0.5000 |")
+        self.assertIn("| xrds-x4-m | - | - | 21.50 / 0.5000 / 0.1500 | - |", quality_tables.auxiliary(report))
+        self.assertIn("| OIDN, prefiltered | 30.00 / 0.5000 / 0.3000 | - | - |", quality_tables.equal(report))
 
     def test_the_documents_are_those_of_the_measurements(self):
         self.assertEqual(subprocess.run([sys.executable, tables.__file__, "check"], capture_output=True, text=True).stderr, "")
