@@ -9,6 +9,7 @@
 
 #include "api/state.h"
 #include "checks/known_frame.h"
+#include "checks/operator_examples.h"
 #include "checks/placed_operator.h"
 #include "shaders/common/tolerance.h"
 
@@ -67,30 +68,18 @@ KernelExamination examine(Gpu& gpu, const Graph& graph, uint32_t runs) {
 }  // namespace
 
 std::vector<KernelExamination> examineKernels(Gpu& gpu, Precision precision, uint32_t runs) {
-  const NetworkModel network = KnownFrame().model();
-  NetworkConfig bicubic{.scale = 2, .auxInputs = {}, .groups = 0, .base = BaseImage::bicubic};
-  // The least with a 3x3 output convolution that is joined with a doubling.
-  const NetworkConfig folded{.scale = 2,
-                             .channels = 16,
-                             .auxInputs = {},
-                             .groups = 1,
-                             .blocks = 1,
-                             .headChannels = 16,
-                             .base = BaseImage::bicubic,
-                             .block = BlockKind::rdb,
-                             .cross = CrossKind::concat};
-  const NetworkModel untrained = NetworkModel::random(bicubic, 1), small = NetworkModel::random(folded, 2);
+  const NetworkModel model = KnownFrame().model();
   std::vector<KernelExamination> kernels;
   std::set<std::pair<std::string, std::vector<uint32_t>>> known;
-  for (const NetworkModel* model : {&network, &untrained, &small}) {
-    const Graph graph =
-        buildGraph(model->config(), kFrame, model->lookup(), fastOn(gpu.traits(), {.precision = precision}));
+  const auto add = [&](const Graph& graph) {
     for (const Node& node : graph.nodes) {
       const Graph one = single(graph, node);
       const Dispatch first = lower(one, gpu.traits()).front().dispatch;
       if (known.emplace(first.program, first.specialization).second) kernels.push_back(examine(gpu, one, runs));
     }
-  }
+  };
+  add(buildGraph(model.config(), kFrame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})));
+  for (const Graph& example : operatorExamples(precision, gpu.traits())) add(example);
   return kernels;
 }
 

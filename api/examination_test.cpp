@@ -56,9 +56,8 @@ TEST(Examination, TrustsTheDevice) {
       operators.insert(kernel.program.substr(0, end));
     }
     const KernelFamily family = test::gpu().traits().family;
-    const bool normsApart = family != KernelFamily::lane;  // else linear layers make them
     const bool layersFused = family == KernelFamily::fused && precision == Precision::fp16;
-    EXPECT_EQ(operators.size() + !normsApart + !layersFused, std::variant_size_v<Operator>)
+    EXPECT_EQ(operators.size() + !layersFused, std::variant_size_v<Operator>)
         << "a kind of operator is not examined";
     const FrameExamination frame = examineKnownFrame(test::gpu(), precision, 2);
     EXPECT_TRUE(frame.withinBound()) << frame.rms;

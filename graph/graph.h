@@ -3,32 +3,12 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "graph/planner.h"
-#include "shaders/bicubic/bicubic.h"
-#include "shaders/box_mean/box_mean.h"
-#include "shaders/conv3x3/conv3x3.h"
-#include "shaders/decode_radiance/decode_radiance.h"
-#include "shaders/encode_radiance/encode_radiance.h"
-#include "shaders/exposure/exposure.h"
-#include "shaders/filter_auxiliary/filter_auxiliary.h"
-#include "shaders/fold/fold.h"
-#include "shaders/joint_bilateral/joint_bilateral.h"
-#include "shaders/layer_norm/layer_norm.h"
-#include "shaders/linear/linear.h"
-#include "shaders/pack_auxiliary/pack_auxiliary.h"
-#include "shaders/radiance_ceiling/radiance_ceiling.h"
-#include "shaders/swin_layer/swin_layer.h"
-#include "shaders/window_attention/window_attention.h"
+#include "shaders/operators.h"
 
 namespace xrds {
-
-/// Any operator of shaders/, as a value.
-using Operator =
-    std::variant<Linear, Conv3x3, LayerNorm, WindowAttention, SwinLayer, PackAuxiliary, BoxMean, Exposure,
-                 EncodeRadiance, Bicubic, JointBilateral, RadianceCeiling, FilterAuxiliary, Fold, DecodeRadiance>;
 
 /// One step of the forward pass.
 struct Node {

@@ -1,8 +1,8 @@
 #include "network/network.h"
 
+#include "graph/promotion.h"
 #include "network/auxiliary_branch.h"
 #include "network/low_resolution_branch.h"
-#include "network/promotion.h"
 #include "network/upsampling.h"
 #include "xrds/error.h"
 

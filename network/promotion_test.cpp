@@ -1,4 +1,4 @@
-#include "network/promotion.h"
+#include "graph/promotion.h"
 
 #include <gtest/gtest.h>
 

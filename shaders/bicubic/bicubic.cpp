@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 namespace {
 
@@ -64,5 +67,13 @@ void reference(const Bicubic& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const Bicubic& op) { return {"bicubic", {{op.input, 2}}, {1e-6, 1e-6}}; }
+
+// Stored in fp32 always.
+void propagate(const Bicubic&, Moments&) {}
+
+void addExamples(ExampleMaker& maker, std::vector<Bicubic>& examples) {
+  examples.push_back(
+      {.input = maker.view({8, 8, 4}, DataType::f32), .output = maker.view({16, 16, 4}, DataType::f32), .scale = 2});
+}
 
 }  // namespace xrds

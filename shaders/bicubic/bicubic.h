@@ -40,6 +40,12 @@ void reference(const Bicubic& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const Bicubic& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const Bicubic& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<Bicubic>& examples);
+
 }  // namespace xrds
 #endif
 #endif

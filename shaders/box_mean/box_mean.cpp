@@ -1,5 +1,8 @@
 #include "shaders/box_mean/box_mean.h"
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 namespace {
 
@@ -48,5 +51,11 @@ void reference(const BoxMean& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const BoxMean& op) { return {"box_mean", {op.input}, kRoundedBudget}; }
+
+void propagate(const BoxMean& op, Moments& moments) { moments.copy(op.input, op.output); }
+
+void addExamples(ExampleMaker& maker, std::vector<BoxMean>& examples) {
+  examples.push_back({.input = maker.view({16, 16, 8}), .output = maker.view({8, 8, 8}, DataType::f32), .scale = 2});
+}
 
 }  // namespace xrds

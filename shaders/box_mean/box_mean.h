@@ -35,6 +35,12 @@ void reference(const BoxMean& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const BoxMean& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const BoxMean& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<BoxMean>& examples);
+
 }  // namespace xrds
 #endif
 #endif

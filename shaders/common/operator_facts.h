@@ -7,6 +7,9 @@
 
 namespace xrds {
 
+class ExampleMaker;
+class Moments;
+
 /// The largest RMS error, relative to double precision, that is allowed where values are stored in fp32 and in fp16.
 struct ErrorBudget {
   double fp32 = 0, fp16 = 0;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "shaders/common/example.h"
 #include "shaders/common/groups.h"
 #include "shaders/common/matrix.h"
+#include "shaders/common/moments.h"
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
@@ -266,6 +268,43 @@ OperatorFacts facts(const Conv3x3& op) {
           .budget = {1e-6, 8e-4},
           .multiplyAdds = computedPixels(op) * 9 * op.inputChannels * op.outputChannels,
           .blocks = {op.inFours ? kFour : 1}};
+}
+
+void propagate(const Conv3x3& op, Moments& moments) {
+  const uint32_t inputGroup = parts(op.unshuffleInput), outputGroup = parts(op.shuffleOutput);
+  for (uint32_t o = 0; o < op.outputChannels; ++o) {
+    Moment sum{op.bias[o], 0};
+    for (uint32_t i = 0; i < op.inputChannels; ++i) {
+      double taps = 0, squares = 0;
+      for (const float w : op.weight.subspan((size_t{o} * op.inputChannels + i) * 9, 9)) taps += w, squares += w * w;
+      const Moment x = moments.at(op.input, i / inputGroup);
+      sum = sum + Moment{taps * x.mean, std::max(taps * taps, squares) * x.variance};
+    }
+    const uint32_t channel = o / outputGroup;
+    const Moment y = moments.finished(sum, op.activation, op.residual, channel);
+    Moment& stored = moments.at(op.output, channel);
+    if (o % outputGroup == 0 || y.square() > stored.square()) stored = y;
+  }
+  moments.checkWeights(op.weight, op.inputChannels * 9);
+}
+
+void addExamples(ExampleMaker& maker, std::vector<Conv3x3>& examples) {
+  const auto make = [&](TensorShape input, TensorShape output, uint32_t inputs, uint32_t outputs) {
+    Conv3x3 op{.input = maker.view(input), .output = maker.view(output)};
+    op.weight = maker.weights(size_t{inputs} * outputs * 9);
+    op.bias = maker.weights(outputs);
+    op.inputChannels = inputs;
+    op.outputChannels = outputs;
+    op.weightType = maker.stored();
+    return op;
+  };
+  Conv3x3 straight = make({16, 16, 16}, {16, 16, 16}, 16, 16), unshuffled = make({32, 32, 8}, {16, 16, 16}, 32, 16),
+          shuffled = make({16, 16, 16}, {32, 32, 16}, 16, 64);
+  straight.residual = maker.view({16, 16, 16});
+  straight.activation = Activation::relu;
+  unshuffled.unshuffleInput = unshuffled.inFours = true;
+  shuffled.shuffleOutput = shuffled.inFours = true;
+  examples = {straight, unshuffled, shuffled};
 }
 
 }  // namespace xrds

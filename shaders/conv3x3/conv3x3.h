@@ -55,6 +55,12 @@ void reference(const Conv3x3& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const Conv3x3& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const Conv3x3& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<Conv3x3>& examples);
+
 }  // namespace xrds
 #endif
 #endif

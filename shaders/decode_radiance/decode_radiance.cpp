@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 
 TensorShape outputShape(const DecodeRadiance& op) {
@@ -71,6 +74,21 @@ void reference(const DecodeRadiance& op, HostMemory& memory) {
 
 OperatorFacts facts(const DecodeRadiance& op) {
   return {"decode_radiance", {op.network, op.base, op.ceiling, op.aux, op.exposure}, {1e-6, 1e-6}};
+}
+
+// Stored in fp32 always.
+void propagate(const DecodeRadiance&, Moments&) {}
+
+void addExamples(ExampleMaker& maker, std::vector<DecodeRadiance>& examples) {
+  examples.push_back({.network = maker.view({16, 16, 4}),
+                      .base = maker.view({16, 16, 4}, DataType::f32),
+                      .ceiling = maker.view({8, 8, 4}, DataType::f32),
+                      .aux = maker.view({16, 16, 8}),
+                      .exposure = maker.exposure(),
+                      .output = maker.view({16, 16, 4}, DataType::f32),
+                      .albedoOffset = 0,
+                      .transfer = Transfer::log1p,
+                      .scale = 2});
 }
 
 }  // namespace xrds

@@ -48,6 +48,12 @@ void reference(const DecodeRadiance& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const DecodeRadiance& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const DecodeRadiance& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<DecodeRadiance>& examples);
+
 }  // namespace xrds
 #endif
 #endif

@@ -1,5 +1,8 @@
 #include "shaders/encode_radiance/encode_radiance.h"
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 
 TensorShape outputShape(const EncodeRadiance& op) {
@@ -51,6 +54,19 @@ void reference(const EncodeRadiance& op, HostMemory& memory) {
 
 OperatorFacts facts(const EncodeRadiance& op) {
   return {"encode_radiance", {op.colour, op.auxMean, op.exposure}, {5e-7, 5e-7}};
+}
+
+void propagate(const EncodeRadiance& op, Moments& moments) {
+  for (uint32_t c = 0; c < 3; ++c) moments.at(op.output, c) = {1, 2};  // of T of radiances around mid-grey
+}
+
+void addExamples(ExampleMaker& maker, std::vector<EncodeRadiance>& examples) {
+  examples.push_back({.colour = maker.view({16, 16, 4}, DataType::f32),
+                      .exposure = maker.exposure(),
+                      .auxMean = maker.view({16, 16, 8}, DataType::f32),
+                      .output = maker.view({16, 16, 4}, DataType::f32),
+                      .albedoOffset = 0,
+                      .transfer = Transfer::log1p});
 }
 
 }  // namespace xrds

@@ -42,6 +42,12 @@ void reference(const EncodeRadiance& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const EncodeRadiance& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const EncodeRadiance& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<EncodeRadiance>& examples);
+
 }  // namespace xrds
 #endif
 #endif

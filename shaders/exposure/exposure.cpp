@@ -1,5 +1,8 @@
 #include "shaders/exposure/exposure.h"
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 
 TensorShape outputShape(const Exposure& op) {
@@ -33,5 +36,12 @@ void reference(const Exposure& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const Exposure& op) { return {"exposure", {op.colour}, {1e-6, 1e-6}}; }
+
+// Stored in fp32 always.
+void propagate(const Exposure&, Moments&) {}
+
+void addExamples(ExampleMaker& maker, std::vector<Exposure>& examples) {
+  examples.push_back({.colour = maker.view({16, 16, 4}, DataType::f32), .output = maker.exposure()});
+}
 
 }  // namespace xrds

@@ -47,6 +47,12 @@ void reference(const Exposure& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const Exposure& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const Exposure& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<Exposure>& examples);
+
 /// The exposure of pixelCount pixels in double precision, where luminanceOf(i) is the Rec. 709 luminance of pixel i.
 struct ExposureResult {
   double exposure = 1;

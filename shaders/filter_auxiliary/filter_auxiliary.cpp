@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 namespace {
 
@@ -58,6 +61,16 @@ void reference(const FilterAuxiliary& op, HostMemory& memory) {
 
 OperatorFacts facts(const FilterAuxiliary& op) {
   return {"filter_auxiliary", {{op.aux, op.kernelSide / 2}, op.network}, kRoundedBudget};
+}
+
+void propagate(const FilterAuxiliary& op, Moments& moments) { moments.copy(op.aux, op.output); }
+
+void addExamples(ExampleMaker& maker, std::vector<FilterAuxiliary>& examples) {
+  examples.push_back({.aux = maker.view({16, 16, 8}),
+                      .network = maker.view({16, 16, 12}),
+                      .output = maker.view({16, 16, 8}),
+                      .kernelSide = 3,
+                      .firstLogit = 3});
 }
 
 }  // namespace xrds

@@ -39,6 +39,12 @@ void reference(const FilterAuxiliary& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const FilterAuxiliary& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const FilterAuxiliary& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<FilterAuxiliary>& examples);
+
 }  // namespace xrds
 #endif
 #endif

@@ -1,5 +1,8 @@
 #include "shaders/fold/fold.h"
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 namespace {
 
@@ -45,5 +48,18 @@ void reference(const Fold& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const Fold& op) { return {"fold", {{op.input, 1}}, kRoundedBudget}; }
+
+void propagate(const Fold& op, Moments& moments) {
+  constexpr uint32_t kPatches = 4;  // that a pixel is in, with four of their 16 elements
+  for (uint32_t n = 0; n < foldedChannels(op); ++n) {
+    Moment sum;
+    for (uint32_t i = 0; i < kPatch; ++i) sum = sum + moments.at(op.input, n * kPatch + i);
+    moments.at(op.output, n) = {sum.mean / kPatches, sum.variance / kPatches};
+  }
+}
+
+void addExamples(ExampleMaker& maker, std::vector<Fold>& examples) {
+  examples.push_back({.input = maker.view({8, 8, 4 * kPatch}), .output = maker.view({16, 16, 4})});
+}
 
 }  // namespace xrds

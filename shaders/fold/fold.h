@@ -38,6 +38,12 @@ void reference(const Fold& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const Fold& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const Fold& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<Fold>& examples);
+
 }  // namespace xrds
 #endif
 #endif

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 namespace {
 
@@ -84,6 +87,20 @@ void reference(const JointBilateral& op, HostMemory& memory) {
 
 OperatorFacts facts(const JointBilateral& op) {
   return {"joint_bilateral", {{op.input, 2}, op.aux, {op.auxMean, 2}, op.network}, {1e-6, 1e-6}};
+}
+
+// Stored in fp32 always.
+void propagate(const JointBilateral&, Moments&) {}
+
+void addExamples(ExampleMaker& maker, std::vector<JointBilateral>& examples) {
+  examples.push_back({.input = maker.view({8, 8, 4}, DataType::f32),
+                      .aux = maker.view({16, 16, 8}),
+                      .auxMean = maker.view({8, 8, 8}, DataType::f32),
+                      .network = maker.view({16, 16, 28}),
+                      .output = maker.view({16, 16, 4}, DataType::f32),
+                      .albedoOffset = 0,
+                      .normalOffset = 3,
+                      .scale = 2});
 }
 
 }  // namespace xrds

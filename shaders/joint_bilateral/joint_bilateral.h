@@ -49,6 +49,12 @@ void reference(const JointBilateral& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const JointBilateral& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const JointBilateral& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<JointBilateral>& examples);
+
 }  // namespace xrds
 #endif
 #endif

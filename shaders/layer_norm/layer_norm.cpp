@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "shaders/common/example.h"
 #include "shaders/common/groups.h"
+#include "shaders/common/moments.h"
 #include "shaders/common/tile.h"
 
 namespace xrds {
@@ -70,5 +72,33 @@ void reference(const LayerNorm& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const LayerNorm& op) { return {"layer_norm", {op.input}, {1e-6, 4e-4}}; }
+
+void propagate(const LayerNorm& op, Moments& moments) {
+  constexpr double kMostNoise = 4e-3;  // of the output, from rounding the input
+  moments.setGain(op.output, op.weight);
+  const auto mean = [&](auto term) {
+    double sum = 0;
+    for (uint32_t c = 0; c < op.input.channels; ++c) sum += term(moments.at(op.input, c));
+    return sum / op.input.channels;
+  };
+  const double centre = mean([](Moment m) { return m.mean; });
+  const double spread =
+      std::sqrt(op.epsilon + mean([&](Moment m) { return m.variance + (m.mean - centre) * (m.mean - centre); }));
+  const double rms = std::sqrt(mean([](Moment m) { return m.square(); }));
+  if (kHalfRounding * rms > kMostNoise * spread)
+    moments.storeInF32(op.input, "its mean drowns what the layer norm behind it looks for");
+  for (uint32_t c = 0; c < op.input.channels; ++c) {
+    const Moment x = moments.at(op.input, c);
+    const double scale = op.weight[c] / spread;
+    moments.at(op.output, c) = {(x.mean - centre) * scale + op.bias[c], x.variance * scale * scale};
+  }
+}
+
+void addExamples(ExampleMaker& maker, std::vector<LayerNorm>& examples) {
+  examples.push_back({.input = maker.view({16, 16, 32}),
+                      .output = maker.view({16, 16, 32}),
+                      .weight = maker.weights(32),
+                      .bias = maker.weights(32)});
+}
 
 }  // namespace xrds

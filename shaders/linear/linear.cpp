@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/example.h"
 #include "shaders/common/groups.h"
 #include "shaders/common/matrix.h"
+#include "shaders/common/moments.h"
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 
@@ -235,6 +237,42 @@ OperatorFacts facts(const Linear& op) {
           {op.input, op.appended, op.residual},
           {1e-6, 8e-4},
           computedPixels(op) * inputChannels(op) * op.bias.size()};
+}
+
+void propagate(const Linear& op, Moments& moments) {
+  const uint32_t own = op.input.channels, inputs = inputChannels(op);
+  XRDS_CHECK_EQ(op.norm.weight.size(), 0u);  // graphs are looked at with norms of their own
+  const std::vector<float> weight = joinedWeight(op), bias = joinedBias(op);
+  for (uint32_t o = 0; o < bias.size(); ++o) {
+    Moment sum{bias[o], 0};
+    for (uint32_t i = 0; i < inputs; ++i) {
+      const double w = weight[size_t{o} * inputs + i];
+      const Moment x = i < own ? moments.at(op.input, i) : moments.at(op.appended, i - own);
+      sum = sum + Moment{w * x.mean, w * w * x.variance};
+    }
+    moments.at(op.output, o) = moments.finished(sum, op.activation, op.residual, o);
+  }
+  moments.checkWeights(weight, inputs);
+  const std::span<const float> gain = moments.gain(op.input);
+  if (gain.empty()) return;
+  std::vector<float> normed = weight;  // as a layer that makes the norm stores them
+  for (size_t i = 0; i < normed.size(); ++i) normed[i] *= gain[i % inputs];
+  moments.checkWeights(normed, inputs);
+}
+
+void addExamples(ExampleMaker& maker, std::vector<Linear>& examples) {
+  const auto make = [&](uint32_t inputs) {
+    Linear op{.input = maker.view({16, 16, 16}), .output = maker.view({16, 16, 32})};
+    op.weight = maker.weights(size_t{32} * inputs);
+    op.bias = maker.weights(32);
+    op.weightType = maker.stored();
+    return op;
+  };
+  Linear plain = make(16), appended = make(24);
+  plain.residual = maker.view({16, 16, 32});
+  plain.activation = Activation::gelu;
+  appended.appended = maker.view({16, 16, 8});
+  examples = {plain, appended};
 }
 
 }  // namespace xrds

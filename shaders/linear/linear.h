@@ -65,6 +65,12 @@ void reference(const Linear& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const Linear& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const Linear& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<Linear>& examples);
+
 }  // namespace xrds
 #endif
 #endif

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
 #include "shaders/common/transfer.h"
 
 namespace xrds {
@@ -42,5 +44,18 @@ void reference(const PackAuxiliary& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const PackAuxiliary& op) { return {"pack_auxiliary", {op.input}, {1e-7, 4e-4}}; }
+
+void propagate(const PackAuxiliary& op, Moments& moments) {
+  for (uint32_t c = 0; c < op.output.channels; ++c) {
+    const auto channel = static_cast<int>(c) - op.albedoOffset;
+    const bool albedo = op.albedoOffset >= 0 && channel >= 0 && channel < 3;
+    moments.at(op.output, c) = albedo ? Moment{0.5, 0.1} : Moment{0, 0.33};  // of unit vectors
+  }
+}
+
+void addExamples(ExampleMaker& maker, std::vector<PackAuxiliary>& examples) {
+  examples.push_back(
+      {.input = maker.view({16, 16, 8}, DataType::f32), .output = maker.view({24, 24, 8}), .albedoOffset = 0});
+}
 
 }  // namespace xrds

@@ -36,6 +36,12 @@ void reference(const PackAuxiliary& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const PackAuxiliary& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const PackAuxiliary& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<PackAuxiliary>& examples);
+
 }  // namespace xrds
 #endif
 #endif

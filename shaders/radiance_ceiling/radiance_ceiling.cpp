@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
+
 namespace xrds {
 namespace {
 
@@ -52,6 +55,15 @@ void reference(const RadianceCeiling& op, HostMemory& memory) {
 
 OperatorFacts facts(const RadianceCeiling& op) {
   return {"radiance_ceiling", {{op.input, shader::kCeilingReach}}, {1e-6, 1e-6}};
+}
+
+// Stored in fp32 always.
+void propagate(const RadianceCeiling&, Moments&) {}
+
+void addExamples(ExampleMaker& maker, std::vector<RadianceCeiling>& examples) {
+  examples.push_back({.input = maker.view({8, 8, 4}, DataType::f32),
+                      .output = maker.view({8, 8, 4}, DataType::f32),
+                      .transfer = Transfer::log1p});
 }
 
 }  // namespace xrds

@@ -41,6 +41,12 @@ void reference(const RadianceCeiling& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const RadianceCeiling& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const RadianceCeiling& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<RadianceCeiling>& examples);
+
 }  // namespace xrds
 #endif
 #endif

@@ -5,7 +5,9 @@
 #include <functional>
 
 #include "shaders/common/activation.h"
+#include "shaders/common/example.h"
 #include "shaders/common/matrix.h"
+#include "shaders/common/moments.h"
 #include "shaders/common/windows.h"
 
 namespace xrds {
@@ -325,6 +327,28 @@ OperatorFacts facts(const SwinLayer& op) {
   // Four maps and an attention in one, whose features between them are halves; there is none in fp32.
   return {"swin_layer",         {op.input}, {1e-6, 1e-3}, mapMultiplyAdds(op), attentionMultiplyAdds(op),
           {op.window, op.shift}};
+}
+
+void propagate(const SwinLayer&, Moments&) {
+  throw std::logic_error("layers are fused after what they store is known");
+}
+
+void addExamples(ExampleMaker& maker, std::vector<SwinLayer>& examples) {
+  constexpr uint32_t kChannels = 32;
+  SwinLayer op{.input = maker.view({16, 16, kChannels}), .output = maker.view({16, 16, kChannels})};
+  const auto map = [&](uint32_t outputs, uint32_t inputs) -> SwinLayer::Map {
+    return {maker.weights(size_t{outputs} * inputs), maker.weights(outputs)};
+  };
+  op.norm1 = map(kChannels, 1);
+  op.norm2 = map(kChannels, 1);
+  op.qkv = map(3 * kChannels, kChannels);
+  op.proj = map(kChannels, kChannels);
+  op.fc1 = map(2 * kChannels, kChannels);
+  op.fc2 = map(kChannels, 2 * kChannels);
+  op.headChannels = 16;
+  op.shift = 4;
+  op.biasTable = maker.weights(size_t{15} * 15 * headCount(op));
+  if (fits(op, maker.device())) examples.push_back(op);
 }
 
 }  // namespace xrds

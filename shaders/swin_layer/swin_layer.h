@@ -61,6 +61,12 @@ void reference(const SwinLayer& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const SwinLayer& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const SwinLayer& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<SwinLayer>& examples);
+
 }  // namespace xrds
 #endif
 #endif

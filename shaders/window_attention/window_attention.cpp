@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/example.h"
+#include "shaders/common/moments.h"
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 #include "shaders/common/windows.h"
@@ -202,6 +204,34 @@ OperatorFacts facts(const WindowAttention& op) {
           0,
           2 * computedPixels(op) * op.window * op.window * op.output.channels,
           {op.window, op.shift}};
+}
+
+void propagate(const WindowAttention& op, Moments& moments) {
+  constexpr double kMostNoise = 2e-2;  // of a logit, from rounding query and key: the relative error of its exp
+  for (uint32_t first = 0; first < op.queries.channels; first += op.headChannels) {
+    double squares = 0;
+    for (uint32_t c = first; c < first + op.headChannels; ++c)
+      squares += moments.at(op.queries, c).square() * moments.at(op.keys, c).square();
+    if (kHalfRounding * std::sqrt(2 * squares / op.headChannels) < kMostNoise) continue;
+    for (const TensorView& view : {op.queries, op.keys}) moments.storeInF32(view, "large logits of attention");
+  }
+  // These may be slices of one tensor, of which checkRanges() sees the largest alone.
+  for (const TensorView& view : {op.queries, op.keys, op.values}) moments.checkSmall(view);
+  moments.copy(op.values, op.output);
+}
+
+void addExamples(ExampleMaker& maker, std::vector<WindowAttention>& examples) {
+  const auto make = [&](uint32_t shift) {
+    WindowAttention op{.queries = maker.view({16, 16, 32}),
+                       .keys = maker.view({16, 16, 32}),
+                       .values = maker.view({16, 16, 32}),
+                       .output = maker.view({16, 16, 32})};
+    op.headChannels = 16;
+    op.biasTable = maker.weights(size_t{15} * 15 * 2);
+    op.shift = shift;
+    return op;
+  };
+  examples = {make(0), make(4)};
 }
 
 }  // namespace xrds

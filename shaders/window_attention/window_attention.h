@@ -44,6 +44,12 @@ void reference(const WindowAttention& op, HostMemory& memory);
 /// What the rest of the house asks of it.
 OperatorFacts facts(const WindowAttention& op);
 
+/// Carries the moments of what it reads to what it writes.
+void propagate(const WindowAttention& op, Moments& moments);
+
+/// On which a device is examined; none where it does not make this operator.
+void addExamples(ExampleMaker& maker, std::vector<WindowAttention>& examples);
+
 }  // namespace xrds
 #endif
 #endif

@@ -4,11 +4,10 @@
 #include <vector>
 
 #include "graph/graph.h"
-#include "network/config.h"
 
 namespace xrds {
 
-/// Finds what 16 bits cannot store of a network, from its weights alone: the means and variances of all activations are
+/// Finds what 16 bits cannot store of a graph, from its weights alone: the means and variances of all activations are
 /// carried through `graph`, the fp32 graph of any frame shape, from those of natural inputs (independent channels,
 /// fully correlated neighbours). In fp32 belong
 /// - values that come near the largest half or stay below the smallest normal one,

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/dispatch.h"
+
+namespace xrds {
+
+/// What an operator makes its examples of, on which a device is examined: values, and small weights that are the same
+/// on every machine.
+class ExampleMaker {
+ public:
+  /// `stored`: what the values of a network are stored in.
+  ExampleMaker(DataType stored, DeviceTraits device) : stored_(stored), device_(device) {}
+
+  DataType stored() const { return stored_; }
+  const DeviceTraits& device() const { return device_; }
+  /// A value of its own, and the view of all of it.
+  TensorView view(TensorShape shape) { return view(shape, stored_); }
+  TensorView view(TensorShape shape, DataType type);
+  /// The exposure's, [1, 1, 4].
+  TensorView exposure() { return view({1, 1, 4}, DataType::f32); }
+  /// As large as those of trained layers. They live as long as a copy of keptWeights() does.
+  std::span<const float> weights(size_t count);
+
+  const std::vector<std::pair<TensorShape, DataType>>& values() const { return values_; }
+  const std::vector<std::shared_ptr<const std::vector<float>>>& keptWeights() const { return weights_; }
+
+ private:
+  DataType stored_;
+  DeviceTraits device_;
+  std::vector<std::pair<TensorShape, DataType>> values_;
+  std::vector<std::shared_ptr<const std::vector<float>>> weights_;
+};
+
+}  // namespace xrds
