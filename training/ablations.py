@@ -16,7 +16,7 @@ import sys
 
 import torch
 
-from network import multiply_accumulates
+from cost import multiply_accumulates
 
 # name: (what it belongs to, flags of train.py beside the compact defaults)
 VARIANTS = {

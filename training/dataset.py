@@ -12,6 +12,7 @@ BORDER = 2      # low-resolution pixels around a crop, for the 5 x 5 kernels
 # How often a sample count of the auxiliary images is drawn (0: converged), and of the colour by scale. Counts that a scene
 # lacks are imitated by scaling the noise of one that it has.
 AUX_SHARES = {16: 0.5, 8: 0.05, 4: 0.15, 2: 0.05, 1: 0.15, 0: 0.1}
+FULL_SHARES = {1: 0.3, 2: 0.15, 4: 0.3, 8: 0.1, 16: 0.15}      # the auxiliary render's, of models that take its colour too
 COLOUR_SHARES = {1: {1: 1, 2: 2, 4: 3, 8: 3, 16: 2}, 2: {16: 0.8, 4: 0.2}, 4: {64: 0.75, 16: 0.25}, 8: {64: 0.6, 256: 0.4}}
 
 
@@ -21,7 +22,8 @@ IMITATED = (0.5, 1, 2, 4)       # sample counts over that of a render that its n
 
 
 class Scene:
-    """One scene at one scale, half precision: colours {spp: [3, h, w]}, aux {spp, 0 converged: [A, H, W]}, target [3, H, W];
+    """One scene at one scale, half precision: colours {spp: [3, h, w]}, aux {spp, 0 converged: [A, H, W]} without the colour,
+    full {spp: [3, H, W]} the full-resolution noisy colour of the same renders, for models that take it, target [3, H, W];
     exposure {spp: number}; base_error: mean square sRGB error of the untrained base. At scale 1 the noise of the one colour
     is scaled to imitate more counts, and `aux` has every count of the colour."""
 
@@ -33,6 +35,7 @@ class Scene:
                             for (s, spp), image in decoded["colour"].items() if s == 4}
         self.target = decoded["target"].to(device)
         self.aux = {spp: pipeline.own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
+        self.full = {spp: image.to(device) for (s, spp), image in decoded["colour"].items() if s == 1 and config.full and spp in self.aux}
         if scale == 1:
             self.imitate_renders()
         self.exposure = {spp: pipeline.auto_exposure(image.float()) for spp, image in self.colours.items()}
@@ -52,13 +55,30 @@ class Scene:
         """[A, H, W] at `spp` samples (0: converged): the render of the nearest count, its noise scaled by sqrt(have / spp)."""
         if spp == 0 or spp in self.aux:
             return self.aux[spp]
-        fewer = [have for have in self.aux if 0 < have < spp]
-        have = max(fewer) if fewer else min(have for have in self.aux if have)
-        return torch.lerp(self.aux[0].float(), self.aux[have].float(), min(2.0, (have / spp) ** 0.5)).half()
+        have, share = nearest_render(self.aux, spp)
+        return torch.lerp(self.aux[0].float(), self.aux[have].float(), share).half()
+
+    def noisy_render(self, spp):
+        """(aux [A, H, W], full [3, H, W], samples) of one render, its noise scaled like noisy_aux's: that of the nearest count that has a
+        colour. `samples` is the count of as much noise, more than spp where the noise would be more than doubled."""
+        if spp in self.full:
+            return self.aux[spp], self.full[spp], spp
+        have, share = nearest_render(self.full, spp)
+        aux = torch.lerp(self.aux[0].float(), self.aux[have].float(), share)
+        full = torch.lerp(self.target.float(), self.full[have].float(), share).clamp(min=0)
+        return aux, full, have / share ** 2
+
+
+def nearest_render(counts, spp):
+    """(have, share): the count, but 0, whose noise stands for that of spp samples, the next fewer one if there is one, and the factor of it."""
+    fewer = [have for have in counts if 0 < have < spp]
+    have = max(fewer) if fewer else min(have for have in counts if have)
+    return have, min(2.0, (have / spp) ** 0.5)
 
 
 class Scenes:
-    """The scenes of shard folders that have colour of the model's scale and its auxiliary images; refresh() adds those of new shards."""
+    """The scenes of shard folders that have colour of the model's scale and its auxiliary images, the full-resolution colour too if the
+    model takes it; refresh() adds those of new shards."""
 
     def __init__(self, folders, config, device="cpu"):
         self.folders, self.config, self.device = [pathlib.Path(folder) for folder in folders], config, device
@@ -73,7 +93,7 @@ class Scenes:
                     if "depth" in self.config.aux_inputs and any(len(aux) < 9 for aux in decoded["aux"].values()):
                         continue
                     scene = Scene(decoded, self.config, self.device)
-                    if scene.colours:
+                    if scene.colours and (scene.full or not self.config.full):
                         self.scenes.append(scene)
 
     def __len__(self):
@@ -128,7 +148,9 @@ class Crops:
     def __init__(self, scenes, size, seed, colour_shares=None, aux_shares=None):
         self.scenes, self.size, self.config = scenes, size, scenes.config
         self.colour_shares = colour_shares or COLOUR_SHARES[self.config.scale]
-        self.aux_shares = aux_shares or AUX_SHARES
+        self.aux_shares = aux_shares or (FULL_SHARES if self.config.full else AUX_SHARES)
+        if self.config.full and 0 in self.aux_shares:
+            raise ValueError("a model that takes the full-resolution colour cannot train on converged auxiliary images: their colour is the target")
         self.random = torch.Generator().manual_seed(seed)
 
     def number(self):
@@ -146,29 +168,34 @@ class Crops:
         scene, size, scale = self.scenes.scenes[self.pick(len(self.scenes))], self.size, self.config.scale
         shares = {spp: share for spp, share in self.colour_shares.items() if spp in scene.colours}
         spp = self.drawn(shares) if shares else max(scene.colours)
-        colour = scene.colours[spp]
+        colour, exposure = scene.colours[spp], scene.exposure[spp]
         y, x = (self.pick(extent - size + 1) for extent in colour.shape[-2:])
-        crop = {"colour": cut(colour, y, x, size, BORDER, 1), "target": cut(scene.target, y, x, size, 0, scale)}
-        if self.config.aux_inputs:
+        high = {"target": (scene.target, 0)}        # images of full resolution and their borders
+        if self.config.full:
+            aux, full, samples = scene.noisy_render(self.drawn(self.aux_shares))
+            colour = pipeline.merged_colour(colour.float(), spp, full.float(), samples, scale)
+            exposure = pipeline.auto_exposure(colour)
+            high.update(aux=(aux, BORDER), full=(full, BORDER))
+        elif self.config.aux_inputs:
             same = scale == 1 and self.number() < SAME_RENDER_SHARE
-            crop["aux"] = cut(scene.noisy_aux(spp if same else self.drawn(self.aux_shares)), y, x, size, BORDER, scale)
+            high["aux"] = scene.noisy_aux(spp if same else self.drawn(self.aux_shares)), BORDER
         if self.config.aux_kernels:
-            crop["clean"] = cut(scene.aux[0], y, x, size, 0, scale)
+            high["clean"] = scene.aux[0], 0
+        crop = {"colour": cut(colour, y, x, size, BORDER, 1), **{key: cut(image, y, x, size, border, scale) for key, (image, border) in high.items()}}
         crop = self.varied({key: image.float() for key, image in crop.items()})
-        crop["exposure"] = torch.tensor(scene.exposure[spp] * 2 ** (self.number() - 0.5), device=colour.device)
+        crop["exposure"] = torch.tensor(exposure * 2 ** (self.number() - 0.5), device=colour.device)
         crop["base_error"] = torch.tensor(scene.base_error, device=colour.device)
         return crop
 
     def varied(self, crop):
         """Mirrored, turned, its colours exchanged, the light tinted, and in a quarter the normals in other axes than the camera's."""
-        inputs = self.config.aux_inputs
-        first = {kind: 3 * k for k, kind in enumerate(inputs)}
+        first = {kind: 3 * k for k, kind in enumerate(self.config.guides)}
         for axis in (1, 2):
             crop = mirror(crop, axis, first.get("normal")) if self.number() < 0.5 else crop
         crop = transpose(crop, first.get("normal")) if self.number() < 0.5 else crop
         order = torch.randperm(3, generator=self.random).to(crop["colour"].device)
         tint = torch.exp(0.15 * torch.randn(3, 1, 1, generator=self.random)).to(crop["colour"])
-        for key in ("colour", "target"):
+        for key in {"colour", "target", "full"} & crop.keys():
             crop[key] = crop[key][order] * tint
         turn = random_rotation(self.random).to(crop["colour"]) if "normal" in first and self.number() < 0.25 else None
         for aux in aux_images(crop):
@@ -182,6 +209,7 @@ class Crops:
 
     def batch(self, count):
         """{colour [n, 3, h + 4, w + 4], aux [n, A, s(h + 4), s(w + 4)] or absent, target [n, 3, sh, sw], clean (converged aux)
-        [n, A, sh, sw] with aux_kernels, exposure [n], base_error [n]}"""
+        [n, A, sh, sw] with aux_kernels, full [n, 3, s(h + 4), s(w + 4)] of models that take it, whose colour is merged with it,
+        exposure [n], base_error [n]}"""
         crops = [self.one() for _ in range(count)]
         return {key: torch.stack([crop[key] for crop in crops]) for key in crops[0]}

@@ -4,9 +4,11 @@
 
 Prints, per image and in the mean: PSNR of the clamped sRGB image (dB), RelMSE, RelMSE without the worst 0.1 % of the
 pixels, its median and its 99.9th percentile (metrics.py); FLIP with --flip. References are the *_gt.exr files; no exposure
-is applied. "Average samples" is spp / scale^2 + aux spp.
+is applied. "Average samples" is spp / scale^2 + aux spp. Models that take the full-resolution colour get the merged one
+(pipeline.merged_colour) in the place of the low-resolution one; with --merge every method does.
 """
 import argparse
+import dataclasses
 import pathlib
 
 import torch
@@ -18,9 +20,21 @@ import weights
 from network import NetworkConfig
 
 
+@dataclasses.dataclass
+class Case:
+    """One scene: low-resolution colour [3, h, w], aux [9, H, W] albedo, normal and relative depth ([6, H, W] where the file has no depth),
+    full [3, H, W] the colour of the auxiliary render and merged [3, h, w] it with the low-resolution one (None and the colour itself for
+    converged auxiliary images and at scale 1), reference [3, H, W]."""
+    name: str
+    colour: torch.Tensor
+    aux: torch.Tensor
+    full: torch.Tensor | None
+    merged: torch.Tensor
+    reference: torch.Tensor
+
+
 def cases_of(folder, scale, spp, aux_spp):
-    """Yields (name, colour [3, h, w], aux [9, H, W], reference [3, H, W]) for the scenes that have the files; aux holds albedo,
-    normal and relative depth, [6, H, W] where the file has no depth.
+    """Yields a Case for each scene that has the files.
 
     aux_spp: samples per pixel of the auxiliary render, 0 for the converged one. Colour of scale 1 is that of the auxiliary render.
     """
@@ -28,27 +42,38 @@ def cases_of(folder, scale, spp, aux_spp):
     prefix = {1: "aux", 4: "lr"}.get(scale, f"x{scale}lr")
     for reference in sorted(folder.glob("*_gt.exr")):
         name = reference.name[:-len("_gt.exr")]
-        colour = folder / f"{name}_{prefix}{spp}.exr"
+        path = folder / f"{name}_{prefix}{spp}.exr"
         aux = folder / f"{name}_aux{aux_spp}.exr" if aux_spp else reference
-        if colour.exists() and aux.exists():
-            yield (name, images.read_exr(colour, "colour"), images.read_auxiliary(aux),
-                   images.read_exr(reference, "colour"))
+        if path.exists() and aux.exists():
+            colour = merged = images.read_exr(path, "colour")
+            full = images.read_exr(aux, "colour") if aux_spp and scale > 1 else None
+            if full is not None:
+                merged = pipeline.merged_colour(colour, spp, full, aux_spp, scale)
+            yield Case(name, colour, images.read_auxiliary(aux), full, merged, images.read_exr(reference, "colour"))
 
 
-def methods_of(scale, model_paths):
-    """{name: function(colour [1, 3, h, w], aux [1, 6 or 9, H, W]) -> radiance [1, 3, H, W]}"""
+def result_of(network, case, merge=False, device="cpu"):
+    """Radiance [3, H, W] that a model makes of a case, of the merged colour if it takes the full-resolution one, too."""
+    config = network.config
+    if config.full and case.full is None:
+        raise SystemExit(f"the model takes the full-resolution colour, which {case.name} lacks with converged auxiliary images")
+    there = lambda image: None if image is None else image[None].to(device)
+    aux = pipeline.own_aux(case.aux, config) if config.aux_inputs else None
+    colour = case.merged if merge or config.full else case.colour
+    return pipeline.upscale(network, there(colour), there(aux), full=there(case.full))[0][0].cpu()
+
+
+def methods_of(scale, model_paths, merge=False):
+    """{name: function(case) -> radiance [3, H, W]}; merge: all of them of the merged colour."""
     def untrained(base):
         config = NetworkConfig(scale=scale, base=base)
-        return lambda colour, aux: pipeline.baseline(colour, aux, config)
+        return lambda case: pipeline.baseline((case.merged if merge else case.colour)[None], case.aux[None], config)[0]
 
     def trained(path):
         network, _ = weights.load_model(path)
         if network.config.scale != scale:
             raise SystemExit(f"{path} has scale {network.config.scale}, --scale is {scale}")
-        def run(colour, aux):
-            own = pipeline.own_aux(aux, network.config) if network.config.aux_inputs else None
-            return pipeline.upscale(network, colour, own)[0]
-        return run
+        return lambda case: result_of(network, case, merge)
 
     methods = {base: untrained(base) for base in ("bicubic", "demodulated", "guided")}
     return {**methods, **{path.stem: trained(path) for path in model_paths}}
@@ -58,12 +83,12 @@ def measure(folder, scale, spp, aux_spp, methods, flip=False):
     """{method: {scene: metrics}}"""
     results = {method: {} for method in methods}
     with torch.no_grad():
-        for name, colour, aux, reference in cases_of(folder, scale, spp, aux_spp):
+        for case in cases_of(folder, scale, spp, aux_spp):
             for method, run in methods.items():
-                result = run(colour[None], aux[None])[0]
-                results[method][name] = metrics.all_metrics(result, reference)
+                result = run(case)
+                results[method][case.name] = metrics.all_metrics(result, case.reference)
                 if flip:
-                    results[method][name]["flip"] = metrics.flip(result, reference)
+                    results[method][case.name]["flip"] = metrics.flip(result, case.reference)
     return results
 
 
@@ -97,15 +122,19 @@ def main():
     parser.add_argument("--scale", type=int, default=4)
     parser.add_argument("--spp", type=int, default=64, help="of the low-resolution colour")
     parser.add_argument("--aux-spp", type=int, default=16, help="of albedo and normal; 0: converged")
+    parser.add_argument("--merge", action="store_true", help="give every method the low-resolution colour merged with that of the auxiliary render")
     parser.add_argument("--flip", action="store_true", help="also FLIP (pip install flip-evaluator)")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
     torch.set_num_threads(options.threads)
-    results = measure(options.folder, options.scale, options.spp, options.aux_spp, methods_of(options.scale, options.model), options.flip)
+    if options.merge and (options.scale == 1 or not options.aux_spp):
+        parser.error("--merge needs a scale above 1 and noisy auxiliary images")
+    methods = methods_of(options.scale, options.model, options.merge)
+    results = measure(options.folder, options.scale, options.spp, options.aux_spp, methods, options.flip)
     if not results["bicubic"]:
         raise SystemExit(f"{options.folder} has no scenes with {options.spp} spp colour and {options.aux_spp} spp aux at scale {options.scale}")
     samples = options.spp / options.scale ** 2 + options.aux_spp
-    print(f"{options.spp} spp colour, {options.aux_spp or 'converged'} spp aux"
+    print(f"{options.spp} spp colour{' merged with the full-resolution one' * options.merge}, {options.aux_spp or 'converged'} spp aux"
           + (f", average samples {samples:g}" if options.aux_spp else "") + "\n")
     print(tables(results))
 

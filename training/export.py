@@ -11,7 +11,8 @@ import torch
 
 import evaluate
 import weights
-from network import Network, multiply_accumulates
+from cost import multiply_accumulates
+from network import Network
 
 CARD = """# {name}
 
@@ -27,7 +28,7 @@ Licence: MIT, weights included.
 
 ## Metrics
 {scenes} validation scenes that were not trained on, but were looked at while the trainer was written; scale {scale}, colour at {spp} samples
-per pixel, albedo and normal at {aux_spp}. Measured with the float16 weights of this file, in PyTorch, float32 (training/evaluate.py defines each number).
+per pixel, albedo and normal at {aux_spp}{merged}. Measured with the float16 weights of this file, in PyTorch, float32 (training/evaluate.py defines each number).
 
 {table}
 
@@ -49,12 +50,13 @@ DATA = ("{scenes} path-traced scenes (Blender Cycles 3.4: random interiors, tabl
 # (colour spp, aux spp; 0 is converged) that a card tabulates, by scale; the first pair in full.
 SETTINGS = {1: ((4, 4), (1, 1), (2, 2), (8, 8), (16, 16)), 2: ((16, 16), (16, 0), (16, 4), (16, 1), (4, 1)),
             4: ((64, 16), (64, 0), (64, 4), (64, 1), (32, 2), (16, 16), (16, 1)), 8: ((64, 16), (64, 0), (64, 4), (64, 1), (256, 16))}
+MERGED = ", whose render's colour is an input too; every method has the low-resolution colour merged with it, both weighted by their samples"
 
 
-def table_of_other_samples(folder, scale, methods):
-    """Markdown: mean PSNR / RelMSE for other sample counts of colour and auxiliary images."""
+def table_of_other_samples(folder, scale, methods, settings):
+    """Markdown: mean PSNR / RelMSE for other sample counts (colour, auxiliary images)."""
     lines = [f"| colour, aux spp | {' | '.join(methods)} |", "|---" * (len(methods) + 1) + "|"]
-    for spp, aux_spp in SETTINGS[scale][1:]:
+    for spp, aux_spp in settings:
         results = evaluate.measure(folder, scale, spp, aux_spp, methods)
         means = [evaluate.mean_of(rows.values()) for rows in results.values()]
         cells = [f"{mean['psnr']:.2f} / {mean['relmse']:.4f}" for mean in means]
@@ -66,6 +68,7 @@ def fields_of(config):
     """What the model has beyond network.md's plain form, in words."""
     named = [f"learned {config.kernels} x {config.kernels} kernels" if config.kernels else "",
              f"learned {config.aux_kernels} x {config.aux_kernels} filter of the auxiliary images" if config.aux_kernels else "",
+             f"learned {config.colour_kernels} x {config.colour_kernels} filter of the full-resolution colour" if config.colour_kernels else "",
              "auxiliary skip" if config.aux_skip else "", "1 x 1 output convolution" if config.output_side == 1 else "", f"block `{config.block}`" if config.block != "rdst" else ""]
     return ", ".join(filter(None, named)) or "plain"
 
@@ -76,9 +79,9 @@ def precision_of(told):
 
 def command_of(told, start):
     """The trainer's command line; what is at its default is named too."""
-    keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "aux_kernels", "aux_skip", "output_side",
-            "crop", "batch", "rate", "warm_up", "tone", "ratio", "aux_loss", "seed", "minutes")
-    flags = " ".join(f"--{key.replace('_', '-')} {told[key] or repr('')}" for key in keys)
+    keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "aux_kernels", "colour_kernels", "aux_skip",
+            "output_side", "crop", "batch", "rate", "warm_up", "tone", "ratio", "aux_loss", "colour_shares", "aux_shares", "seed", "minutes")
+    flags = " ".join(f"--{key.replace('_', '-')} {told[key] or repr('')}" for key in keys if told.get(key, "None") != "None")
     flags += f" --precision {precision_of(told)}"
     return f"python training/train.py SHARD_FOLDER --output RUN_FOLDER {flags}" + (" --start CHECKPOINT" if start else "")
 
@@ -99,11 +102,11 @@ def main():
     provenance = {"license": "MIT", "data": data, "seed": told["seed"], "steps": str(state["step"])}
     weights.save_model(options.model, network, provenance)
 
-    spp, aux_spp = SETTINGS[config.scale][0]
-    methods = evaluate.methods_of(config.scale, [options.model])
+    (spp, aux_spp), *others = [pair for pair in SETTINGS[config.scale] if pair[1] or not config.full]    # a converged colour would be the result
+    methods = evaluate.methods_of(config.scale, [options.model], merge=config.full)
     results = evaluate.measure(options.validation, config.scale, spp, aux_spp, methods)
     trained, guided = (evaluate.mean_of(results[name].values()) for name in (options.model.stem, "guided"))
-    provenance["metrics"] = (f"validation of {len(results['guided'])} scenes, {spp} spp colour, {aux_spp} spp aux: PSNR {trained['psnr']:.2f} dB "
+    provenance["metrics"] = (f"validation of {len(results['guided'])} scenes, {spp} spp colour, {aux_spp} spp aux{', merged' * config.full}: PSNR {trained['psnr']:.2f} dB "
                              f"(guided base {guided['psnr']:.2f}), RelMSE {trained['relmse']:.4f} ({guided['relmse']:.4f})")
     weights.save_model(options.model, network, provenance)
     loss = (f"{'SMAPE' if told['smape'] == 'True' else 'mean |x-y| / (0.1 + |x-y|) (equation 8 of the paper)'} of exposed linear radiance, plus {told['tone']} "
@@ -113,13 +116,13 @@ def main():
     start = options.start if told["start"] != "None" else ""
     card = CARD.format(
         name=options.model.stem, channels=config.channels, groups=f"{config.groups} group{'s' * (config.groups > 1)}", blocks=config.blocks, scale=config.scale,
-        aux=" and ".join(config.aux_inputs) or "none", base=config.base, transfer=config.transfer, fields=fields_of(config),
+        aux=" and ".join(["full-resolution " * (kind == "colour") + kind for kind in config.aux_inputs]) or "none", base=config.base, transfer=config.transfer, fields=fields_of(config),
         parameters=sum(p.numel() for p in network.parameters()), giga=multiply_accumulates(config, 1024, 1024) / 1e9,
         data=data, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,
         device="one thread of a busy CPU" if told["device"] == "cpu" else "a CUDA device", start=f", started from {start}" if start else "",
-        precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, aux_spp=aux_spp,
+        precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, aux_spp=aux_spp, merged=MERGED if config.full else "",
         scenes=len(results["guided"]), table=evaluate.tables(results),
-        other=table_of_other_samples(options.validation, config.scale, methods), limits=LIMITS)
+        other=table_of_other_samples(options.validation, config.scale, methods, others), limits=LIMITS)
     options.model.with_suffix(".md").write_text(card)
     print(evaluate.tables(results))
 

@@ -11,9 +11,6 @@ import torch.nn as nn
 import torch.nn.functional as F
 
 
-AUX_CENTRE = 7.0     # first logit of the pixel itself in the kernel of the auxiliary images: nearly no filter
-
-
 @dataclasses.dataclass(frozen=True)
 class NetworkConfig:
     """Every size and option of a model; the fields are the metadata keys of the model file.
@@ -21,6 +18,8 @@ class NetworkConfig:
     Symbols of the paper: scale s, channels C, aux_channels Ca, groups N, blocks B, window w, head_channels d.
     `kernels` = 5 adds 25 kernel logits to the 3 output channels; `aux_skip` = 1 feeds H_N to the output convolution;
     `aux_kernels` = 3 or 5 adds that many squared logits of a kernel that filters the auxiliary images for the base image and the output.
+    `colour` in `aux_inputs` is the full-resolution noisy colour; `colour_kernels` = 3 or 5 adds that many squared logits of a kernel that
+    filters it, and the logit of its share in the base image.
     `output_side` = 1 makes the output convolution 1 x 1.
     `cross` = "concat" puts a 1x1 convolution of [f, e] in the place of the cross module XM.
     """
@@ -38,6 +37,7 @@ class NetworkConfig:
     kernels: int = 0
     aux_skip: int = 0
     aux_kernels: int = 0
+    colour_kernels: int = 0
     output_side: int = 3
     cross: str = "attention"
 
@@ -57,6 +57,9 @@ class NetworkConfig:
         require(self.kernels == 0 or self.base == "guided", "learned kernels need base=guided")
         require(self.aux_kernels in (0, 3, 5), f"aux_kernels must be 0, 3 or 5, found {self.aux_kernels}")
         require(self.aux_kernels == 0 or self.base in ("demodulated", "guided"), "aux_kernels needs a base that demodulates")
+        require(self.colour_kernels in (0, 3, 5), f"colour_kernels must be 0, 3 or 5, found {self.colour_kernels}")
+        require(self.colour_kernels == 0 or self.base == "guided" and self.full, "colour_kernels needs base=guided and colour in aux_inputs")
+        require(not self.full or self.scale > 1, "colour in aux_inputs needs a scale above 1: at scale 1 the colour has full resolution already")
         require(self.output_side in (1, 3), f"output_side must be 1 or 3, found {self.output_side}")
         require(self.aux_skip in (0, 1), f"aux_skip must be 0 or 1, found {self.aux_skip}")
         require(self.aux_skip == 0 or self.aux_inputs, "aux_skip needs auxiliary inputs")
@@ -67,14 +70,29 @@ class NetworkConfig:
         return self.scale.bit_length() - 1
 
     @property
+    def full(self):
+        """Whether the model takes the full-resolution noisy colour."""
+        return "colour" in self.aux_inputs
+
+    @property
+    def guides(self):
+        """The auxiliary inputs but for the colour."""
+        return tuple(kind for kind in self.aux_inputs if kind != "colour")
+
+    @property
     def aux_width(self):
         """A: auxiliary input channels, three an input."""
         return 3 * len(self.aux_inputs)
 
     @property
+    def output_parts(self):
+        """Channels of the raw output: the residual, the kernel logits, the logits of the auxiliary images' kernels, those of the
+        full-resolution colour's kernel and, last, of its share."""
+        return 3, self.kernels ** 2, self.aux_kernels ** 2, self.colour_kernels ** 2 + (self.colour_kernels > 0)
+
+    @property
     def output_width(self):
-        """Channels of the raw output: the residual, the kernel logits, the logits of the auxiliary images' kernels."""
-        return 3 + self.kernels ** 2 + self.aux_kernels ** 2
+        return sum(self.output_parts)
 
 
 def conv3x3(inputs, outputs):
@@ -342,7 +360,7 @@ class Network(nn.Module):
         return h
 
     def forward(self, x, aux=None):
-        """x: [b, 3, h, w'] transformed colour; aux: [b, A, s*h, s*w'] or None. Returns [b, 3 (+ 25), s*h, s*w'].
+        """x: [b, 3, h, w'] transformed colour; aux: [b, A, s*h, s*w'] or None. Returns [b, output_width, s*h, s*w'].
 
         h and w' must be multiples of the window (pipeline.pad_inputs).
         """
@@ -362,40 +380,3 @@ class Network(nn.Module):
         for conv in self.up:
             u = F.pixel_shuffle(conv(u), 2)
         return self.out(torch.cat([u, h], 1) if self.config.aux_skip else u)
-
-
-def initialise(network, generator):
-    """Starting point of training: variance-preserving, last layers of residual paths small, the output zero."""
-    small = ("proj", "fc2", "conv2", "conv", "body_conv")
-    for name, module in network.named_modules():
-        if isinstance(module, (nn.Conv2d, nn.Linear)):
-            fan_in = module.weight[0].numel()
-            gain = 0.1 if name.split(".")[-1] in small else 1.0
-            with torch.no_grad():
-                module.weight.normal_(0, gain / math.sqrt(fan_in), generator=generator)
-                module.bias.zero_()
-    with torch.no_grad():
-        network.out.weight.zero_()
-        network.out.bias.zero_()
-        if network.config.aux_kernels:
-            network.out.bias[-(network.config.aux_kernels ** 2 + 1) // 2] = AUX_CENTRE
-
-
-def multiply_accumulates(config, height, width):
-    """Multiplications of convolutions and linear layers for an output of height x width pixels (attention products not counted)."""
-    total = 0
-
-    def count(module, _, output):
-        nonlocal total
-        width_out = module.weight.shape[0]
-        total += output.numel() // width_out * module.weight.numel()
-
-    with torch.device("meta"):
-        network = Network(config)
-        for module in network.modules():
-            if isinstance(module, (nn.Conv2d, nn.Linear)):
-                module.register_forward_hook(count)
-        x = torch.empty(1, 3, height // config.scale, width // config.scale)
-        aux = torch.empty(1, config.aux_width, height, width) if config.aux_inputs else None
-        network(x, aux)
-    return total

@@ -1,6 +1,7 @@
 """The image pipeline around the network: exposure, radiance transform, base image, padding, and their inverses.
 
-Images are [batch, channels, height, width] linear radiance; x is the transformed low-resolution colour the network sees.
+Images are [batch, channels, height, width] linear radiance; x is the transformed low-resolution colour the network sees, `full` the
+full-resolution noisy colour H of the auxiliary render, `aux` the other auxiliary images (`config.guides`).
 """
 import math
 
@@ -67,46 +68,73 @@ def bicubic(x, scale):
     return F.interpolate(x, scale_factor=scale, mode="bicubic", align_corners=False) if scale > 1 else x
 
 
+def merged_colour(colour, k, full, full_k, scale):
+    """The low-resolution colour [..., 3, h, w] of k samples a pixel and the full-resolution one [..., 3, s*h, s*w] of full_k, each weighted by
+    its samples: (k L + s^2 K box(H)) / (k + s^2 K). What is negative or not finite in H counts as 0."""
+    more = scale ** 2 * full_k
+    return (k * colour + more * box_mean(finite(full), scale)) / (k + more)
+
+
+def finite(image):
+    """The image with 0 for what is negative or not finite."""
+    return torch.where(image.isfinite(), image, 0).clamp(min=0)
+
+
 def clamped_albedo(aux, config):
     """[b, 3, H, W] albedo in [0, 4], or None when the model has no albedo."""
-    if aux is None or "albedo" not in config.aux_inputs:
+    if aux is None or "albedo" not in config.guides:
         return None
-    first = 3 * config.aux_inputs.index("albedo")
+    first = 3 * config.guides.index("albedo")
     return aux[:, first:first + 3].clamp(0, ALBEDO_MAX)
 
 
-def network_aux(aux, config):
-    """The auxiliary input of the network: the images in the order of the model, the albedo clamped."""
-    if not config.aux_inputs:
+def clamped_aux(aux, config):
+    """The auxiliary images but for the colour, the albedo clamped; None without."""
+    if not config.guides:
         return None
-    first = 3 * config.aux_inputs.index("albedo") if "albedo" in config.aux_inputs else None
-    if first is None:
+    if "albedo" not in config.guides:
         return aux
+    first = 3 * config.guides.index("albedo")
     return torch.cat([aux[:, :first], clamped_albedo(aux, config), aux[:, first + 3:]], 1)
 
 
+def network_aux(aux, exposed_full, config):
+    """The auxiliary input of the network [b, A, H, W] or None: the images of clamped_aux and, at its place among them, the colour e H
+    transformed as x is, by the albedo of its own resolution."""
+    if not config.full:
+        return aux
+    images = list(aux.split(3, 1)) if config.guides else []
+    images.insert(config.aux_inputs.index("colour"), transformed_colour(exposed_full, clamped_albedo(aux, config), config))
+    return torch.cat(images, 1)
+
+
 def own_aux(image, config):
-    """The auxiliary inputs of a model out of albedo, normal and relative depth [..., 9, H, W] or the first two [..., 6, H, W], in the
-    model's order, the albedo clamped."""
+    """The auxiliary inputs of a model, but for the colour, out of albedo, normal and relative depth [..., 9, H, W] or the first two
+    [..., 6, H, W], in the model's order, the albedo clamped."""
     parts = {"albedo": image[..., :3, :, :].clamp(0, ALBEDO_MAX), "normal": image[..., 3:6, :, :]}
     if image.shape[-3] > 6:
         parts["depth"] = image[..., 6:9, :, :]
-    return torch.cat([parts[kind] for kind in config.aux_inputs], -3) if config.aux_inputs else image[..., :0, :, :]
+    return torch.cat([parts[kind] for kind in config.guides], -3) if config.guides else image[..., :0, :, :]
 
 
 def guides_of(aux, config):
     """What the guided base compares pixels by [b, 3 or 6, H, W]: albedo and, if there is one, normal, in units of their sigma."""
     guides = [clamped_albedo(aux, config) / SIGMA_ALBEDO]
-    if "normal" in config.aux_inputs:
-        first = 3 * config.aux_inputs.index("normal")
+    if "normal" in config.guides:
+        first = 3 * config.guides.index("normal")
         guides.append(aux[:, first:first + 3] / SIGMA_NORMAL)
     return torch.cat(guides, 1)
 
 
 def network_colour(exposed, albedo, config):
-    """x [b, 3, h, w]: T(eI), or T(eI / (b + 0.02)) for the bases that demodulate."""
+    """x [b, 3, h, w]: T(eI), or T(eI / (b + 0.02)) for the bases that demodulate, b the box mean of the albedo [b, 3, s*h, s*w]."""
+    return transformed_colour(exposed, None if albedo is None else box_mean(albedo, config.scale), config)
+
+
+def transformed_colour(exposed, albedo, config):
+    """The same with an albedo of the colour's size."""
     if config.base in ("demodulated", "guided"):
-        exposed = exposed / (box_mean(albedo, config.scale) + EPSILON)
+        exposed = exposed / (albedo + EPSILON)
     return transform(exposed, config.transfer)
 
 
@@ -180,15 +208,23 @@ def with_learned(log_weights, logits):
 
 
 def split_output(raw, config):
-    """Raw output [b, 3 + k^2 + m^2, H, W] -> (residual [b, 3, H, W], kernel logits or None, logits of the auxiliary images' kernels or None)."""
-    residual, logits, aux_logits = raw.split((3, config.kernels ** 2, config.aux_kernels ** 2), 1)
-    return residual, logits if config.kernels else None, aux_logits if config.aux_kernels else None
+    """Raw output [b, output_width, H, W] -> (residual [b, 3, H, W], kernel logits, logits of the auxiliary images' kernels, logits of the
+    full-resolution colour's kernel and of its share); None for what the model has not."""
+    residual, *logits = raw.split(config.output_parts, 1)
+    return residual, *(part if part.shape[1] else None for part in logits)
 
 
 def filtered(aux_neighbours, logits):
     """Mean of the pixels around each, weighted by the softmax of the clamped logits: [b, c, m^2, H, W], [b, m^2, H, W] -> [b, c, H, W]."""
     weights = logits.clamp(-LOGIT_MAX, LOGIT_MAX).exp().contiguous()
     return (weights[:, None] * aux_neighbours).sum(2) / weights.sum(1, keepdim=True)
+
+
+def blended(base, full_neighbours, logits):
+    """(1 - g) base + g Hf [b, 3, H, W]: Hf the filtered colour of the neighbours [b, 3, m^2, H, W] by the first m^2 logits [b, m^2 + 1, H, W],
+    g the sigmoid of the last."""
+    share = torch.sigmoid(logits[:, -1:])
+    return (1 - share) * base + share * filtered(full_neighbours, logits[:, :-1])
 
 
 def ceiling(x, config):
@@ -234,20 +270,24 @@ def baseline(colour, aux, config, exposure=None):
     return to_radiance(torch.zeros_like(base), base, ceiling(x, config), albedo, exposure, config)
 
 
-def upscale(network, colour, aux=None, exposure=None):
-    """Runs a model on one image: colour [1, 3, h, w] and aux [1, A, s*h, s*w] -> (radiance [1, 3, H, W], raw output [1, 3 (+ ...), H, W], exposure).
+def upscale(network, colour, aux=None, exposure=None, full=None):
+    """Runs a model on one image: colour [1, 3, h, w], aux [1, 3 guides, s*h, s*w] and, for a model that takes it, the full-resolution
+    colour [1, 3, s*h, s*w] -> (radiance [1, 3, H, W], raw output [1, output_width, H, W], exposure). Such a model expects a merged colour.
 
     With aux_kernels, base image and output are made of the filtered auxiliary images, demodulation included; the network sees the unfiltered.
     """
     config = network.config
     exposure = auto_exposure(colour[0]) if exposure is None else exposure
-    aux = network_aux(aux, config)
+    aux, exposed_full = clamped_aux(aux, config), full * exposure if config.full else None
     x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
     height, width = (side * config.scale for side in x.shape[-2:])
-    raw = network(*pad_inputs(x, aux, config))[:, :, :height, :width]
-    residual, logits, aux_logits = split_output(raw, config)
+    raw = network(*pad_inputs(x, network_aux(aux, exposed_full, config), config))[:, :, :height, :width]
+    residual, logits, aux_logits, colour_logits = split_output(raw, config)
     if aux_logits is not None:
         aux = filtered(neighbours(aux, config.aux_kernels), aux_logits)
         x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
+    albedo = clamped_albedo(aux, config)
     base = base_image(x, aux, config, logits)
-    return to_radiance(residual, base, ceiling(x, config), clamped_albedo(aux, config), exposure, config), raw, exposure
+    if colour_logits is not None:
+        base = blended(base, neighbours(transformed_colour(exposed_full, albedo, config), config.colour_kernels), colour_logits)
+    return to_radiance(residual, base, ceiling(x, config), albedo, exposure, config), raw, exposure

@@ -1,6 +1,6 @@
 """Scenes in few compact files: a shard is a zip of LZMA arrays that numpy opens without unpacking it.
 
-    python training/shards.py SCENE_FOLDER... --output SHARD_FOLDER [--megabytes 56] [--noisy-every 3]
+    python training/shards.py SCENE_FOLDER... --output SHARD_FOLDER [--megabytes 56] [--noisy-every 3] [--noisy-bits 3]
 
 Packs the scenes of folders of OpenEXR files (layout in README.md) that no shard of SHARD_FOLDER holds yet into
 scenes-NNN.npz. A 256 x 256 scene with everything takes about half a megabyte:
@@ -18,7 +18,7 @@ import torch
 import images
 import pipeline
 
-REFERENCE_BITS, LOW_BITS, NOISY_BITS = 6, 5, 3      # kept of half's ten
+REFERENCE_BITS, LOW_BITS, NOISY_BITS = 6, 5, 3      # kept of half's ten; --noisy-bits chooses others than NOISY_BITS
 CONVERGED_STEP = torch.tensor([1 / 128] * 3 + [1 / 64] * 3).view(6, 1, 1)      # albedo, normal
 DEPTH_STEP = 1 / 256
 NOISY_STEP = {1: 1 / 16, 4: 1 / 24}                 # others: 1 / 40
@@ -65,7 +65,7 @@ def unpacked(planes):
     return np.cumsum(difference, axis=-1, dtype=np.int16)
 
 
-def encode(folder, scene, turn, noisy_every=3):
+def encode(folder, scene, turn, noisy_every=3, noisy_bits=NOISY_BITS):
     """{array name: uint8 array} of one scene. turn: every third (`noisy_every`th) keeps the full-resolution noisy colour of one sample
     count, the next third the 4 spp colour of scale 2."""
     kinds = kinds_of(folder, scene)
@@ -87,7 +87,7 @@ def encode(folder, scene, turn, noisy_every=3):
     if turn % noisy_every == 0:
         chosen = f"aux{NOISY_COLOUR_SPP[turn // noisy_every % 3]}"
         chosen = chosen if chosen in counts else counts[0]
-        arrays[f"x1lr{chosen[3:]}"] = half_codes(images.read_exr(kinds[chosen], "colour"), NOISY_BITS)
+        arrays[f"x1lr{chosen[3:]}"] = half_codes(images.read_exr(kinds[chosen], "colour"), noisy_bits)
     if turn % 3 != 1:
         kinds.pop("x2lr4", None)
     for kind, path in kinds.items():
@@ -136,14 +136,14 @@ def scenes_in(path):
         return {entry.split("/")[0] for entry in shard.namelist()}
 
 
-def write_shard(path, scenes, byte_limit, noisy_every=3):
+def write_shard(path, scenes, byte_limit, noisy_every=3, noisy_bits=NOISY_BITS):
     """Writes (folder, scene name) pairs until the list ends or the shard is full, whole or not at all; returns what is left."""
     part, scenes = path.with_suffix(".part"), list(scenes)
     with zipfile.ZipFile(part, "w", zipfile.ZIP_LZMA) as shard:
         shard.comment = format_of_shards()
         while scenes and shard.start_dir < byte_limit:
             folder, name = scenes.pop(0)
-            for kind, array in encode(folder, name, int(name[1:]), noisy_every).items():
+            for kind, array in encode(folder, name, int(name[1:]), noisy_every, noisy_bits).items():
                 with shard.open(f"{name}/{kind}.npy", "w") as entry:
                     np.lib.format.write_array(entry, np.ascontiguousarray(array), allow_pickle=False)
     part.rename(path)
@@ -156,6 +156,7 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--megabytes", type=float, default=56, help="size at which the next shard begins")
     parser.add_argument("--noisy-every", type=int, default=3, help="every n-th scene keeps a full-resolution noisy colour (1: all, to train scale 1)")
+    parser.add_argument("--noisy-bits", type=int, default=NOISY_BITS, help="of half's ten that it keeps (6: to train models that take it too)")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     shards = sorted(options.output.glob("scenes-*.npz"))
@@ -164,7 +165,7 @@ def main():
     wanted = [scene for scene in wanted if scene[1] not in present]
     while wanted:
         path = options.output / f"scenes-{len(shards):03}.npz"
-        left = write_shard(path, wanted, options.megabytes * 1e6, options.noisy_every)
+        left = write_shard(path, wanted, options.megabytes * 1e6, options.noisy_every, options.noisy_bits)
         print(f"{path.name}: {len(wanted) - len(left)} scenes, {path.stat().st_size / 1e6:.1f} MB", flush=True)
         shards.append(path)
         wanted = left

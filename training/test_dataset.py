@@ -9,9 +9,11 @@ import pipeline
 import shards
 import train
 import weights
-from network import Network, NetworkConfig, initialise
+from network import Network, NetworkConfig
+from start import initialise, start_from
 
 SMALL = NetworkConfig(channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1, window=4, kernels=5, aux_skip=1, aux_kernels=3)
+FULL = NetworkConfig(**{**SMALL.__dict__, "aux_inputs": ("albedo", "colour", "normal"), "colour_kernels": 5})
 
 
 class FakeScenes:
@@ -23,6 +25,8 @@ class FakeScenes:
         high = config.scale * side
         decoded = {"colour": {(config.scale, 64): torch.rand(3, side, side).half()}, "target": torch.rand(3, high, high).half(),
                    "aux": {spp: torch.cat([torch.rand(3, high, high), torch.rand(3, high, high) - 0.5]).half() for spp in (0, 16)}}
+        if config.full:
+            decoded["colour"][1, 16] = torch.rand(3, high, high).half()
         self.scenes = [dataset.Scene(decoded, config, "cpu")]
 
     def __len__(self):
@@ -37,24 +41,29 @@ def test_cut_repeats_whole_low_resolution_pixels_outside():
     assert torch.equal(dataset.cut(image, 1, 1, 2, 1, 2), image[:, 0:8, 0:8])
 
 
+@pytest.mark.parametrize("config", [SMALL, FULL], ids=["plain", "full"])
 @pytest.mark.parametrize("place", [(0, 0), (2, 2), (4, 4)])
-def test_forward_of_a_crop_is_the_pipeline(place):
-    scenes, size = FakeScenes(), 8
+def test_forward_of_a_crop_is_the_pipeline(place, config):
+    scenes, size = FakeScenes(config), 8
     scene = scenes.scenes[0]
-    network = Network(SMALL)
+    network = Network(config)
     initialise(network, torch.Generator().manual_seed(1))
     torch.nn.init.normal_(network.out.bias, std=0.5)        # kernels and residual of the bias alone: no receptive field
     y, x = place
     batch = {"colour": dataset.cut(scene.colours[64], y, x, size, 2, 1).float()[None],
              "aux": dataset.cut(scene.aux[16], y, x, size, 2, 4).float()[None],
              "target": dataset.cut(scene.target, y, x, size, 0, 4).float()[None], "exposure": torch.ones(1)}
-    result, target, _ = train.forward(network, batch, "cpu", "bfloat16")
+    full = scene.full[16].float()[None] if config.full else None
+    if config.full:
+        batch["full"] = dataset.cut(full[0], y, x, size, 2, 4)[None]
+    result, target, aux = train.forward(network, batch, "cpu", "bfloat16")
     with torch.no_grad():
-        whole, _, _ = pipeline.upscale(network, scene.colours[64].float()[None], scene.aux[16].float()[None], 1.0)
+        whole, _, _ = pipeline.upscale(network, scene.colours[64].float()[None], scene.aux[16].float()[None], 1.0, full)
     here = (..., slice(4 * y, 4 * (y + size)), slice(4 * x, 4 * (x + size)))
     inside = (..., slice(8, -8), slice(8, -8))      # what kernels at the border of a crop reach is not filtered
     assert torch.allclose(result[inside], whole[here][inside], rtol=0.02, atol=0.01)    # the network's part is bfloat16
     assert torch.equal(target, scene.target.float()[None][here])
+    assert aux.shape == (1, 6, 32, 32)
 
 
 def test_mirrors_turn_the_normal_along():
@@ -93,6 +102,52 @@ def test_noise_of_other_counts_is_scaled():
     assert torch.allclose(scene.noisy_aux(64).float() - scene.aux[0].float(), noise / 2, atol=2e-3)
     assert torch.allclose(scene.noisy_aux(4).float() - scene.aux[0].float(), 2 * noise, atol=4e-3)
     assert scene.noisy_aux(16) is scene.aux[16]
+
+
+def scene_of_one_noise(counts):
+    """(scene, clean, noise) of a full model: colour of 64 samples without noise, one render at each count whose images share a noise."""
+    torch.manual_seed(7)
+    clean, noise = 1 + torch.rand(6, 48, 48), 0.1 * torch.randn(48, 48)
+    decoded = {"colour": {(4, 64): pipeline.box_mean(clean[None, :3], 4)[0].half()}, "target": clean[:3].half(), "aux": {0: clean.half()}}
+    for spp in counts:
+        decoded["aux"][spp] = (clean + noise * (4 / spp) ** 0.5).half()
+        decoded["colour"][1, spp] = decoded["aux"][spp][:3]
+    decoded["aux"][2] = (clean - 1).half()                     # a count without colour: never used
+    return dataset.Scene(decoded, FULL, "cpu"), clean, noise
+
+
+def test_colour_and_aux_of_an_imitated_render_share_their_noise():
+    scene, clean, noise = scene_of_one_noise((1, 4))
+    assert set(scene.full) == {1, 4}
+    for spp, count in ((1, 1), (2, 2), (4, 4), (8, 8), (16, 16)):
+        aux, full, samples = scene.noisy_render(spp)
+        assert samples == pytest.approx(count)
+        assert torch.allclose(aux.float() - clean, noise.expand(6, 48, 48) * (4 / spp) ** 0.5, atol=4e-3)
+        assert torch.allclose(full.float() - clean[:3], noise.expand(3, 48, 48) * (4 / spp) ** 0.5, atol=4e-3)
+    scene, clean, noise = scene_of_one_noise((16,))
+    aux, full, samples = scene.noisy_render(1)                  # at most twice the noise: that of 4 samples
+    assert samples == 4 and torch.allclose(full - clean[:3], noise.expand(3, 48, 48), atol=4e-3)
+    scene.target.zero_()
+    assert scene.noisy_render(1)[1].min() >= 0
+
+
+def test_crops_of_a_full_model():
+    scenes = FakeScenes(FULL)
+    scenes.scenes[0], clean, noise = scene_of_one_noise((4,))
+    crops = dataset.Crops(scenes, 8, seed=4)
+    assert crops.aux_shares == dataset.FULL_SHARES
+    batch = crops.batch(8)
+    inner = slice(8, -8)
+    assert batch["full"].shape == (8, 3, 48, 48) and batch["aux"].shape == (8, 6, 48, 48) and batch["clean"].shape == (8, 6, 32, 32)
+    ratio = batch["full"][:, :, inner, inner] / batch["target"]          # mirrored, turned and tinted as the target is
+    assert ((ratio - 1).abs().mean((1, 2, 3)) < 0.2).all() and ratio.mean().item() == pytest.approx(1, abs=0.02)
+    low, box = batch["colour"][:, :, 2:-2, 2:-2], pipeline.box_mean(batch["full"][:, :, inner, inner], 4)
+    truth = pipeline.box_mean(batch["target"], 4)
+    share = ((low - truth) * (box - truth)).sum((1, 2, 3)) / (box - truth).square().sum((1, 2, 3))
+    expected = torch.tensor([16 * spp / (64 + 16 * spp) for spp in (1, 2, 4, 8, 16)])
+    assert ((share[:, None] - expected).abs().min(1).values < 0.02).all()       # the colour is the merged one
+    with pytest.raises(ValueError, match="converged"):
+        dataset.Crops(scenes, 8, seed=4, aux_shares={0: 1})
 
 
 def test_scale_1_takes_colour_and_aux_of_one_render():
@@ -135,8 +190,8 @@ def write_scene(folder, name, side=16, depth_of=()):
     write("lr64", **{"ViewLayer.Combined": image(side // 4, side // 4)})
 
 
-def write(path, source, name, noisy_every):
-    shards.write_shard(path, [(source, name)], 1e6, noisy_every)
+def write(path, source, name, noisy_every, noisy_bits=3):
+    shards.write_shard(path, [(source, name)], 1e6, noisy_every, noisy_bits)
     return path
 
 
@@ -161,6 +216,11 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
     ((_, noisy),) = shards.read_shard(write(output / "other.npz", source, "s0001", 1))
     (output / "other.npz").unlink()
     assert set(quiet["colour"]) == {(4, 64)} and set(noisy["colour"]) == {(4, 64), (1, 1)}
+    colour = images.read_exr(source / "s0001_aux1.exr", "colour")
+    ((_, fine),) = shards.read_shard(write(output / "other.npz", source, "s0001", 1, 6))
+    (output / "other.npz").unlink()
+    assert torch.allclose(noisy["colour"][1, 1].float(), colour, rtol=0.07, atol=1e-5)
+    assert torch.allclose(fine["colour"][1, 1].float(), colour, rtol=0.009, atol=1e-5)
     monkeypatch.setattr(shards, "NOISY_STEP", {1: 1 / 8})
     with pytest.raises(ValueError, match="pack its scenes again"):
         list(shards.read_shard(output / "scenes-000.npz"))
@@ -169,6 +229,9 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
     shards.write_shard(output / "scenes-001.npz", left, 1e6)
     scenes.refresh()
     assert len(scenes) == 2
+    full = dataset.Scenes([output], FULL)
+    assert [list(scene.full) for scene in full.scenes] == [[1]]     # s0001 keeps no noisy colour
+    assert "full" in dataset.Crops(full, 2, seed=1).one()
 
 
 @pytest.mark.parametrize("with_depth, converged", [(("gt", "aux1", "aux16"), "gt"), (("aux1", "aux16"), "aux16")])
@@ -205,7 +268,7 @@ def test_weights_start_from_another_scale(tmp_path):
     source, target = Network(SMALL), Network(NetworkConfig(**{**SMALL.__dict__, "scale": 8, "aux_kernels": 0}))
     path = tmp_path / "model.safetensors"
     weights.save_model(path, source)
-    taken = train.start_from(target, path)
+    taken = start_from(target, path)
     same = lambda a, b: torch.allclose(a, b, rtol=1e-3, atol=1e-4)
     assert same(target.deshuffle[1][2].weight, source.deshuffle[1][1].weight)       # the last step from the last
     assert same(target.deshuffle[1][0].weight, source.deshuffle[1][0].weight)
@@ -213,18 +276,45 @@ def test_weights_start_from_another_scale(tmp_path):
     assert same(target.out.weight[:28], source.out.weight[:28])                     # residual and kernel logits
     assert taken > 60
     albedo_alone = Network(NetworkConfig(**{**SMALL.__dict__, "aux_inputs": ("albedo",)}))
-    train.start_from(albedo_alone, path)
+    start_from(albedo_alone, path)
     assert same(albedo_alone.aux_conv.weight, source.aux_conv.weight[:, :3])
     deeper = Network(NetworkConfig(**{**SMALL.__dict__, "aux_inputs": ("albedo", "normal", "depth")}))
-    train.start_from(deeper, path)
+    start_from(deeper, path)
     weight = torch.cat([source.aux_conv.weight, torch.zeros(4, 3, 3, 3)], 1)        # a further input changes nothing at first
     assert torch.allclose(deeper.aux_conv.weight, weight, atol=2e-3)
     pointwise = Network(NetworkConfig(**{**SMALL.__dict__, "output_side": 1}))
-    train.start_from(pointwise, path)
+    start_from(pointwise, path)
     assert torch.allclose(pointwise.out.weight[:, :, 0, 0], source.out.weight.sum((2, 3)), atol=2e-3)       # float16 in the file
     back = Network(SMALL)
     weights.save_model(path, pointwise)
-    train.start_from(back, path)
+    start_from(back, path)
     centre = back.out.weight[:, :, 1, 1].clone()
     assert torch.allclose(centre, pointwise.out.weight[:, :, 0, 0], atol=2e-3)
     assert (back.out.weight != 0).sum() == (centre != 0).sum()
+
+
+def test_full_model_starts_as_the_plain_one(tmp_path):
+    torch.manual_seed(1)
+    plain, path = Network(SMALL).eval(), tmp_path / "model.safetensors"
+    initialise(plain, torch.Generator().manual_seed(1))
+    torch.nn.init.normal_(plain.out.weight, std=0.1)
+    weights.save_model(path, plain)
+    plain, _ = weights.load_model(path)
+    network = Network(FULL).eval()
+    initialise(network, torch.Generator().manual_seed(2))
+    start_from(network, path)
+    assert not network.aux_conv.weight[:, 3:6].any()                    # the colour, second of three
+    assert torch.equal(network.aux_conv.weight[:, 6:], plain.aux_conv.weight[:, 3:])
+    assert not network.out.weight[37:].any() and not network.out.bias[37:-1].any() and network.out.bias[-1] == -3
+    colour, aux, full = torch.rand(1, 3, 8, 8), torch.rand(1, 6, 32, 32), torch.rand(1, 3, 32, 32)
+    with torch.no_grad():
+        before, raw, _ = pipeline.upscale(plain, colour, aux)
+        after, raw_full, _ = pipeline.upscale(network, colour, aux, full=full)
+        assert torch.allclose(raw_full[:, :37], raw, atol=1e-5)
+        assert not torch.equal(before, after) and (after - before).abs().mean() < 0.05 * before.mean()
+        network.out.bias[-1] = -100
+        assert torch.allclose(pipeline.upscale(network, colour, aux, full=full)[0], before, rtol=1e-4, atol=1e-5)
+    back = Network(SMALL).eval()
+    weights.save_model(path, network)
+    start_from(back, path)
+    assert all(torch.equal(value, plain.state_dict()[name]) for name, value in back.state_dict().items())

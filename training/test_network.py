@@ -4,8 +4,11 @@ import pytest
 
 import pipeline
 import weights
-from network import Network, NetworkConfig, initialise, multiply_accumulates, relative_position_index, shift_mask
+from cost import multiply_accumulates
+from network import Network, NetworkConfig, relative_position_index, shift_mask
+from start import initialise
 
+FULL_INPUTS = dict(aux_inputs=("albedo", "normal", "colour"))
 SMALL = dict(channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1, window=4)
 
 
@@ -125,9 +128,84 @@ def test_aux_kernels_are_the_last_channels_and_start_at_the_pixel():
     network = Network(config)
     initialise(network, torch.Generator().manual_seed(1))
     raw = network.out.bias.view(1, -1, 1, 1)
-    residual, logits, aux_logits = pipeline.split_output(raw, config)
-    assert (residual.shape[1], logits.shape[1], aux_logits.shape[1]) == (3, 25, 9)
+    residual, logits, aux_logits, colour_logits = pipeline.split_output(raw, config)
+    assert (residual.shape[1], logits.shape[1], aux_logits.shape[1], colour_logits) == (3, 25, 9, None)
     assert aux_logits.argmax() == 4 and not residual.any() and not logits.any()
+
+
+FULL = dict(aux_inputs=("albedo", "colour", "normal"), kernels=5, aux_kernels=3, colour_kernels=5, aux_skip=1, **SMALL)
+
+
+def random_network(config, deviation=0.3):
+    network = Network(config).eval()
+    initialise(network, torch.Generator().manual_seed(1))
+    torch.nn.init.normal_(network.out.weight, std=deviation)
+    return network
+
+
+def test_colour_kernels_are_the_last_channels_and_start_small():
+    config = NetworkConfig(**FULL)
+    network = Network(config)
+    assert network.out.weight.shape[0] == config.output_width == 3 + 25 + 9 + 25 + 1 and network.aux_conv.weight.shape[1] == 9
+    initialise(network, torch.Generator().manual_seed(1))
+    residual, logits, aux_logits, colour_logits = pipeline.split_output(network.out.bias.view(1, -1, 1, 1), config)
+    assert aux_logits.argmax() == 4 and colour_logits.shape[1] == 26
+    assert not colour_logits[:, :-1].any() and colour_logits[0, -1] == -3 and not network.out.weight.any()
+
+
+@pytest.mark.parametrize("scale", [2, 4, 8])
+def test_output_layer_of_zeros_blends_the_base_with_the_mean_around(scale):
+    torch.manual_seed(scale)
+    config = NetworkConfig(scale=scale, **{**FULL, "aux_kernels": 0})
+    network = random_network(config, 0)
+    colour, aux, full = torch.rand(1, 3, 5, 6) * 3, torch.rand(1, 6, 5 * scale, 6 * scale), torch.rand(1, 3, 5 * scale, 6 * scale)
+    full[0, 0, 3, 3] = -1       # counts as 0
+    radiance, raw, exposure = pipeline.upscale(network, colour, aux, full=full)
+    albedo = aux[:, :3]
+    mean = torch.log1p(exposure * full.clamp(min=0) / (albedo + 0.02))
+    mean = torch.nn.functional.avg_pool2d(torch.nn.functional.pad(mean, (2,) * 4, mode="replicate"), 5, 1)
+    base = torch.log1p(exposure * pipeline.baseline(colour, aux, NetworkConfig(scale=scale, **SMALL)) / (albedo + 0.02))
+    g = torch.sigmoid(torch.tensor(-3.0))
+    expected = torch.expm1((1 - g) * base + g * mean) * (albedo + 0.02) / exposure
+    assert torch.allclose(radiance, expected, rtol=1e-4, atol=1e-5)
+
+
+def test_the_network_sees_the_colour_at_its_place():
+    config = NetworkConfig(**FULL)
+    aux, full = torch.rand(1, 6, 8, 8) * 5, torch.rand(1, 3, 8, 8) - 0.2
+    seen = pipeline.network_aux(pipeline.clamped_aux(aux, config), 2 * full, config)
+    albedo = aux[:, :3].clamp(0, 4)
+    assert torch.allclose(seen, torch.cat([albedo, torch.log1p((2 * full).clamp(min=0) / (albedo + 0.02)), aux[:, 3:]], 1))
+    alone = NetworkConfig(aux_inputs=("colour",), base="bicubic", **SMALL)
+    assert torch.allclose(pipeline.network_aux(pipeline.clamped_aux(None, alone), full, alone), torch.log1p(full.clamp(min=0)))
+
+
+def test_the_filter_of_the_auxiliary_images_leaves_the_colour():
+    """A filter that moves albedo and normal by a pixel, a share of nearly one: the result is H at its place over the moved albedo."""
+    config = NetworkConfig(**FULL)
+    network = random_network(config, 0)
+    with torch.no_grad():
+        residual, logits, aux_logits, colour_logits = network.out.bias.split(config.output_parts)
+        aux_logits[:] = torch.tensor([-8.0] * 3 + [8.0] + [-8.0] * 5)       # the neighbour on the left
+        colour_logits[:] = -8.0
+        colour_logits[12], colour_logits[25] = 8.0, 30.0
+        aux, full = torch.rand(1, 6, 32, 32), torch.rand(1, 3, 32, 32)
+        radiance, _, _ = pipeline.upscale(network, torch.rand(1, 3, 8, 8), aux, 1.0, full)
+    assert torch.allclose(radiance, full, rtol=1e-3, atol=1e-3)             # demodulated and modulated by the same albedo
+
+
+def test_merged_colour_weighs_by_samples():
+    torch.manual_seed(1)
+    low, full = torch.rand(1, 3, 4, 5), torch.rand(1, 3, 8, 10)
+    box = full.view(1, 3, 4, 2, 5, 2).mean((3, 5))
+    assert torch.allclose(pipeline.merged_colour(low, 16, full, 4, 2), (low + box) / 2)
+    assert torch.allclose(pipeline.merged_colour(low, 4, full, 3, 2), 0.25 * low + 0.75 * box)
+    full[0, :, :2, :2] = torch.tensor([[float("nan"), -5.0], [float("inf"), 0.0]])
+    assert torch.allclose(pipeline.merged_colour(low, 4, full, 1, 2)[..., 0, 0], low[..., 0, 0] / 2)
+    assert pipeline.merged_colour(low[0], 4, full[0], 1, 2).shape == (3, 4, 5)
+    noise = torch.randn(2, 200, 200, generator=torch.Generator().manual_seed(2))        # four samples of variance 1 each: 20 make 1 / 20
+    merged = pipeline.merged_colour(5 + 0.5 * noise[:1, :100, :100], 4, 5 + 0.5 * noise[1:], 4, 2)
+    assert merged.var().item() == pytest.approx(1 / 20, rel=0.05)
 
 
 def test_exposure_ignores_black_and_non_finite_pixels():
@@ -170,8 +248,9 @@ def test_ceiling_against_the_formula():
         assert torch.allclose(found[0, :, y, column], torch.log1p(4 * torch.expm1(around)))
 
 
-def test_model_file_round_trip(tmp_path):
-    config = NetworkConfig(scale=2, kernels=5, aux_skip=1, **SMALL)
+@pytest.mark.parametrize("fields", [dict(), dict(**FULL_INPUTS, colour_kernels=3)])
+def test_model_file_round_trip(tmp_path, fields):
+    config = NetworkConfig(scale=2, kernels=5, aux_skip=1, **fields, **SMALL)
     network = Network(config)
     initialise(network, torch.Generator().manual_seed(3))
     path = tmp_path / "m.safetensors"
@@ -184,7 +263,7 @@ def test_model_file_round_trip(tmp_path):
 
 def test_model_without_kernel_fields_is_the_plain_form():
     metadata = weights.metadata_of(NetworkConfig(**SMALL))
-    for name in ("kernels", "aux_skip", "block", "aux_kernels", "cross"):
+    for name in ("kernels", "aux_skip", "block", "aux_kernels", "colour_kernels", "cross"):
         del metadata[name]
     assert weights.config_of(metadata) == NetworkConfig(**SMALL)
 
@@ -192,7 +271,9 @@ def test_model_without_kernel_fields_is_the_plain_form():
 @pytest.mark.parametrize("wrong", [dict(base="guided", aux_inputs=("normal",)), dict(kernels=5, base="bicubic"),
                                    dict(scale=3), dict(aux_skip=1, aux_inputs=(), base="none"), dict(head_channels=3),
                                    dict(block="rrdb"), dict(cross="add"), dict(aux_kernels=4),
-                                   dict(aux_kernels=3, base="bicubic")])
+                                   dict(aux_kernels=3, base="bicubic"), dict(colour_kernels=5), dict(**FULL_INPUTS, colour_kernels=4),
+                                   dict(aux_inputs=("albedo", "colour"), colour_kernels=3, base="demodulated"),
+                                   dict(**FULL_INPUTS, scale=1)])
 def test_misuse_is_refused(wrong):
     with pytest.raises(ValueError):
         NetworkConfig(**{**SMALL, **wrong})

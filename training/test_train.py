@@ -5,7 +5,9 @@ import pytest
 import torch
 
 import arithmetic
+import evaluate
 import export
+import pipeline
 import shards
 import train
 import weights
@@ -101,3 +103,33 @@ def test_export_writes_a_model_and_its_card(folders, monkeypatch, tmp_path):
     card = model.with_suffix(".md").read_text()
     assert "learned 3 x 3 filter of the auxiliary images" in card and "| 64, 1 |" in card
     assert "in bfloat16, seed 1" in card and "--precision bfloat16" in card
+
+
+def test_full_model_trains_evaluates_and_exports(folders, monkeypatch, tmp_path, capsys):
+    scenes, packed, output = folders
+    assert train.shares_of("1:0.3,4:0.7") == {1: 0.3, 4: 0.7} and train.shares_of("16") == {16: 1} and train.shares_of(None) is None
+    monkeypatch.setattr(train, "FULL_VALIDATION_SPP", {4: ((64, 16), (64, 1))})
+    run(monkeypatch, train, packed, "--output", output, "--steps", 2, "--validation", scenes, "--aux", "albedo,normal,colour",
+        "--colour-kernels", 3, "--colour-shares", "64", "--aux-shares", "1:0.5,4:0.5", *TINY)
+    assert "2 scenes" in (output / "log.txt").read_text() and "  64-1 " in (output / "log.txt").read_text()
+    monkeypatch.setattr(export, "SETTINGS", {4: ((64, 16), (64, 0), (64, 1))})
+    model = tmp_path / "tiny.safetensors"
+    run(monkeypatch, export, output / "checkpoint.pt", model, "--validation", scenes)
+    card = model.with_suffix(".md").read_text()
+    assert weights.load_model(model)[0].config.colour_kernels == 3
+    assert "learned 3 x 3 filter of the full-resolution colour" in card and "| 64, 1 |" in card and "converged |" not in card
+    assert "--colour-kernels 3" in card and "--colour-shares 64 --aux-shares 1:0.5,4:0.5" in card
+    run(monkeypatch, evaluate, scenes, "--model", model, "--spp", 64, "--aux-spp", 1, "--merge")
+    assert "| tiny |" in capsys.readouterr().out
+    with pytest.raises(SystemExit, match="converged"):
+        run(monkeypatch, evaluate, scenes, "--model", model, "--spp", 64, "--aux-spp", 0)
+
+
+def test_merging_changes_what_every_method_gets(folders):
+    scenes, _, _ = folders
+    case = next(evaluate.cases_of(scenes, 4, 64, 16))
+    assert torch.equal(case.merged, pipeline.merged_colour(case.colour, 64, case.full, 16, 4))
+    with torch.no_grad():
+        plain, merged = (evaluate.methods_of(4, [], merge)["guided"](case) for merge in (False, True))
+    assert not torch.allclose(plain, merged)
+    assert next(evaluate.cases_of(scenes, 4, 64, 0)).full is None       # the reference is no input

@@ -19,11 +19,12 @@ import dataset
 import evaluate
 import metrics
 import pipeline
-import weights
-from network import Network, NetworkConfig, initialise
+from network import Network, NetworkConfig
+from start import initialise, start_from
 
 ROBUST_BETA = 0.1
 VALIDATION_SPP = {1: (4, 4), 2: (16, 16), 4: (64, 16), 8: (64, 16)}     # scale: colour, auxiliary images
+FULL_VALIDATION_SPP = {2: ((16, 4), (4, 1)), 4: ((64, 16), (64, 4), (16, 1)), 8: ((64, 16), (64, 4), (64, 1))}     # of models that take the colour of both
 
 
 def arguments_of_command_line():
@@ -40,12 +41,13 @@ def arguments_of_command_line():
     model.add_argument("--head-channels", type=int, default=32)
     model.add_argument("--groups", type=int, default=3)
     model.add_argument("--blocks", type=int, default=1)
-    model.add_argument("--aux", default="albedo,normal", help="auxiliary inputs, empty for none")
+    model.add_argument("--aux", default="albedo,normal", help="auxiliary inputs of albedo, normal, depth, colour; empty for none")
     model.add_argument("--base", default="guided")
     model.add_argument("--block", default="rdst")
     model.add_argument("--cross", default="attention")
     model.add_argument("--kernels", type=int, default=5)
     model.add_argument("--aux-kernels", type=int, default=0)
+    model.add_argument("--colour-kernels", type=int, default=0, help="3 or 5: of the full-resolution colour, with --aux albedo,normal,colour")
     model.add_argument("--aux-skip", type=int, default=1)
     model.add_argument("--output-side", type=int, default=3, help="3 or 1: of the output convolution")
     model.add_argument("--start", type=pathlib.Path, help="model file or checkpoint whose fitting weights to start from")
@@ -57,8 +59,8 @@ def arguments_of_command_line():
     parser.add_argument("--ratio", type=float, default=0.2, help="weight of the square of the logarithm of the result's ratio to the reference")
     parser.add_argument("--aux-loss", type=float, default=1.0, help="weight of the robust loss of the filtered auxiliary images")
     parser.add_argument("--smape", action="store_true", help="SMAPE instead of the robust loss")
-    parser.add_argument("--aux-spp", type=int, help="train on this count of the auxiliary images alone (0: converged)")
-    parser.add_argument("--colour-spp", type=int, help="train on this count of the colour alone")
+    parser.add_argument("--aux-shares", help="how often each sample count of the auxiliary images is drawn (0: converged), as 1:0.3,4:0.7, or one count")
+    parser.add_argument("--colour-shares", help="the same of the colour; counts that a scene lacks are left out")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--evaluate-every", type=float, default=3, help="minutes")
@@ -72,32 +74,43 @@ def config_of(options):
     return NetworkConfig(scale=options.scale, channels=options.channels, aux_channels=options.aux_channels,
                          aux_inputs=tuple(options.aux.split(",")) if options.aux else (), groups=options.groups, blocks=options.blocks,
                          head_channels=options.head_channels, base=options.base, block=options.block, cross=options.cross,
-                         kernels=options.kernels, aux_skip=options.aux_skip, aux_kernels=options.aux_kernels, output_side=options.output_side)
+                         kernels=options.kernels, aux_skip=options.aux_skip, aux_kernels=options.aux_kernels, colour_kernels=options.colour_kernels,
+                         output_side=options.output_side)
 
 
 def forward(network, batch, device, precision):
-    """(result, target, aux) of a batch: exposed linear radiance [b, 3, H, W], and the auxiliary images [b, A, H, W] that it was made of,
-    None without. The network runs in the precision, the rest in float32."""
-    config = network.config
+    """(result, target, aux) of a batch: exposed linear radiance [b, 3, H, W], and the auxiliary images but for the colour that it was made
+    of [b, A, H, W], None without. The network runs in the precision, the rest in float32."""
+    config, exposure = network.config, batch["exposure"].view(-1, 1, 1, 1)
     inner, high = slice(dataset.BORDER, -dataset.BORDER), slice(config.scale * dataset.BORDER, -config.scale * dataset.BORDER)
-    exposed = batch["exposure"].view(-1, 1, 1, 1) * batch["colour"]
-    aux = batch.get("aux")
+    exposed, exposed_full = exposure * batch["colour"], exposure * batch["full"] if config.full else None
+    aux = pipeline.clamped_aux(batch.get("aux"), config)
     bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
+    seen = pipeline.network_aux(aux, exposed_full, config)
     channels_last = lambda image: None if image is None else image.contiguous(memory_format=torch.channels_last)
     with arithmetic.autocast(device, precision):
-        raw = network(channels_last(bordered[:, :, inner, inner]), channels_last(None if aux is None else aux[:, :, high, high]))
-    residual, logits, aux_logits = pipeline.split_output(raw.float(), config)
+        raw = network(channels_last(bordered[:, :, inner, inner]), channels_last(None if seen is None else seen[:, :, high, high]))
+    residual, logits, aux_logits, colour_logits = pipeline.split_output(raw.float(), config)
     if aux_logits is not None:      # the border keeps its noise: only crops have one
-        side = config.aux_kernels // 2
-        rows, columns = (slice(high.start - side, extent - high.start + side) for extent in aux.shape[-2:])
-        aux = aux.clone()
-        aux[:, :, high, high] = pipeline.filtered(pipeline.inner_neighbours(aux[:, :, rows, columns], config.aux_kernels), aux_logits)
+        noisy, aux = aux, aux.clone()
+        aux[:, :, high, high] = pipeline.filtered(crop_neighbours(noisy, config.aux_kernels, high), aux_logits)
         bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
+    albedo = pipeline.clamped_albedo(aux, config)
     base = crop_base(bordered, aux, logits, config)
-    aux = None if aux is None else aux[:, :, high, high]
+    if colour_logits is not None:
+        full = pipeline.transformed_colour(exposed_full, albedo, config)
+        base = pipeline.blended(base, crop_neighbours(full, config.colour_kernels, high), colour_logits)
     ceiling = pipeline.inner_ceiling(bordered, config)
-    result = pipeline.to_radiance(residual, base, ceiling, pipeline.clamped_albedo(aux, config), 1.0, config)
-    return result, batch["exposure"].view(-1, 1, 1, 1) * batch["target"], aux
+    albedo, aux = (None if image is None else image[:, :, high, high] for image in (albedo, aux))
+    result = pipeline.to_radiance(residual, base, ceiling, albedo, 1.0, config)
+    return result, exposure * batch["target"], aux
+
+
+def crop_neighbours(image, side, high):
+    """pipeline.neighbours of the pixels `high` of crops that have a border."""
+    half = side // 2
+    rows, columns = (slice(high.start - half, extent - high.start + half) for extent in image.shape[-2:])
+    return pipeline.inner_neighbours(image[:, :, rows, columns], side)
 
 
 def crop_base(bordered, aux, logits, config):
@@ -130,38 +143,6 @@ def losses(result, target, batch, smape):
     square = (metrics.srgb(result / exposure) - metrics.srgb(target / exposure)).square().mean((1, 2, 3))
     ratio = (torch.log(result.clamp(min=0) + 0.1) - torch.log(target + 0.1)).square().mean()
     return robust, (square / (batch["base_error"] + 1e-4)).mean(), ratio
-
-
-def start_from(network, path):
-    """Takes over every weight of another model that fits by name and shape; returns how many tensors did.
-
-    A model of another scale lends the last step of its deshuffles to the last, and its last upscaling step to further ones.
-    """
-    if path.suffix == ".pt":
-        state = torch.load(path, map_location="cpu", weights_only=False)
-        source, other = state["average"], state["config"]
-    else:
-        loaded, _ = weights.load_model(path)
-        source, other = loaded.state_dict(), loaded.config
-    taken, own = 0, network.state_dict()
-    for name, tensor in own.items():
-        parts = name.split(".")
-        if parts[0] == "deshuffle" and int(parts[2]) == network.config.steps - 1:
-            parts[2] = str(other.steps - 1)
-        if parts[0] == "up" and int(parts[1]) >= other.steps:
-            parts[1] = str(other.steps - 1)
-        found = source.get(".".join(parts))
-        if name == "out.weight" and found is not None and found.shape[2] != tensor.shape[2]:    # 3 x 3 to 1 x 1, or back
-            found = found.sum((2, 3), keepdim=True) if tensor.shape[2] == 1 else torch.nn.functional.pad(found, (1, 1, 1, 1))
-        if found is not None and found.shape == tensor.shape:
-            tensor.copy_(found)
-            taken += 1
-        elif found is not None and parts[0] in ("out", "fuse", "aux_conv"):     # fewer inputs or outputs: the leading ones are the same
-            common = tuple(slice(min(a, b)) for a, b in zip(found.shape, tensor.shape))
-            if name == "aux_conv.weight":
-                tensor.zero_()      # a further auxiliary input changes nothing at first
-            tensor[common] = found[common]
-    return taken
 
 
 class Training:
@@ -200,13 +181,16 @@ class Training:
         return self.step / options.steps if options.steps else self.seconds / (60 * options.minutes)
 
 
-def only(spp):
-    return None if spp is None else {spp: 1}
+def shares_of(text):
+    """{sample count: share} of "1:0.3,4:0.7" or "16"; None of None."""
+    pairs = (part.partition(":") for part in text.split(",")) if text else ()
+    return {int(spp): float(share or 1) for spp, _, share in pairs} or None
 
 
 def train(training, scenes, options, report):
     """Runs until the budget is spent; evaluates, saves and looks for new shards every few minutes."""
-    crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1), only(options.colour_spp), only(options.aux_spp))
+    crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1),
+                          shares_of(options.colour_shares), shares_of(options.aux_shares))
     last = time.monotonic()
     next_report, next_checkpoint = last + 30, last + options.evaluate_every * 60
     sums, count = torch.zeros(3), 0
@@ -247,25 +231,24 @@ def train(training, scenes, options, report):
 
 
 def validation_line(network, options):
-    """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene; then PSNR with aux of 1 spp."""
+    """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene; then PSNR with aux of 1 spp, or of
+    models that take the colour of both with the further counts of FULL_VALIDATION_SPP."""
     config = network.config
-    colour_spp, aux_spp = VALIDATION_SPP[config.scale]
+    settings = FULL_VALIDATION_SPP[config.scale] if config.full else (VALIDATION_SPP[config.scale],)
 
-    def rows_of(aux_spp, colour_spp):
-        rows = []
-        for _, colour, aux, target in evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp):
-            aux = pipeline.own_aux(aux, config)[None].to(options.device) if config.aux_inputs else None
-            result, _, _ = pipeline.upscale(network, colour[None].to(options.device), aux)
-            rows.append(metrics.all_metrics(result[0].cpu(), target))
-        return rows
+    def rows_of(colour_spp, aux_spp):
+        return [metrics.all_metrics(evaluate.result_of(network, case, device=options.device), case.reference)
+                for case in evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp)]
 
     mean = lambda rows, key: sum(row[key] for row in rows) / len(rows)
     with torch.no_grad():
-        rows = rows_of(aux_spp, colour_spp)
+        rows = rows_of(*settings[0])
         line = (f"  validation  PSNR {mean(rows, 'psnr'):.3f}  RelMSE {mean(rows, 'relmse'):.4f}  "
                 + " ".join(f"{row['psnr']:.2f}" for row in rows))
-        if config.scale > 1 and config.aux_inputs:
-            line += f"  aux 1 spp {mean(rows_of(1, colour_spp), 'psnr'):.3f}"
+        if config.full:
+            line += "".join(f"  {colour_spp}-{aux_spp} {mean(rows_of(colour_spp, aux_spp), 'psnr'):.3f}" for colour_spp, aux_spp in settings[1:])
+        elif config.scale > 1 and config.aux_inputs:
+            line += f"  aux 1 spp {mean(rows_of(settings[0][0], 1), 'psnr'):.3f}"
     return line
 
 

@@ -19,7 +19,7 @@ def config_of(metadata):
     """NetworkConfig from file metadata; absent optional fields take the paper's plain form."""
     if metadata.get("format") != "xrds" or metadata.get("version") != "1":
         raise ValueError(f"not a version 1 xrds model: {metadata.get('format')!r} {metadata.get('version')!r}")
-    plain = {"block": "rdst", "kernels": "0", "aux_skip": "0", "aux_kernels": "0", "output_side": "3", "cross": "attention"}
+    plain = {"block": "rdst", "kernels": "0", "aux_skip": "0", "aux_kernels": "0", "colour_kernels": "0", "output_side": "3", "cross": "attention"}
     values = {}
     for field in dataclasses.fields(NetworkConfig):
         text = {**plain, **metadata}[field.name]
