@@ -164,15 +164,25 @@ class Crops:
         keys, values = list(shares), torch.tensor(list(shares.values()), dtype=torch.float)
         return keys[torch.multinomial(values, 1, generator=self.random).item()]
 
+    def scene_and_render(self):
+        """(scene, sample count of its auxiliary render, None of a model that does not take its colour). The noise of few samples is not made of
+        that of more, which is too even and, cut off at 0, too bright: the scene is one whose own render has no more samples than the count."""
+        scenes = self.scenes.scenes
+        if not self.config.full:
+            return scenes[self.pick(len(scenes))], None
+        count = self.drawn(self.aux_shares)
+        fitting = [scene for scene in scenes if min(scene.full) <= count] or scenes
+        return fitting[self.pick(len(fitting))], count
+
     def one(self):
-        scene, size, scale = self.scenes.scenes[self.pick(len(self.scenes))], self.size, self.config.scale
+        (scene, count), size, scale = self.scene_and_render(), self.size, self.config.scale
         shares = {spp: share for spp, share in self.colour_shares.items() if spp in scene.colours}
         spp = self.drawn(shares) if shares else max(scene.colours)
         colour, exposure = scene.colours[spp], scene.exposure[spp]
         y, x = (self.pick(extent - size + 1) for extent in colour.shape[-2:])
         high = {"target": (scene.target, 0)}        # images of full resolution and their borders
         if self.config.full:
-            aux, full, samples = scene.noisy_render(self.drawn(self.aux_shares))
+            aux, full, samples = scene.noisy_render(count)
             colour = pipeline.merged_colour(colour.float(), spp, full.float(), samples, scale)
             exposure = pipeline.auto_exposure(colour)
             high.update(aux=(aux, BORDER), full=(full, BORDER))

@@ -73,6 +73,11 @@ def fields_of(config):
     return ", ".join(filter(None, named)) or "plain"
 
 
+def listed(names):
+    """"a, b and c"."""
+    return " and ".join([", ".join(names[:-1]), *names[-1:]]) if len(names) > 1 else "".join(names) or "none"
+
+
 def precision_of(told):
     return told.get("precision", "bfloat16")        # what checkpoints that do not say it were trained in
 
@@ -116,7 +121,7 @@ def main():
     start = options.start if told["start"] != "None" else ""
     card = CARD.format(
         name=options.model.stem, channels=config.channels, groups=f"{config.groups} group{'s' * (config.groups > 1)}", blocks=config.blocks, scale=config.scale,
-        aux=" and ".join(["full-resolution " * (kind == "colour") + kind for kind in config.aux_inputs]) or "none", base=config.base, transfer=config.transfer, fields=fields_of(config),
+        aux=listed(["the full-resolution " * (kind == "colour") + kind for kind in config.aux_inputs]), base=config.base, transfer=config.transfer, fields=fields_of(config),
         parameters=sum(p.numel() for p in network.parameters()), giga=multiply_accumulates(config, 1024, 1024) / 1e9,
         data=data, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,
         device="one thread of a busy CPU" if told["device"] == "cpu" else "a CUDA device", start=f", started from {start}" if start else "",

@@ -150,6 +150,16 @@ def test_crops_of_a_full_model():
         dataset.Crops(scenes, 8, seed=4, aux_shares={0: 1})
 
 
+def test_renders_of_few_samples_are_not_imitated_by_those_of_more():
+    scenes = FakeScenes(FULL)
+    scenes.scenes = [scene_of_one_noise(counts)[0] for counts in ((1,), (4,), (16,))]
+    for count, fitting in ((1, 1), (2, 1), (4, 2), (16, 3)):
+        crops = dataset.Crops(scenes, 8, seed=4, aux_shares={count: 1})
+        assert {min(crops.scene_and_render()[0].full) for _ in range(60)} == set((1, 4, 16)[:fitting])
+    scenes.scenes = scenes.scenes[2:]
+    assert dataset.Crops(scenes, 8, seed=4, aux_shares={1: 1}).scene_and_render() == (scenes.scenes[0], 1)      # there is no other
+
+
 def test_scale_1_takes_colour_and_aux_of_one_render():
     config = NetworkConfig(**{**SMALL.__dict__, "scale": 1})
     torch.manual_seed(6)
