@@ -9,10 +9,6 @@
 namespace xrds {
 namespace {
 
-bool contains(const std::vector<std::string>& names, const char* name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
 constexpr const char* kFilled = "not finite, filled from the neighbours";
@@ -29,9 +25,8 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
   const bool twoFiles = !auxPath.empty() && !inputs_.empty();
   auxFile_ = twoFiles ? readExrHeader(auxPath) : colorFile_;
   AovRequest needed = request;
-  needed.albedoNeeded = contains(inputs_, "albedo");
-  needed.normalNeeded = contains(inputs_, "normal");
-  needed.depthNeeded = contains(inputs_, "depth");
+  needed.needed.clear();
+  for (const std::string& input : inputs_) needed.needed.push_back(roleOf(input));
   aovs_ = findAovs(colorFile_, auxFile_, needed);
   warnings_ = aovs_.notes;
   if (!auxPath.empty() && !twoFiles)
@@ -39,9 +34,7 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
   for (const std::string& input : inputs_) fit(input);
 }
 
-const ExrSelection& Frame::layerOf(const std::string& input) const {
-  return *(input == "albedo" ? aovs_.albedo : input == "normal" ? aovs_.normal : aovs_.depth);
-}
+const ExrSelection& Frame::layerOf(std::string_view input) const { return aovs_.auxiliary.at(roleOf(input)); }
 
 void Frame::fit(const std::string& input) {
   const FrameFit found = fitFrame(colorPart(), auxFile_.parts[layerOf(input).part]);
@@ -76,15 +69,15 @@ void Frame::load() {
                 "with an alpha that is not finite, filled from the neighbours");
   }
   for (const std::string& input : inputs_) auxiliary_.push_back(loadAuxiliary(input));
-  if (const Image* albedo = imageOf("albedo"))
-    addWarnings(checkAlbedo({nameOf(*aovs_.albedo), albedo}, imageOf("normal")));
+  if (const Image* albedo = imageOf(kAlbedo.name))
+    addWarnings(checkAlbedo({nameOf(layerOf(kAlbedo.name)), albedo}, imageOf(kNormal.name)));
   std::vector<NamedLayer> layers;
   for (size_t i = 0; i < inputs_.size(); ++i)
-    if (inputs_[i] != "depth") layers.push_back({inputs_[i], &auxiliary_[i]});
+    if (!findAuxiliaryInput(inputs_[i])->isDistance) layers.push_back({inputs_[i], &auxiliary_[i]});
   if (!layers.empty()) addWarnings(checkEdges(colour_, layers));
 }
 
-const Image* Frame::imageOf(const std::string& input) const {
+const Image* Frame::imageOf(std::string_view input) const {
   const auto found = std::find(inputs_.begin(), inputs_.end(), input);
   return found == inputs_.end() ? nullptr : &auxiliary_[static_cast<size_t>(found - inputs_.begin())];
 }
@@ -101,9 +94,10 @@ Image Frame::loadAuxiliary(const std::string& input) {
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");
   Image image = placedInWindow(readLayer(auxFile_, layer), stored, wanted);
-  if (input != "depth") addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
-  if (input == "normal") addWarnings(checkNormal({nameOf(layer), &image}));
-  if (input == "depth") {
+  const AuxiliaryInput& kind = *findAuxiliaryInput(input);
+  if (!kind.isDistance) addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
+  if (kind.isDirection) addWarnings(checkNormal({nameOf(layer), &image}));
+  if (kind.isDistance) {
     addWarnings(checkDepth({nameOf(layer), &image}));
     image.channels = 3;
     image.pixels = relativeDepth(image.pixels);
@@ -113,7 +107,7 @@ Image Frame::loadAuxiliary(const std::string& input) {
 
 void requireKnownInputs(const Model& model, const std::string& modelName) {
   for (const std::string& input : model.auxiliaryInputs())
-    if (input != "albedo" && input != "normal" && input != "depth")
+    if (!findAuxiliaryInput(input))
       throw Error("Model '" + modelName + "' needs the auxiliary image '" + printable(input) +
                   "', which this program cannot find in an EXR file: use the library.");
 }

@@ -16,8 +16,8 @@ namespace xrds {
 /// The layers of a frame to upscale, found in one or two EXR files, with what the output must keep.
 class Frame {
  public:
-  /// Reads headers only. An empty auxPath means the colour's file. `auxiliaryInputs` are those of the model, "albedo",
-  /// "normal" or "depth"; with none the auxiliary file is not looked at. Throws Error if the layers are not found or
+  /// Reads headers only. An empty auxPath means the colour's file. `auxiliaryInputs` are those of the model, of
+  /// kAuxiliaryInputs; with none the auxiliary file is not looked at. Throws Error if the layers are not found or
   /// the sizes are no whole multiple of each other.
   Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
         const std::vector<std::string>& auxiliaryInputs);
@@ -47,9 +47,9 @@ class Frame {
  private:
   const ExrPart& colorPart() const { return colorFile_.parts[aovs_.color.part]; }
   void fit(const std::string& input);
-  const ExrSelection& layerOf(const std::string& input) const;
+  const ExrSelection& layerOf(std::string_view input) const;
   Image loadAuxiliary(const std::string& input);
-  const Image* imageOf(const std::string& input) const;  // null if it is none of inputs()
+  const Image* imageOf(std::string_view input) const;  // null if it is none of inputs()
   void addWarnings(const std::vector<std::string>& more);
   void addRepaired(size_t count, const ExrSelection& layer, const char* what);
 
@@ -64,7 +64,7 @@ class Frame {
   size_t repairedPixels_ = 0;
 };
 
-/// Throws Error unless a Frame can find every auxiliary input of this model: albedo, normal, depth.
+/// Throws Error unless a Frame can find every auxiliary input of this model: they are of kAuxiliaryInputs.
 void requireKnownInputs(const Model& model, const std::string& modelName);
 
 /// The pixels as the library takes them.

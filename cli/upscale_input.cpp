@@ -32,12 +32,12 @@ fs::path modelFile(const UpscaleOptions& options) {
   int scale = 0;
   try {
     scale =
-        stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {"albedo"}).scale(); });
+        stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)}).scale(); });
   } catch (Failure& failure) {
-    if (options.layers.albedo.empty() && !hasAov(file, AovRole::kAlbedo)) failure.message += colourAloneHint(options);
+    if (options.layers.nameOf(AovRole::kAlbedo).empty() && !hasAov(file, AovRole::kAlbedo)) failure.message += colourAloneHint(options);
     throw;
   }
-  const bool hasNormal = !options.layers.normal.empty() || hasAov(file, AovRole::kNormal);
+  const bool hasNormal = !options.layers.nameOf(AovRole::kNormal).empty() || hasAov(file, AovRole::kNormal);
   const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal); });
   if (!hasNormal)
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});

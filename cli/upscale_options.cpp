@@ -75,10 +75,12 @@ void addParts(CLI::App& verb, UpscaleOptions& options) {
 }
 
 void addLayers(CLI::App& verb, UpscaleOptions& options) {
-  verb.add_option("--color,--colour", options.layers.color, "Layer to take as colour")->type_name("LAYER");
-  verb.add_option("--albedo", options.layers.albedo, "Layer to take as albedo")->type_name("LAYER");
-  verb.add_option("--normal", options.layers.normal, "Layer to take as normal")->type_name("LAYER");
-  verb.add_option("--depth", options.layers.depth, "Layer to take as depth, distances in any unit")->type_name("LAYER");
+  verb.add_option("--color,--colour", options.layers.names[AovRole::kColor], "Layer to take as colour")
+      ->type_name("LAYER");
+  for (const AuxiliaryInput& input : kAuxiliaryInputs)
+    verb.add_option("--" + std::string(input.name), options.layers.names[roleOf(input.name)],
+                    "Layer to take as " + std::string(input.meaning))
+        ->type_name("LAYER");
 }
 
 void addReports(CLI::App& verb, UpscaleOptions& options) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "xrds/auxiliary_input.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -10,6 +11,11 @@ namespace {
 
 constexpr Mirror kMirrors[] = {{true, false, true}, {false, true, true}, {true, true, true}, {false, false, true},
                                {true, false},       {false, true},       {true, true},       {}};
+
+bool isDirection(const std::string& input) {
+  const AuxiliaryInput* known = findAuxiliaryInput(input);
+  return known && known->isDirection;
+}
 
 }  // namespace
 
@@ -43,7 +49,7 @@ MirroredFrame::MirroredFrame(const PixelView& colour, std::span<const PixelView>
     views_.push_back({pixels_.back().data(), turned ? image.height : image.width, turned ? image.width : image.height});
   };
   add(colour, false);
-  for (size_t i = 0; i < auxiliary.size(); ++i) add(auxiliary[i], inputs[i] == "normal");
+  for (size_t i = 0; i < auxiliary.size(); ++i) add(auxiliary[i], isDirection(inputs[i]));
 }
 
 uint64_t mirroredPixel(uint64_t pixel, uint32_t width, uint32_t height, Mirror mirror) {

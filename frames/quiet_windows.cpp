@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "xrds/auxiliary_input.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -57,7 +58,7 @@ QuietWindows::QuietWindows(const NetworkConfig& config, const PixelView& colour,
   if (const std::string why = whyNeverQuiet(config); !why.empty()) throw Error("The model " + why + ".");
   std::vector<PixelView> guides;
   for (size_t i = 0; i < auxiliary.size(); ++i) {
-    if (config.demodulates() && config.auxInputs[i] == "albedo")
+    if (config.demodulates() && config.auxInputs[i] == kAlbedo.name)
       albedo_ = auxiliary[i];
     else
       guides.push_back(auxiliary[i]);

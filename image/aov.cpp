@@ -198,21 +198,20 @@ void noteChoice(Aovs& result, const ExrFile& file, const AovCandidate& color, co
 
 }  // namespace
 
+std::string AovRequest::nameOf(AovRole role) const {
+  const auto found = names.find(role);
+  return found == names.end() ? std::string() : found->second;
+}
+
 Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request) {
-  const AovCandidate color = choose(colorFile, AovRole::kColor, request.color, nullptr);
+  const AovCandidate color = choose(colorFile, AovRole::kColor, request.nameOf(AovRole::kColor), nullptr);
   Aovs result;
   result.color = color.selection;
   result.alpha = alphaFor(colorFile, color);
-  if (request.albedoNeeded) {
-    result.albedo = choose(auxFile, AovRole::kAlbedo, request.albedo, &color).selection;
+  for (const AovRole role : request.needed) {
+    result.auxiliary[role] = choose(auxFile, role, request.nameOf(role), &color).selection;
   }
-  if (request.normalNeeded) {
-    result.normal = choose(auxFile, AovRole::kNormal, request.normal, &color).selection;
-  }
-  if (request.depthNeeded) {
-    result.depth = choose(auxFile, AovRole::kDepth, request.depth, &color).selection;
-  }
-  noteChoice(result, colorFile, color, request.color);
+  noteChoice(result, colorFile, color, request.nameOf(AovRole::kColor));
   return result;
 }
 

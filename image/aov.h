@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,34 +11,30 @@
 
 namespace xrds {
 
-/// Which layers the user named, and which are needed at all. An empty name means: find it by convention. A name is a
-/// layer's full name ("ViewLayer.Denoising Albedo"), the name of a part, a layer's own name ("albedo"), or any of them
-/// after a part's number and a colon ("1:albedo"); "(unnamed)", "RGB" and "RGBA" also stand for the unnamed layer.
+/// Which layers the user named, and which are needed beside the colour. No name means: find it by convention. A name is
+/// a layer's full name ("ViewLayer.Denoising Albedo"), the name of a part, a layer's own name ("albedo"), or any of
+/// them after a part's number and a colon ("1:albedo"); "(unnamed)", "RGB" and "RGBA" also stand for the unnamed layer.
 struct AovRequest {
-  std::string color;
-  std::string albedo;
-  std::string normal;
-  bool albedoNeeded = true;
-  bool normalNeeded = true;
-  std::string depth{};
-  bool depthNeeded = false;
+  std::map<AovRole, std::string> names{};
+  std::vector<AovRole> needed{AovRole::kAlbedo, AovRole::kNormal};
+
+  /// Empty if the user named none.
+  [[nodiscard]] std::string nameOf(AovRole role) const;
 };
 
-/// The layers to read: colour and alpha from the colour file, albedo, normal and depth from the auxiliary file.
+/// The layers to read: colour and alpha from the colour file, the others from the auxiliary file.
 struct Aovs {
   ExrSelection color;
-  std::optional<ExrSelection> alpha;   ///< One channel beside the colour, where there is one.
-  std::optional<ExrSelection> albedo;  ///< Nothing when it is not needed.
-  std::optional<ExrSelection> normal;  ///< Nothing when it is not needed.
-  std::optional<ExrSelection> depth;   ///< One channel; nothing when it is not needed.
-  std::vector<std::string> notes;      ///< Choices a user may want to know of, one sentence each.
+  std::optional<ExrSelection> alpha;          ///< One channel beside the colour, where there is one.
+  std::map<AovRole, ExrSelection> auxiliary;  ///< Those that were needed; depth has one channel.
+  std::vector<std::string> notes;             ///< Choices a user may want to know of, one sentence each.
 };
 
-/// Finds colour in `colorFile`, albedo, normal and depth in `auxFile`, which may be the same file with parts of
-/// different sizes. Where names are equally good, colour comes from the smallest part and the others from the largest,
-/// and from the view layer of the colour. Cycles' "Noisy Image" goes before "Combined", which is denoised when both are
-/// there. Views other than the default one are left alone. Throws Error, listing what the file holds, when a needed
-/// layer is absent or several fit equally well.
+/// Finds colour in `colorFile`, the layers that are needed beside it in `auxFile`, which may be the same file with
+/// parts of different sizes. Where names are equally good, colour comes from the smallest part and the others from the
+/// largest, and from the view layer of the colour. Cycles' "Noisy Image" goes before "Combined", which is denoised when
+/// both are there. Views other than the default one are left alone. Throws Error, listing what the file holds, when a
+/// needed layer is absent or several fit equally well.
 [[nodiscard]] Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request = {});
 
 /// Whether the file holds a layer that goes by one of the role's known names.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <span>
+#include <stdexcept>
+
+#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace {
@@ -85,12 +88,21 @@ std::string toString(AovRole role) {
     case AovRole::kColor:
       return "colour";
     case AovRole::kAlbedo:
-      return "albedo";
+      return std::string(kAlbedo.name);
     case AovRole::kDepth:
-      return "depth";
+      return std::string(kDepth.name);
     default:
-      return "normal";
+      return std::string(kNormal.name);
   }
+}
+
+AovRole roleOf(std::string_view auxiliaryInput) {
+  for (const AovRole role : {AovRole::kAlbedo, AovRole::kNormal, AovRole::kDepth}) {
+    if (toString(role) == auxiliaryInput) {
+      return role;
+    }
+  }
+  throw std::logic_error("no layer is the auxiliary input " + std::string(auxiliaryInput));
 }
 
 std::string plainName(std::string_view name) {

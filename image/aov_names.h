@@ -12,6 +12,9 @@ enum class AovRole { kColor, kAlbedo, kNormal, kDepth };
 /// The role in words: "colour", "albedo", "normal" or "depth".
 [[nodiscard]] std::string toString(AovRole role);
 
+/// The role of a model's auxiliary input (AuxiliaryInput::name). Throws std::logic_error if no layer has it.
+[[nodiscard]] AovRole roleOf(std::string_view auxiliaryInput);
+
 /// How well a layer's own name (what follows its last dot, any case; spaces and hyphens count as underscores) fits a
 /// role by the conventions of Cycles, pbrt, Mitsuba, Arnold, RenderMan, LuxCore, Karma and by plain words: 0 is best;
 /// nothing when the name says nothing about the role. The name may be empty, as that of pbrt's colour is.

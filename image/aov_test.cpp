@@ -74,8 +74,8 @@ TEST_P(FindsLayersOf, Renderer) {
   const ExrFile file = fileWith({partWith(renderer.channels)});
   const Aovs aovs = findAovs(file, file);
   EXPECT_EQ(aovs.color.channelNames, renderer.color);
-  EXPECT_EQ(aovs.albedo.value().channelNames, renderer.albedo);
-  EXPECT_EQ(aovs.normal.value().channelNames, renderer.normal);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).channelNames, renderer.albedo);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).channelNames, renderer.normal);
   EXPECT_EQ(aovs.alpha ? aovs.alpha->channelNames : Names{}, renderer.alpha);
 }
 
@@ -198,7 +198,7 @@ TEST(Aov, SeparateFilesNeedNoDecision) {
   const ExrFile low = fileWith({partWith(kCycles)});
   const ExrFile high = fileWith({partWith(kCycles, kHigh)});
   const Aovs aovs = findAovs(low, high);
-  EXPECT_EQ(aovs.albedo->channelNames, triple("ViewLayer.Denoising Albedo", "RGB"));
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).channelNames, triple("ViewLayer.Denoising Albedo", "RGB"));
   EXPECT_TRUE(aovs.notes.empty());
 }
 
@@ -206,8 +206,8 @@ TEST(Aov, OneFileWithPartsOfTwoSizes) {
   const ExrFile file = fileWith({partWith(kCycles, kHigh, "high"), partWith(kCycles, kLow, "low")});
   const Aovs aovs = findAovs(file, file);
   EXPECT_EQ(aovs.color.part, 1U);
-  EXPECT_EQ(aovs.albedo->part, 0U);
-  EXPECT_EQ(aovs.normal->part, 0U);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).part, 0U);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).part, 0U);
 }
 
 TEST(Aov, PartNamesWithoutMeaningAreNoNames) {
@@ -216,8 +216,8 @@ TEST(Aov, PartNamesWithoutMeaningAreNoNames) {
     const ExrFile file = fileWith({partWith(low, kLow, "low"), partWith(kRoot + aux, kHigh, "high")});
     const Aovs aovs = findAovs(file, file);
     EXPECT_EQ(aovs.color, (ExrSelection{0, aovs.color.layer, kRoot}));
-    EXPECT_EQ(aovs.albedo->part, 1U);
-    EXPECT_EQ(aovs.normal->part, 1U);
+    EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).part, 1U);
+    EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).part, 1U);
   }
 }
 
@@ -235,8 +235,8 @@ TEST(Aov, OnePartForEachPassAndView) {
   const ExrFile file = fileWith(parts);
   const Aovs aovs = findAovs(file, file);
   EXPECT_EQ(aovs.color.part, 2U);
-  EXPECT_EQ(aovs.albedo->part, 4U);
-  EXPECT_EQ(aovs.normal->part, 6U);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).part, 4U);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).part, 6U);
   EXPECT_EQ(findAov(file, AovRole::kColor, "ViewLayer.Noisy Image-right").part, 3U);
   EXPECT_EQ(findAov(file, AovRole::kColor, "Combined").part, 0U);
 }
@@ -256,8 +256,8 @@ TEST(Aov, FindsDepthAmongLayersOfOneChannel) {
 
 TEST(Aov, DepthIsLookedForWhereItIsNeeded) {
   const ExrFile file = fileWith({partWith(kCycles)});
-  EXPECT_FALSE(findAovs(file, file).depth.has_value());
-  EXPECT_EQ(findAovs(file, file, {"", "", "", true, true, "", true}).depth.value().channelNames,
+  EXPECT_FALSE(findAovs(file, file).auxiliary.contains(AovRole::kDepth));
+  EXPECT_EQ(findAovs(file, file, {.needed = {AovRole::kDepth}}).auxiliary.at(AovRole::kDepth).channelNames,
             Names{"ViewLayer.Denoising Depth.Z"});
 }
 
@@ -266,20 +266,20 @@ TEST(Aov, PartNamesNameUnnamedLayers) {
                                  partWith(kRoot, kHigh, "denoise_albedo"), partWith(kRoot + Names{"A"}, kLow, "RGBA")});
   const Aovs aovs = findAovs(file, file);
   EXPECT_EQ(aovs.color.part, 3U);
-  EXPECT_EQ(aovs.albedo->part, 2U);
-  EXPECT_EQ(aovs.normal->part, 1U);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).part, 2U);
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).part, 1U);
   EXPECT_EQ(findAov(file, AovRole::kColor, "diffuse").part, 0U);
 }
 
 TEST(Aov, TakesTheOnlyLayerLeftForColor) {
   const ExrFile file = fileWith({partWith(kRoot, kLow, "low"), partWith(triple("albedo", "RGB"), kHigh, "high"),
                                  partWith(triple("CryptoObject00", "rgb"), kHigh, "crypto")});
-  const Aovs aovs = findAovs(file, file, {"", "", "", true, false});
+  const Aovs aovs = findAovs(file, file, {.needed = {AovRole::kAlbedo}});
   EXPECT_EQ(aovs.color.part, 0U);
-  EXPECT_FALSE(aovs.normal.has_value());
+  EXPECT_FALSE(aovs.auxiliary.contains(AovRole::kNormal));
   EXPECT_TRUE(aovs.notes.empty());
   const ExrFile named = fileWith({partWith(triple("my_image", "RGB") + triple("albedo", "RGB"))});
-  EXPECT_EQ(findAovs(named, named, {"", "", "", true, false}).notes.size(), 1U);
+  EXPECT_EQ(findAovs(named, named, {.needed = {AovRole::kAlbedo}}).notes.size(), 1U);
 }
 
 TEST(Aov, OtherViewsAreLeftAlone) {
@@ -287,10 +287,10 @@ TEST(Aov, OtherViewsAreLeftAlone) {
       fileWith({partWith(triple("L.Combined.left", "RGB") + triple("L.Combined.right", "RGB") +
                          triple("L.Denoising Albedo.left", "RGB") + triple("L.Denoising Albedo.right", "RGB"))});
   file.views = {"left", "right"};
-  const AovRequest request{"", "", "", true, false};
+  const AovRequest request{.needed = {AovRole::kAlbedo}};
   const Aovs aovs = findAovs(file, file, request);
   EXPECT_EQ(aovs.color.channelNames, triple("L.Combined.left", "RGB"));
-  EXPECT_EQ(aovs.albedo->channelNames, triple("L.Denoising Albedo.left", "RGB"));
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).channelNames, triple("L.Denoising Albedo.left", "RGB"));
   EXPECT_EQ(aovs.notes.size(), 1U);
   EXPECT_EQ(findAov(file, AovRole::kColor, "L.Combined.right").channelNames, triple("L.Combined.right", "RGB"));
 
@@ -312,9 +312,9 @@ TEST(Aov, TwoViewLayersAreAmbiguous) {
   EXPECT_NE(message.find("--color"), std::string::npos) << message;
   EXPECT_NE(message.find("Denoising Depth"), std::string::npos) << message;
 
-  const Aovs aovs = findAovs(file, file, {"Hero.Combined", "", ""});
-  EXPECT_EQ(aovs.albedo->channelNames, triple("Hero.Denoising Albedo", "RGB"));
-  EXPECT_EQ(aovs.normal->channelNames, triple("Hero.Denoising Normal", "XYZ"));
+  const Aovs aovs = findAovs(file, file, {.names = {{AovRole::kColor, "Hero.Combined"}}});
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).channelNames, triple("Hero.Denoising Albedo", "RGB"));
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).channelNames, triple("Hero.Denoising Normal", "XYZ"));
 
   const ExrFile oneDenoised = fileWith({partWith(both + triple("Hero.Noisy Image", "RGB"))});
   EXPECT_NE(refusal([&] { static_cast<void>(findAovs(oneDenoised, oneDenoised)); }).find("ambiguous"),
@@ -327,8 +327,9 @@ TEST(Aov, AbsenceListsWhatThereIs) {
   EXPECT_NE(message.find("no albedo"), std::string::npos) << message;
   EXPECT_NE(message.find("--albedo"), std::string::npos) << message;
   EXPECT_NE(message.find("diffuse [B G R]"), std::string::npos) << message;
-  EXPECT_NO_THROW(static_cast<void>(findAovs(file, file, {"", "", "", false, false})));
-  EXPECT_NO_THROW(static_cast<void>(findAovs(file, file, {"", "diffuse", "", true, false})));
+  EXPECT_NO_THROW(static_cast<void>(findAovs(file, file, {.needed = {}})));
+  EXPECT_NO_THROW(static_cast<void>(
+      findAovs(file, file, {.names = {{AovRole::kAlbedo, "diffuse"}}, .needed = {AovRole::kAlbedo}})));
 }
 
 TEST(Aov, NamesGoThroughEveryReading) {

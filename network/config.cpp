@@ -5,6 +5,7 @@
 #include <charconv>
 #include <sstream>
 
+#include "xrds/auxiliary_input.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -71,7 +72,7 @@ void checkCombination(const NetworkConfig& config) {
   for (const auto& name : config.auxInputs)
     require(!name.empty() && std::count(config.auxInputs.begin(), config.auxInputs.end(), name) == 1,
             "names an auxiliary input twice or not at all");
-  require(!config.demodulates() || config.auxOffset("albedo") >= 0, "has a base image that needs an albedo input");
+  require(!config.demodulates() || config.auxOffset(kAlbedo.name) >= 0, "has a base image that needs an albedo input");
   require(config.kernels == 0 || (config.kernels == 5 && config.base == BaseImage::guided),
           "has learned kernels, which need side 5 and the guided base");
   require(config.auxKernels == 0 || config.auxKernels == 3 || config.auxKernels == 5,
@@ -89,7 +90,7 @@ void checkCombination(const NetworkConfig& config) {
 
 uint32_t NetworkConfig::steps() const { return static_cast<uint32_t>(std::countr_zero(scale)); }
 
-int NetworkConfig::auxOffset(const std::string& name) const {
+int NetworkConfig::auxOffset(std::string_view name) const {
   const auto found = std::find(auxInputs.begin(), auxInputs.end(), name);
   return found == auxInputs.end() ? -1 : 3 * static_cast<int>(found - auxInputs.begin());
 }

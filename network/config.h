@@ -43,8 +43,8 @@ struct NetworkConfig {
   /// Channels of the raw output: the residual, the logits of the kernels, those of the auxiliary images' kernels.
   uint32_t outputWidth() const { return firstAuxLogit() + auxKernels * auxKernels; }
   uint32_t firstAuxLogit() const { return 3 + kernels * kernels; }
-  uint32_t steps() const;                        // n = log2 s
-  int auxOffset(const std::string& name) const;  // first channel of that input; -1: the model has none
+  uint32_t steps() const;                      // n = log2 s
+  int auxOffset(std::string_view name) const;  // first channel of that input; -1: the model has none
   bool demodulates() const { return base == BaseImage::demodulated || base == BaseImage::guided; }
   /// Whether tiles, which begin at windows, begin at multiples of four pixels too: Conv3x3::inFours.
   bool mayRoundInFours() const { return window % 4 == 0; }

@@ -1,5 +1,7 @@
 #include "network/image_pipeline.h"
 
+#include "xrds/auxiliary_input.h"
+
 namespace xrds {
 namespace {
 
@@ -18,8 +20,8 @@ TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& p
   op.auxMean = prepared.auxMean;
   if (config.kernels > 0) op.network = network;
   op.output = base;
-  op.albedoOffset = config.auxOffset("albedo");
-  op.normalOffset = config.auxOffset("normal");
+  op.albedoOffset = config.auxOffset(kAlbedo.name);
+  op.normalOffset = config.auxOffset(kNormal.name);
   op.scale = config.scale;
   op.rows = rows;
   graph.nodes.push_back({"joint_bilateral", op});
@@ -51,7 +53,7 @@ Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const Grap
     PackAuxiliary pack;
     pack.input = graph.auxiliary;
     pack.output = prepared.aux;
-    pack.albedoOffset = config.auxOffset("albedo");
+    pack.albedoOffset = config.auxOffset(kAlbedo.name);
     graph.nodes.push_back({"pack_auxiliary", pack});
   }
   createEncoded(config, "", height, width, graph, prepared);
@@ -72,7 +74,7 @@ void encodeRows(const NetworkConfig& config, const std::string& prefix, Graph& g
   if (config.demodulates()) {
     graph.nodes.push_back({prefix + "box_mean", BoxMean{prepared.aux, prepared.auxMean, config.scale, rows}});
     op.auxMean = prepared.auxMean;
-    op.albedoOffset = config.auxOffset("albedo");
+    op.albedoOffset = config.auxOffset(kAlbedo.name);
   }
   op.colour = graph.colour;
   op.exposure = graph.exposure;
@@ -95,7 +97,7 @@ void decodeRows(const NetworkConfig& config, Graph& graph, const Prepared& prepa
   decode.rows = rows;
   if (config.demodulates()) {
     decode.aux = prepared.aux;
-    decode.albedoOffset = config.auxOffset("albedo");
+    decode.albedoOffset = config.auxOffset(kAlbedo.name);
   }
   graph.nodes.push_back({"decode_radiance", decode});
 }

@@ -47,10 +47,10 @@ std::map<long long, fs::path> numberedFiles(const fs::path& pattern) {
 // Whether the files hold a depth that goes with their albedo, or a layer was named for it.
 bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
   try {
-    const Frame frame(files.colour, files.auxiliary, layers, {"albedo", "depth"});
+    const Frame frame(files.colour, files.auxiliary, layers, {std::string(kAlbedo.name), std::string(kDepth.name)});
     return true;
   } catch (const Error&) {
-    return !layers.depth.empty();
+    return !layers.nameOf(AovRole::kDepth).empty();
   }
 }
 
@@ -58,9 +58,11 @@ bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
 std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& layers) {
   const ExrFile file = readExrHeader(files.auxiliary.empty() ? files.colour : files.auxiliary);
   std::vector<std::string> inputs;
-  if (!layers.albedo.empty() || hasAov(file, AovRole::kAlbedo)) inputs.emplace_back("albedo");
-  if (!layers.normal.empty() || hasAov(file, AovRole::kNormal)) inputs.emplace_back("normal");
-  if (hasDepth(files, layers)) inputs.emplace_back("depth");
+  for (const AuxiliaryInput& input : kAuxiliaryInputs) {
+    const AovRole role = roleOf(input.name);
+    const bool there = input.isDistance ? hasDepth(files, layers) : !layers.nameOf(role).empty() || hasAov(file, role);
+    if (there) inputs.emplace_back(input.name);
+  }
   return inputs;
 }
 

@@ -47,10 +47,11 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->capture_default_str();
   app.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
-  app.add_option("--color", options.layers.color, "Layer to take as colour")->type_name("LAYER");
-  app.add_option("--albedo", options.layers.albedo, "Layer to take as albedo")->type_name("LAYER");
-  app.add_option("--normal", options.layers.normal, "Layer to take as normal")->type_name("LAYER");
-  app.add_option("--depth", options.layers.depth, "Layer to take as depth")->type_name("LAYER");
+  app.add_option("--color", options.layers.names[xrds::AovRole::kColor], "Layer to take as colour")->type_name("LAYER");
+  for (const xrds::AuxiliaryInput& input : xrds::kAuxiliaryInputs)
+    app.add_option("--" + std::string(input.name), options.layers.names[xrds::roleOf(input.name)],
+                   "Layer to take as " + std::string(input.meaning))
+        ->type_name("LAYER");
   app.add_option("--size", options.size, "Of the window (default: as it was left)")->type_name("WIDTHxHEIGHT");
   app.add_option("--frames", options.frames, "Leave after so many upscaled pictures")->type_name("N");
   app.add_option("--screenshot", options.screenshot, "PNG file of the window to write then")->type_name("PNG");

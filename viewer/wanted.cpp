@@ -1,9 +1,14 @@
 #include "viewer/wanted.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace xrds {
 
 bool samePixels(const AovRequest& a, const AovRequest& b) {
-  return a.color == b.color && a.albedo == b.albedo && a.normal == b.normal && a.depth == b.depth;
+  const AovRole roles[] = {AovRole::kColor, AovRole::kAlbedo, AovRole::kNormal, AovRole::kDepth};
+  return std::all_of(std::begin(roles), std::end(roles),
+                     [&](AovRole role) { return a.nameOf(role) == b.nameOf(role); });
 }
 
 bool Wanted::operator==(const Wanted& other) const {

@@ -25,8 +25,8 @@ class Model {
   Model& operator=(Model&&) noexcept;
 
   uint32_t scale() const;
-  /// The images that go with the colour, in the order in which Upscaler::run takes them: "albedo", "normal", and
-  /// "depth" as relativeDepth() makes it.
+  /// The images that go with the colour, in the order in which Upscaler::run takes them: names of kAuxiliaryInputs, of
+  /// which "depth" is as relativeDepth() makes it.
   const std::vector<std::string>& auxiliaryInputs() const;
   const std::map<std::string, std::string>& metadata() const;
   /// Of the file's bytes, as 16 hexadecimal digits.

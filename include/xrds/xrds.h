@@ -1,5 +1,6 @@
 #pragma once
 
+#include "xrds/auxiliary_input.h"
 #include "xrds/device.h"
 #include "xrds/error.h"
 #include "xrds/model.h"

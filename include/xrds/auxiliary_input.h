@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string_view>
+
+namespace xrds {
+
+/// An image at full resolution that models may take beside the colour, three channels each; Model::auxiliaryInputs()
+/// names those of a model.
+struct AuxiliaryInput {
+  std::string_view name;       // in model files
+  std::string_view meaning;    // for people
+  bool isReflectance = false;  // clamped to [0, 4]; base images may divide the colour by it
+  bool isDirection = false;    // unit vectors in the camera's axes, which turn along when the image is mirrored
+  bool isDistance = false;     // one channel of distances in files, of which relativeDepth() makes three
+};
+
+inline constexpr AuxiliaryInput kAlbedo{.name = "albedo", .meaning = "albedo", .isReflectance = true};
+inline constexpr AuxiliaryInput kNormal{.name = "normal", .meaning = "normal", .isDirection = true};
+inline constexpr AuxiliaryInput kDepth{.name = "depth", .meaning = "depth, distances in any unit", .isDistance = true};
+/// Every kind.
+inline constexpr AuxiliaryInput kAuxiliaryInputs[] = {kAlbedo, kNormal, kDepth};
+
+/// The input of that name; nullptr if there is none.
+constexpr const AuxiliaryInput* findAuxiliaryInput(std::string_view name) {
+  for (const AuxiliaryInput& input : kAuxiliaryInputs)
+    if (input.name == name) return &input;
+  return nullptr;
+}
+
+}  // namespace xrds
