@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "xrds/error.h"
+#include "xrds/export.h"
 #include "xrds/preparation.h"
 
 namespace xrds {
 
 /// A Vulkan 1.2 device, opened for compute.
-class Device {
+class XRDS_API Device {
  public:
   struct Description {
     std::string name;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "xrds/export.h"
 #include "xrds/xrds.h"
 
 namespace xrds {
@@ -43,7 +44,7 @@ struct FrameExamination {
 
 /// Whether a device computes what it should: each takes seconds, most of them to compile programs. Throws Error if the
 /// device fails.
-struct Examination {
+struct XRDS_API Examination {
   static DeviceCapabilities capabilities(Device& device);
 
   /// Every kernel with which the device runs networks like the shipped ones, each `runs` times (at least once).

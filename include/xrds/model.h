@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "xrds/error.h"
+#include "xrds/export.h"
 #include "xrds/tiling.h"
 
 namespace xrds {
 
 /// A trained network, checked to be complete. Immutable: may be shared between threads.
-class Model {
+class XRDS_API Model {
  public:
   /// Reads a safetensors model file. Throws Error if it is no complete, finite model of a known architecture.
   explicit Model(const std::filesystem::path& file);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "xrds/device.h"
+#include "xrds/export.h"
 #include "xrds/model.h"
 #include "xrds/pixel_view.h"
 #include "xrds/skip.h"
@@ -21,7 +22,7 @@ struct StressReport;
 
 /// A model made ready for one frame size on one device: planned and recorded once, replayed for each frame. A frame
 /// that does not fit the device's memory or limits is cut into tiles.
-class Upscaler {
+class XRDS_API Upscaler {
  public:
   struct Options {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
