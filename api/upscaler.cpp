@@ -17,11 +17,12 @@
 namespace xrds {
 namespace {
 
-// Three tightly packed floats a pixel.
-Image packed(const PixelView& view) {
-  Image image(static_cast<int>(view.width), static_cast<int>(view.height), 3);
-  for (uint32_t y = 0; y < view.height; ++y)
-    copyRow(view, 0, y, view.width, &image.pixels[size_t{3} * y * view.width], 3);
+Image imageOf(const PixelView& view) {
+  Image image;
+  image.width = static_cast<int>(view.width);
+  image.height = static_cast<int>(view.height);
+  image.channels = 3;
+  image.pixels = packed(view);
   return image;
 }
 
@@ -38,7 +39,7 @@ class FiniteImage {
     size_t p = 0;
     while (p < pixels && isFinite(p)) ++p;
     if (p == pixels) return;
-    copy_ = packed(given);
+    copy_ = imageOf(given);
     repaired += repairNonFinite(copy_).nonFinitePixels;
     view_ = {copy_.pixels.data(), given.width, given.height};
   }

@@ -15,4 +15,11 @@ void copyRow(const PixelView& image, int64_t x, uint32_t y, uint32_t width, floa
   }
 }
 
+std::vector<float> packed(const PixelView& image) {
+  std::vector<float> pixels(size_t{3} * image.width * image.height);
+  for (uint32_t y = 0; y < image.height; ++y)
+    copyRow(image, 0, y, image.width, &pixels[size_t{3} * y * image.width], 3);
+  return pixels;
+}
+
 }  // namespace xrds

@@ -19,4 +19,7 @@ struct FrameInput {
 /// cyclic: those left of the image are on its right.
 void copyRow(const PixelView& image, int64_t x, uint32_t y, uint32_t width, float* to, uint32_t stride);
 
+/// The image with three tightly packed floats a pixel.
+std::vector<float> packed(const PixelView& image);
+
 }  // namespace xrds

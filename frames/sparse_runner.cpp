@@ -54,13 +54,6 @@ WindowMask spread(const WindowMask& mask, uint32_t windows) {
   return wide;
 }
 
-std::vector<float> packed(const PixelView& image) {
-  std::vector<float> pixels(size_t{3} * image.width * image.height);
-  for (uint32_t y = 0; y < image.height; ++y)
-    copyRow(image, 0, y, image.width, &pixels[size_t{3} * y * image.width], 3);
-  return pixels;
-}
-
 }  // namespace
 
 SparseRunner::SparseRunner(Gpu& gpu, const NetworkModel& model, const SessionOptions& session, std::vector<Tile> grid,
