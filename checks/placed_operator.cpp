@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "engine/bytes.h"
 #include "engine/half.h"
 #include "shaders/common/tolerance.h"
 #include "xrds/error.h"
@@ -14,18 +15,6 @@ namespace {
 
 std::string shapeText(const TensorView& view) {
   return std::to_string(view.height) + "x" + std::to_string(view.width) + "x" + std::to_string(view.channels);
-}
-
-std::vector<std::byte> stored(std::span<const float> numbers, DataType type) {
-  std::vector<std::byte> bytes(numbers.size() * byteSize(type));
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    const uint16_t half = toHalf(numbers[i]);
-    if (type == DataType::f32)
-      std::memcpy(&bytes[4 * i], &numbers[i], 4);
-    else
-      std::memcpy(&bytes[2 * i], &half, 2);
-  }
-  return bytes;
 }
 
 // Positive, as exposures, albedos and radiance are; the same on every machine.
@@ -94,7 +83,7 @@ PlacedOperator::PlacedOperator(Gpu& gpu, const Graph& graph)
     }
     const auto weights =
         std::visit([&](const auto& op) { return packedWeights(op, gpu.traits()); }, graph.nodes.front().op);
-    const auto bytes = stored(weights, binding.type);
+    const auto bytes = encode(weights, binding.type);
     if (!weights_) {
       weights_ = std::make_unique<Buffer>(gpu, bufferSize(bytes.size()));
       weights_->upload(0, bytes);
@@ -112,21 +101,13 @@ void PlacedOperator::fill(ValueId value, DataType type, size_t elementCount, boo
   if (!isRead) return buffers_[value]->fill(~0U);  // NaN in both types
   inputs_[value] = inputNumbers(elementCount, value + 1, type);
   if (value == graph_.exposure.value) inputs_[value] = {0.5F, 2, 0, 0};  // e and 1 / e
-  buffers_[value]->upload(0, stored(inputs_[value], type));
+  buffers_[value]->upload(0, encode(inputs_[value], type));
 }
 
 std::vector<float> PlacedOperator::read(const TensorView& view) const {
   std::vector<std::byte> bytes(view.storedByteSize());
   buffers_[view.value]->download(0, bytes);
-  std::vector<float> numbers(bytes.size() / byteSize(view.type));
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    uint16_t half = 0;
-    if (view.type == DataType::f32)
-      std::memcpy(&numbers[i], &bytes[4 * i], 4);
-    else
-      std::memcpy(&half, &bytes[2 * i], 2), numbers[i] = fromHalf(half);
-  }
-  return numbers;
+  return decode(bytes, view.type);
 }
 
 OperatorError PlacedOperator::error() const {

@@ -4,23 +4,17 @@
 #include <map>
 #include <numeric>
 
-#include "engine/half.h"
+#include "engine/bytes.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
 
-std::vector<std::byte> encode(std::span<const float> values, DataType type) {
-  if (type == DataType::f32) {
-    const auto bytes = std::as_bytes(values);
-    return {bytes.begin(), bytes.end()};
-  }
-  std::vector<std::byte> bytes(values.size() * byteSize(type));
-  for (size_t i = 0; i < values.size(); ++i) {
-    const uint16_t half = toHalf(std::clamp(values[i], -65504.0f, 65504.0f));
-    std::memcpy(bytes.data() + 2 * i, &half, 2);
-  }
-  return bytes;
+// A map that leaves the range of binary16 keeps its largest number, not an infinity.
+std::vector<std::byte> encodeWeights(std::vector<float> values, DataType type) {
+  if (type == DataType::f16)
+    for (float& value : values) value = std::clamp(value, -65504.0f, 65504.0f);
+  return encode(values, type);
 }
 
 /// The packed weights of every node, one behind the other.
@@ -55,8 +49,8 @@ PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
       DataType type = DataType::f32;
       for (const Binding& binding : launch.bindings)
         if (binding.value == kWeights) type = binding.type;
-      const auto values = std::visit([&](const auto& op) { return packedWeights(op, device); }, node.op);
-      const std::vector<std::byte> bytes = encode(values, type);
+      auto values = std::visit([&](const auto& op) { return packedWeights(op, device); }, node.op);
+      const std::vector<std::byte> bytes = encodeWeights(std::move(values), type);
       range->second = {packed.bytes.size(), bytes.size()};
       packed.keys.push_back(range->first);
       packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
@@ -226,17 +220,7 @@ std::vector<DispatchTime> Session::times() const {
 std::vector<float> Session::read(const TensorView& view) const {
   std::vector<std::byte> bytes(view.storedByteSize());
   arena_->download(placeOf(view), bytes);
-  std::vector<float> values(bytes.size() / byteSize(view.type));
-  for (size_t i = 0; i < values.size(); ++i) {
-    if (view.type == DataType::f32) {
-      std::memcpy(&values[i], &bytes[4 * i], 4);
-    } else {
-      uint16_t half;
-      std::memcpy(&half, &bytes[2 * i], 2);
-      values[i] = fromHalf(half);
-    }
-  }
-  return values;
+  return decode(bytes, view.type);
 }
 
 uint64_t Session::ownByteSize() const {

@@ -5,7 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/half.h"
+#include "engine/bytes.h"
+#include "engine/replace_file.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -15,23 +16,17 @@ using Json = nlohmann::json;
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 constexpr uint64_t kMaxHeaderBytes = uint64_t{1} << 24;
 
-uint64_t hashBytes(std::span<const std::byte> bytes) {
-  uint64_t hash = 0xcbf29ce484222325;
-  for (const std::byte b : bytes) hash = (hash ^ static_cast<uint64_t>(b)) * 0x100000001b3;
-  return hash;
-}
-
 uint32_t elementBytes(const std::string& type) { return type == "F32" ? 4 : type == "F16" || type == "BF16" ? 2 : 0; }
 
-float element(const std::string& type, const std::byte* at) {
-  if (type == "F32") {
-    float value;
-    std::memcpy(&value, at, 4);
-    return value;
+std::vector<float> numbersOf(std::span<const std::byte> bytes, const std::string& type) {
+  if (type != "BF16") return decode(bytes, type == "F32" ? DataType::f32 : DataType::f16);
+  std::vector<float> numbers(bytes.size() / 2);
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    uint16_t bits;
+    std::memcpy(&bits, &bytes[2 * i], 2);
+    numbers[i] = std::bit_cast<float>(uint32_t{bits} << 16);
   }
-  uint16_t bits;
-  std::memcpy(&bits, at, 2);
-  return type == "F16" ? fromHalf(bits) : std::bit_cast<float>(uint32_t{bits} << 16);
+  return numbers;
 }
 
 // Of a list of whole numbers: others, such as 9e72, convert to nothing sensible.
@@ -57,9 +52,7 @@ StoredTensor parseTensor(const Json& entry, std::span<const std::byte> bytes, co
   if (offsets.size() != 2 || offsets[0] > offsets[1] || offsets[1] > bytes.size())
     throw Error(what + " points outside the file: it is truncated or damaged.");
   if (offsets[1] - offsets[0] != count * elementBytes(type)) throw Error(what + " has a size that belies its shape.");
-  tensor.values.resize(count);
-  for (uint64_t i = 0; i < count; ++i)
-    tensor.values[i] = element(type, bytes.data() + offsets[0] + i * elementBytes(type));
+  tensor.values = numbersOf(bytes.subspan(offsets[0], offsets[1] - offsets[0]), type);
   return tensor;
 }
 
@@ -96,7 +89,7 @@ TensorFile parseTensors(std::span<const std::byte> bytes, const std::string& nam
   } catch (const Json::exception&) {
     throw Error(name + " has a safetensors header with a wrong or missing field.");
   }
-  file.hash = hashBytes(bytes);
+  file.hash = hashOf(bytes);
   return file;
 }
 
@@ -115,14 +108,11 @@ TensorFile readTensors(const std::filesystem::path& path) {
 
 void writeTensors(const std::filesystem::path& path, const TensorFile& file, DataType type) {
   Json header = {{"__metadata__", file.metadata}};
-  std::string body;
+  std::vector<std::byte> body;
   for (const auto& [name, tensor] : file.tensors) {
     const uint64_t begin = body.size();
-    for (const float value : tensor.values) {
-      const uint16_t half = toHalf(value);
-      body.append(type == DataType::f16 ? reinterpret_cast<const char*>(&half) : reinterpret_cast<const char*>(&value),
-                  byteSize(type));
-    }
+    const std::vector<std::byte> bytes = encode(tensor.values, type);
+    body.insert(body.end(), bytes.begin(), bytes.end());
     header[name] = {{"dtype", type == DataType::f16 ? "F16" : "F32"},
                     {"shape", tensor.shape},
                     {"data_offsets", {begin, body.size()}}};
@@ -130,19 +120,8 @@ void writeTensors(const std::filesystem::path& path, const TensorFile& file, Dat
   std::string text = header.dump();
   text.append((8 - text.size() % 8) % 8, ' ');
   const uint64_t headerBytes = text.size();
-  std::filesystem::path temporary = path;
-  temporary += ".part";
-  std::ofstream stream(temporary, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(&headerBytes), 8)
-      .write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.write(body.data(), static_cast<std::streamsize>(body.size()));
-  stream.close();
-  std::error_code error;
-  if (stream) std::filesystem::rename(temporary, path, error);
-  if (!stream || error) {
-    std::filesystem::remove(temporary, error);
+  if (!replaceFile(path, {std::as_bytes(std::span(&headerBytes, 1)), std::as_bytes(std::span(text)), body}))
     throw Error("Cannot write '" + path.string() + "': check the folder and the space left.");
-  }
 }
 
 }  // namespace xrds

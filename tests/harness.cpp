@@ -9,7 +9,7 @@
 #include <optional>
 #include <random>
 
-#include "engine/half.h"
+#include "engine/bytes.h"
 #include "engine/recording.h"
 #include "shaders/programs.h"
 #include "tests/engine_programs.h"
@@ -48,29 +48,6 @@ struct Arena {
   HostMemory host;
 };
 
-std::vector<std::byte> stored(std::span<const float> numbers, DataType type) {
-  std::vector<std::byte> bytes(numbers.size() * byteSize(type));
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    const uint16_t half = toHalf(numbers[i]);
-    if (type == DataType::f32)
-      std::memcpy(&bytes[i * 4], &numbers[i], 4);
-    else
-      std::memcpy(&bytes[i * 2], &half, 2);
-  }
-  return bytes;
-}
-
-double loaded(std::span<const std::byte> bytes, uint64_t element, DataType type) {
-  float number = 0;
-  uint16_t half = 0;
-  if (type == DataType::f32) {
-    std::memcpy(&number, &bytes[element * 4], 4);
-    return number;
-  }
-  std::memcpy(&half, &bytes[element * 2], 2);
-  return fromHalf(half);
-}
-
 void place(Arena& arena, ValueId value, DataType type, uint64_t byteSize, bool isRead) {
   Arena::Place& place = arena.places[value];
   place.type = type;
@@ -97,10 +74,11 @@ Arena layOut(const KernelCase& kernel, const Contents& contents) {
     const size_t count = place.byteSize / byteSize(place.type);
     const auto numbers = given == contents.end() ? randomNumbers(count, value + 1) : given->second;
     XRDS_CHECK_EQ(numbers.size(), count);
-    const auto bytes = stored(numbers, place.type);
+    const auto bytes = encode(numbers, place.type);
     std::copy(bytes.begin(), bytes.end(), arena.bytes.begin() + static_cast<ptrdiff_t>(place.byteOffset));
     auto& host = arena.host.storage(value, count);
-    for (size_t i = 0; i < count; ++i) host[i] = loaded(bytes, i, place.type);
+    const auto kept = decode(bytes, place.type);
+    std::copy(kept.begin(), kept.end(), host.begin());
   }
   return arena;
 }
@@ -116,7 +94,7 @@ std::vector<std::byte> runOnDevice(const KernelCase& kernel, const Arena& arena)
           {&buffer, arena.places.at(binding.value).byteOffset + binding.byteOffset, binding.byteSize});
       continue;
     }
-    const auto bytes = stored(kernel.weights, binding.type);
+    const auto bytes = encode(kernel.weights, binding.type);
     weights.emplace(gpu(), bytes.size());
     weights->upload(0, bytes);
     placed.ranges.push_back({&*weights, 0, bytes.size()});
@@ -138,6 +116,7 @@ void compareOutput(const KernelCase& kernel, Arena& arena, std::span<const std::
   const TensorView& view = kernel.output;
   const uint64_t base = arena.places.at(view.value).byteOffset, elementBytes = byteSize(view.type);
   const RowRange rows = resolve(kernel.rows, view.height);
+  const auto numbers = decode(found.subspan(base, view.storedByteSize()), view.type);
   double differences = 0, references = 0, worst = 0;
   uint64_t notFinite = 0, count = 0;
   std::array<uint32_t, 3> worstAt{rows.begin, 0, 0};
@@ -146,7 +125,7 @@ void compareOutput(const KernelCase& kernel, Arena& arena, std::span<const std::
       for (uint32_t c = 0; c < view.channels; ++c, ++count) {
         const uint64_t element = elementOf(view, y, x, c);
         for (uint64_t byte = 0; byte < elementBytes; ++byte) mayChange[base + element * elementBytes + byte] = true;
-        const double device = loaded(found.subspan(base), element, view.type);
+        const double device = numbers[element];
         const double expected = arena.host.at(view, y, x, c), difference = std::abs(device - expected);
         references += expected * expected;
         if (!std::isfinite(device)) {
@@ -159,12 +138,12 @@ void compareOutput(const KernelCase& kernel, Arena& arena, std::span<const std::
       }
   const double rms = std::sqrt(references / static_cast<double>(count));
   const double differenceRms = std::sqrt(differences / static_cast<double>(count));
-  const auto where =
-      testing::Message() << kernel.dispatch.program << " " << view.height << "x" << view.width << "x" << view.channels
-                         << ", worst at row " << worstAt[0] << " column " << worstAt[1] << " channel " << worstAt[2]
-                         << ": " << arena.host.at(view, worstAt[0], worstAt[1], worstAt[2]) << " expected, "
-                         << loaded(found.subspan(base), elementOf(view, worstAt[0], worstAt[1], worstAt[2]), view.type)
-                         << " found, RMS of the reference " << rms;
+  const auto where = testing::Message() << kernel.dispatch.program << " " << view.height << "x" << view.width << "x"
+                                        << view.channels << ", worst at row " << worstAt[0] << " column " << worstAt[1]
+                                        << " channel " << worstAt[2] << ": "
+                                        << arena.host.at(view, worstAt[0], worstAt[1], worstAt[2]) << " expected, "
+                                        << numbers[elementOf(view, worstAt[0], worstAt[1], worstAt[2])]
+                                        << " found, RMS of the reference " << rms;
   EXPECT_EQ(notFinite, 0u) << where;
   EXPECT_GT(rms, 0) << "the reference is all zero: nothing was compared. " << where;
   EXPECT_LE(differenceRms, tolerance.rms * rms) << where;
