@@ -1,7 +1,6 @@
 #include "checks/known_frame.h"
 
 #include <cmath>
-#include <numeric>
 #include <random>
 
 namespace xrds {
@@ -39,22 +38,15 @@ class Numbers {
 // Norms near the identity, everything else spread so that the variance of activations stays.
 NetworkModel knownModel() {
   Numbers numbers(2023);
-  TensorFile file;
-  file.metadata = describe(knownConfig());
-  const WeightLookup create = [&](const std::string& name, std::span<const uint32_t> shape) -> std::span<const float> {
-    StoredTensor& tensor = file.tensors[name];
-    tensor.shape.assign(shape.begin(), shape.end());
-    tensor.values.resize(std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>()));
+  const auto fill = [&](const std::string& name, StoredTensor& tensor) {
     const bool norm = name.find("norm") != std::string::npos;
-    const bool matrix = shape.size() > 1 && name.find("table") == std::string::npos;
-    const float fanIn = static_cast<float>(tensor.values.size()) / static_cast<float>(shape[0]);
+    const bool matrix = tensor.shape.size() > 1 && name.find("table") == std::string::npos;
+    const float fanIn = static_cast<float>(tensor.values.size()) / static_cast<float>(tensor.shape[0]);
     const float spread = matrix ? 1.2F / std::sqrt(fanIn) : 0.2F;
     const float centre = norm && name.ends_with(".weight") ? 1.F : 0.F;
     for (float& value : tensor.values) value = centre + spread * numbers.next();
-    return tensor.values;
   };
-  buildGraph(knownConfig(), {1, 1}, create, {});
-  return NetworkModel::fromTensors(std::move(file), "known model");
+  return NetworkModel::fromTensors(makeTensors(knownConfig(), fill), "known model");
 }
 
 }  // namespace

@@ -63,12 +63,7 @@ VkDescriptorSet EmptyDispatches::describe(const Dispatch& dispatch, VkDescriptor
   pool.poolSizeCount = 2;
   pool.pPoolSizes = sizes;
   checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
-  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  info.descriptorPool = pool_;
-  info.descriptorSetCount = 1;
-  info.pSetLayouts = &layout;
-  VkDescriptorSet set = VK_NULL_HANDLE;
-  checkResult(gpu_.vk.vkAllocateDescriptorSets(gpu_.device, &info, &set), "vkAllocateDescriptorSets");
+  const VkDescriptorSet set = allocateSet(gpu_, pool_, layout);
   for (uint32_t i = 0; i < count; ++i) {
     const Binding& binding = dispatch.bindings[i];
     const VkDescriptorBufferInfo buffer{scratch_.handles().buffer, 0, kBindingAlignment};

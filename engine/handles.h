@@ -106,6 +106,9 @@ VkDescriptorType descriptorTypeOf(BindingKind kind);
 /// Of the vec4 texels that hold a type.
 VkFormat texelFormatOf(DataType type);
 
+/// One set out of the pool, which frees it.
+VkDescriptorSet allocateSet(const Gpu::Handles& gpu, VkDescriptorPool pool, VkDescriptorSetLayout layout);
+
 /// Records a dispatch of as many groups with its pipeline, which must have been made, and its push constants.
 void recordDispatch(const Gpu::Handles& gpu, VkCommandBuffer commands, const Dispatch& dispatch, VkDescriptorSet set,
                     std::array<uint32_t, 3> groupCount);

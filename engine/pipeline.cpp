@@ -110,6 +110,16 @@ VkFormat texelFormatOf(DataType type) {
   return type == DataType::f32 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
+VkDescriptorSet allocateSet(const Gpu::Handles& gpu, VkDescriptorPool pool, VkDescriptorSetLayout layout) {
+  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  info.descriptorPool = pool;
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  checkResult(gpu.vk.vkAllocateDescriptorSets(gpu.device, &info, &set), "vkAllocateDescriptorSets");
+  return set;
+}
+
 void recordDispatch(const Gpu::Handles& gpu, VkCommandBuffer commands, const Dispatch& dispatch, VkDescriptorSet set,
                     std::array<uint32_t, 3> groupCount) {
   const Pipeline& made = gpu.pipelines.at(PipelineKey(dispatch));

@@ -205,13 +205,7 @@ VkBufferView Recording::Handles::viewOf(const ByteRange& range, DataType type) {
 }
 
 VkDescriptorSet Recording::Handles::describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout) {
-  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  info.descriptorPool = descriptorPool;
-  info.descriptorSetCount = 1;
-  info.pSetLayouts = &layout;
-  VkDescriptorSet set = VK_NULL_HANDLE;
-  checkResult(gpu.vk.vkAllocateDescriptorSets(gpu.device, &info, &set), "vkAllocateDescriptorSets");
-
+  const VkDescriptorSet set = allocateSet(gpu, descriptorPool, layout);
   const size_t count = placed.ranges.size();
   std::vector<VkDescriptorBufferInfo> buffers(count);
   std::vector<VkBufferView> texels(count);

@@ -66,18 +66,10 @@ NetworkModel NetworkModel::fromTensors(TensorFile file, const std::string& name)
 }
 
 NetworkModel NetworkModel::random(const NetworkConfig& config, uint32_t seed) {
-  TensorFile file;
-  file.metadata = describe(config);
-  file.metadata["data"] = "random parameters, seed " + std::to_string(seed);
   std::minstd_rand generator(seed);
-  const WeightLookup create = [&](const std::string& name, std::span<const uint32_t> shape) -> std::span<const float> {
-    StoredTensor& tensor = file.tensors[name];
-    tensor.shape.assign(shape.begin(), shape.end());
-    tensor.values.resize(std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>()));
-    randomize(name, tensor, generator);
-    return tensor.values;
-  };
-  buildGraph(config, kSmallestFrame, create, {});
+  TensorFile file =
+      makeTensors(config, [&](const std::string& name, StoredTensor& tensor) { randomize(name, tensor, generator); });
+  file.metadata["data"] = "random parameters, seed " + std::to_string(seed);
   return fromTensors(std::move(file), "random model");
 }
 
@@ -91,6 +83,21 @@ WeightLookup NetworkModel::lookup() const {
   return [file = file_](const std::string& name, std::span<const uint32_t>) -> std::span<const float> {
     return file->tensors.at(name).values;
   };
+}
+
+TensorFile makeTensors(const NetworkConfig& config,
+                       const std::function<void(const std::string& name, StoredTensor& tensor)>& fill) {
+  TensorFile file;
+  file.metadata = describe(config);
+  const WeightLookup create = [&](const std::string& name, std::span<const uint32_t> shape) -> std::span<const float> {
+    StoredTensor& tensor = file.tensors[name];
+    tensor.shape.assign(shape.begin(), shape.end());
+    tensor.values.resize(std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>()));
+    fill(name, tensor);
+    return tensor.values;
+  };
+  buildGraph(config, kSmallestFrame, create, {});
+  return file;
 }
 
 }  // namespace xrds

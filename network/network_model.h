@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "network/network.h"
@@ -29,5 +30,9 @@ class NetworkModel {
   NetworkConfig config_;
   std::shared_ptr<const TensorFile> file_;
 };
+
+/// Every tensor of the network, filled by `fill` in the order of the forward pass, and the metadata that describes it.
+TensorFile makeTensors(const NetworkConfig& config,
+                       const std::function<void(const std::string& name, StoredTensor& tensor)>& fill);
 
 }  // namespace xrds
