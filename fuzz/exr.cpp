@@ -15,8 +15,8 @@
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::int64_t kPixelsRead = 1 << 14;  // larger layers are slow, not interesting
-constexpr std::size_t kLayersRead = 6;
+constexpr int64_t kPixelsRead = 1 << 14;  // larger layers are slow, not interesting
+constexpr size_t kLayersRead = 6;
 
 // Set TMPDIR to a folder in memory: a file is written for each input.
 fs::path fileOfThisRun(const char* name) {
@@ -32,8 +32,8 @@ void tolerateErrors(Action&& action) {
 }
 
 void readLayers(const xrds::ExrFile& file) {
-  std::size_t read = 0;
-  for (std::size_t part = 0; part < file.parts.size(); ++part)
+  size_t read = 0;
+  for (size_t part = 0; part < file.parts.size(); ++part)
     for (const xrds::ExrLayer& layer : file.parts[part].layers) {
       const xrds::Window& window = file.parts[part].dataWindow;
       if (window.width() * window.height() > kPixelsRead || ++read > kLayersRead) return;
@@ -54,7 +54,7 @@ void passAttributesOn(const xrds::ExrPart& part, const fs::path& path) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t byteSize) {
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t byteSize) {
   static const fs::path input = fileOfThisRun("_in.exr"), output = fileOfThisRun("_out.exr");
   std::ofstream(input, std::ios::binary | std::ios::trunc)
       .write(reinterpret_cast<const char*>(bytes), static_cast<std::streamsize>(byteSize));

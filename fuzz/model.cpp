@@ -6,7 +6,7 @@
 #include "network/network_model.h"
 #include "xrds/error.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t byteSize) {
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t byteSize) {
   try {
     const auto file = std::as_bytes(std::span(bytes, byteSize));
     const auto model = xrds::NetworkModel::fromTensors(xrds::parseTensors(file, "file"), "file");

@@ -111,7 +111,7 @@ MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
     const uint32_t moved = candidates[random() % candidates.size()];
     Order order = bestOrder;
     order.erase(std::find(order.begin(), order.end(), moved));
-    order.insert(order.begin() + static_cast<std::ptrdiff_t>(random() % std::max<size_t>(1, early.size())), moved);
+    order.insert(order.begin() + static_cast<ptrdiff_t>(random() % std::max<size_t>(1, early.size())), moved);
     consider(order);
   }
   if (best.offsets.empty()) best.offsets.resize(lifetimes.size());

@@ -75,7 +75,7 @@ void preferBySize(Candidates& candidates, AovRole role) {
   const auto smaller = [](const AovCandidate& a, const AovCandidate& b) { return a.pixelCount < b.pixelCount; };
   const auto [smallest, largest] = std::minmax_element(candidates.begin(), candidates.end(), smaller);
   if (smallest != candidates.end()) {
-    const std::int64_t wanted = role == AovRole::kColor ? smallest->pixelCount : largest->pixelCount;
+    const int64_t wanted = role == AovRole::kColor ? smallest->pixelCount : largest->pixelCount;
     keepIf(candidates, [&](const AovCandidate& c) { return c.pixelCount == wanted; });
   }
 }
@@ -84,12 +84,12 @@ bool isUnnamed(const AovCandidate& candidate) { return candidate.stem.empty() &&
 
 // The candidates that a user's name means: the strictest reading of it under which there are any.
 Candidates namedBy(const ExrFile& file, Candidates candidates, std::string name) {
-  std::size_t part = 0;
+  size_t part = 0;
   const char* end = name.data() + name.size();
   const auto [rest, failure] = std::from_chars(name.data(), end, part);
   if (failure == std::errc() && rest != end && *rest == ':') {
     keepIf(candidates, [&](const AovCandidate& c) { return c.selection.part == part; });
-    name.erase(0, static_cast<std::size_t>(rest - name.data()) + 1);
+    name.erase(0, static_cast<size_t>(rest - name.data()) + 1);
   }
   const std::string plain = plainName(name);
   const bool meansUnnamed = plain.empty() || plain == "(unnamed)" || plain == "rgb" || plain == "rgba";

@@ -19,7 +19,7 @@ struct AovRequest {
   std::vector<AovRole> needed{AovRole::kAlbedo, AovRole::kNormal};
 
   /// Empty if the user named none.
-  [[nodiscard]] std::string nameOf(AovRole role) const;
+  std::string nameOf(AovRole role) const;
 };
 
 /// The layers to read: colour and alpha from the colour file, the others from the auxiliary file.
@@ -35,12 +35,12 @@ struct Aovs {
 /// largest, and from the view layer of the colour. Cycles' "Noisy Image" goes before "Combined", which is denoised when
 /// both are there. Views other than the default one are left alone. Throws Error, listing what the file holds, when a
 /// needed layer is absent or several fit equally well.
-[[nodiscard]] Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request = {});
+Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request = {});
 
 /// Whether the file holds a layer that goes by one of the role's known names.
-[[nodiscard]] bool hasAov(const ExrFile& file, AovRole role);
+bool hasAov(const ExrFile& file, AovRole role);
 
 /// Finds one layer in one file, by convention or, when `name` is not empty, by that name. Throws as findAovs does.
-[[nodiscard]] ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name = "");
+ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name = "");
 
 }  // namespace xrds

@@ -51,7 +51,7 @@ std::vector<std::string> findTriple(const ExrLayer& layer, AovRole role) {
 }
 
 std::pair<std::string, std::string> splitAtLastDot(const std::string& name) {
-  const std::size_t dot = name.rfind('.');
+  const size_t dot = name.rfind('.');
   return dot == std::string::npos ? std::pair<std::string, std::string>{"", name}
                                   : std::pair(name.substr(0, dot), name.substr(dot + 1));
 }
@@ -75,7 +75,7 @@ std::string defaultView(const ExrFile& file) {
   return part == file.parts.end() ? "" : part->view;
 }
 
-AovCandidate candidateOf(const ExrFile& file, std::size_t number, const ExrLayer& layer,
+AovCandidate candidateOf(const ExrFile& file, size_t number, const ExrLayer& layer,
                          std::vector<std::string> channelNames, const std::string& ownName) {
   const ExrPart& part = file.parts[number];
   AovCandidate candidate;
@@ -107,7 +107,7 @@ AovCandidate candidateOf(const ExrFile& file, std::size_t number, const ExrLayer
 }
 
 // Layers of one channel, as "ViewLayer.Depth.Z", and channels without a layer's name, as "Z".
-std::vector<AovCandidate> depthCandidates(const ExrFile& file, std::size_t number) {
+std::vector<AovCandidate> depthCandidates(const ExrFile& file, size_t number) {
   std::vector<AovCandidate> result;
   for (const ExrLayer& layer : file.parts[number].layers) {
     for (const ExrChannel& channel : layer.channels) {
@@ -128,7 +128,7 @@ std::vector<AovCandidate> depthCandidates(const ExrFile& file, std::size_t numbe
 
 std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role) {
   std::vector<AovCandidate> result;
-  for (std::size_t number = 0; number < file.parts.size(); ++number) {
+  for (size_t number = 0; number < file.parts.size(); ++number) {
     if (file.parts[number].deep) {
       continue;
     }

@@ -18,13 +18,13 @@ struct AovCandidate {
   std::string stem;          ///< The layer's own name, without view.
   std::string view;          ///< Empty for the default view.
   bool namedByPart = false;  ///< An unnamed layer, alone in one of several parts, goes by the name of its part.
-  std::int64_t pixelCount = 0;
+  int64_t pixelCount = 0;
   std::optional<ExrSelection> alpha;
 };
 
 /// The layers of a file that have R, G, B (for normals and albedo also X, Y, Z), in upper or lower case and any order,
 /// as floating-point numbers, one a pixel; for depth those of a single channel, and the channels Z and depth of the
 /// unnamed layer. Deep parts offer none.
-[[nodiscard]] std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role);
+std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role);
 
 }  // namespace xrds

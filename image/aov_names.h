@@ -10,7 +10,7 @@ namespace xrds {
 enum class AovRole { kColor, kAlbedo, kNormal, kDepth };
 
 /// The role in words: "colour", "albedo", "normal" or "depth".
-[[nodiscard]] std::string toString(AovRole role);
+std::string toString(AovRole role);
 
 /// The role of a model's auxiliary input (AuxiliaryInput::name). Throws std::logic_error if no layer has it.
 [[nodiscard]] AovRole roleOf(std::string_view auxiliaryInput);
@@ -18,15 +18,15 @@ enum class AovRole { kColor, kAlbedo, kNormal, kDepth };
 /// How well a layer's own name (what follows its last dot, any case; spaces and hyphens count as underscores) fits a
 /// role by the conventions of Cycles, pbrt, Mitsuba, Arnold, RenderMan, LuxCore, Karma and by plain words: 0 is best;
 /// nothing when the name says nothing about the role. The name may be empty, as that of pbrt's colour is.
-[[nodiscard]] std::optional<int> aovRank(AovRole role, std::string_view name);
+std::optional<int> aovRank(AovRole role, std::string_view name);
 
 /// Lower case, with spaces and hyphens as underscores: the form in which names are compared.
-[[nodiscard]] std::string plainName(std::string_view name);
+std::string plainName(std::string_view name);
 
 /// Whether the name, in plain form, is that of Cycles' render before denoising.
-[[nodiscard]] bool namesNoisyRender(std::string_view name);
+bool namesNoisyRender(std::string_view name);
 
 /// Whether the name, in plain form, is that of Cycles' render as it leaves the renderer, denoised or not.
-[[nodiscard]] bool namesFinishedRender(std::string_view name);
+bool namesFinishedRender(std::string_view name);
 
 }  // namespace xrds

@@ -24,7 +24,7 @@ ExrPart partWith(Names channels, const Window& window = kLow, const std::string&
   part.dataWindow = window;
   part.displayWindow = window;
   for (const std::string& channel : channels) {
-    const std::size_t dot = channel.rfind('.');
+    const size_t dot = channel.rfind('.');
     const std::string layer = dot == std::string::npos ? "" : channel.substr(0, dot);
     const std::string suffix = dot == std::string::npos ? channel : channel.substr(dot + 1);
     auto found =

@@ -31,7 +31,7 @@ std::vector<std::string> checkEmptiness(const NamedLayer& layer, const LayerStat
 }
 
 // A pixel that is half background has half a normal.
-bool showsSurface(const Image& normal, std::size_t pixel) {
+bool showsSurface(const Image& normal, size_t pixel) {
   constexpr double kHalf = 0.5;
   const float* n = &normal.pixels[pixel * 3];
   return std::sqrt(double{n[0]} * n[0] + double{n[1]} * n[1] + double{n[2]} * n[2]) >= kHalf;
@@ -39,10 +39,10 @@ bool showsSurface(const Image& normal, std::size_t pixel) {
 
 // Of the pixels that show a surface, all of them without normals.
 double shareOfPixelsAbove(const Image& image, float limit, const Image* normal) {
-  std::size_t count = 0;
-  std::size_t considered = 0;
-  const auto channels = static_cast<std::size_t>(image.channels);
-  for (std::size_t pixel = 0; pixel < image.pixelCount(); ++pixel) {
+  size_t count = 0;
+  size_t considered = 0;
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t pixel = 0; pixel < image.pixelCount(); ++pixel) {
     if (normal != nullptr && !showsSurface(*normal, pixel)) {
       continue;
     }
@@ -50,7 +50,7 @@ double shareOfPixelsAbove(const Image& image, float limit, const Image* normal) 
     ++considered;
     count += *std::max_element(values, values + channels) > limit ? 1 : 0;
   }
-  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(considered, 1));
+  return static_cast<double>(count) / static_cast<double>(std::max<size_t>(considered, 1));
 }
 
 }  // namespace
@@ -60,11 +60,11 @@ LayerStatistics statisticsOf(const Image& image) {
   double minimum = std::numeric_limits<double>::infinity();
   double maximum = -minimum;
   double sum = 0.0;
-  std::size_t zeroPixels = 0;
-  const auto channels = static_cast<std::size_t>(image.channels);
-  for (std::size_t first = 0; first < image.pixels.size(); first += channels) {
+  size_t zeroPixels = 0;
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t first = 0; first < image.pixels.size(); first += channels) {
     bool isZero = true;
-    for (std::size_t i = first; i < first + channels; ++i) {
+    for (size_t i = first; i < first + channels; ++i) {
       const double value = image.pixels[i];
       isZero = isZero && value == 0.0;
       if (!std::isfinite(value)) {
@@ -77,7 +77,7 @@ LayerStatistics statisticsOf(const Image& image) {
     }
     zeroPixels += isZero ? 1 : 0;
   }
-  const std::size_t finiteCount = image.pixels.size() - result.nonFiniteCount;
+  const size_t finiteCount = image.pixels.size() - result.nonFiniteCount;
   if (finiteCount > 0) {
     result.minimum = minimum;
     result.maximum = maximum;
@@ -142,13 +142,13 @@ bool looksEncoded(const Image& normal) {
   if (normal.channels != 3) {
     return false;
   }
-  std::size_t unitAsStored = 0;
-  std::size_t unitDecoded = 0;
-  std::size_t considered = 0;
-  for (std::size_t i = 0; i < normal.pixels.size(); i += 3) {
+  size_t unitAsStored = 0;
+  size_t unitDecoded = 0;
+  size_t considered = 0;
+  for (size_t i = 0; i < normal.pixels.size(); i += 3) {
     double stored = 0.0;
     double decoded = 0.0;
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (size_t c = 0; c < 3; ++c) {
       const double value = normal.pixels[i + c];
       if (value < kNegative) {
         return false;

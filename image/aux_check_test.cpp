@@ -39,7 +39,7 @@ Image step(int width, int height, int edge, float left, float right) {
   Image image(width, height, 3, left);
   for (int y = 0; y < height; ++y) {
     for (int i = edge * 3; i < width * 3; ++i) {
-      image.pixels[std::size_t(y * width * 3 + i)] = right;
+      image.pixels[size_t(y * width * 3 + i)] = right;
     }
   }
   return image;
@@ -100,8 +100,8 @@ TEST(AuxCheck, TakesTheRadianceOfTheBackgroundForNoLitAlbedo) {
   const Image normal = ballNormals(40);
   Image background(40, 40, 3);
   Image lit(40, 40, 3);
-  for (std::size_t i = 0; i < normal.pixels.size(); ++i) {
-    const std::size_t z = i - i % 3 + 2;
+  for (size_t i = 0; i < normal.pixels.size(); ++i) {
+    const size_t z = i - i % 3 + 2;
     const bool surface = normal.pixels[z] > 0.0F;
     const float tone = 0.2F + 0.01F * static_cast<float>(i % 7);
     background.pixels[i] = surface ? tone : 30.0F;

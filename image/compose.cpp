@@ -28,10 +28,10 @@ Color heatColor(double share) {
     return kMagenta;
   }
   const double position = std::clamp(share, 0.0, 1.0) * (kHeatColors.size() - 1);
-  const std::size_t below = std::min(static_cast<std::size_t>(position), kHeatColors.size() - 2);
+  const size_t below = std::min(static_cast<size_t>(position), kHeatColors.size() - 2);
   const double weight = position - static_cast<double>(below);
   Color color{};
-  for (std::size_t c = 0; c < 3; ++c) {
+  for (size_t c = 0; c < 3; ++c) {
     color[c] = (1.0 - weight) * kHeatColors[below][c] + weight * kHeatColors[below + 1][c];
   }
   return color;
@@ -73,7 +73,7 @@ Image sideBySide(const std::vector<Image>& images, int gap) {
   Image result(width, images.front().height, images.front().channels);
   int column = 0;
   for (const Image& image : images) {
-    const auto rowLength = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
+    const auto rowLength = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels);
     for (int y = 0; y < image.height && rowLength > 0; ++y) {
       std::copy_n(&image.pixels[image.index(0, y)], rowLength, &result.pixels[result.index(column, y)]);
     }
@@ -88,9 +88,9 @@ Image heatMap(const Image& error, float maximum) {
                 " and a maximum of " + std::to_string(maximum));
   }
   Image result(error.width, error.height, 3);
-  for (std::size_t pixel = 0; pixel < error.pixels.size(); ++pixel) {
+  for (size_t pixel = 0; pixel < error.pixels.size(); ++pixel) {
     const Color color = heatColor(double{error.pixels[pixel]} / maximum);
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (size_t c = 0; c < 3; ++c) {
       result.pixels[pixel * 3 + c] = static_cast<float>(linearFromSrgb(color[c]));
     }
   }

@@ -13,7 +13,7 @@ constexpr float kAuxStep = 0.05F;       // Of any component of albedo or normal.
 constexpr double kEnoughEdges = 0.005;  // The share of pixels on an edge below which the colour says nothing.
 constexpr double kSharedEdges = 0.05;
 
-using Mask = std::vector<std::uint8_t>;
+using Mask = std::vector<uint8_t>;
 
 // The largest step to the right or the lower neighbour exceeds the limit.
 Mask edgesOf(const Image& image, float limit) {
@@ -27,7 +27,7 @@ Mask edgesOf(const Image& image, float limit) {
         const float value = image.at(x, y, c);
         step = std::max({step, std::abs(image.at(right, y, c) - value), std::abs(image.at(x, below, c) - value)});
       }
-      mask[image.index(x, y) / std::size_t(image.channels)] = step > limit ? 1 : 0;
+      mask[image.index(x, y) / size_t(image.channels)] = step > limit ? 1 : 0;
     }
   }
   return mask;
@@ -56,9 +56,9 @@ Image smoothed(const Image& image, int radius) {
 Image logBrightness(const Image& color) {
   constexpr double kFloorOverMean = 0.01;
   Image result(color.width, color.height, 1);
-  const auto channels = static_cast<std::size_t>(color.channels);
+  const auto channels = static_cast<size_t>(color.channels);
   double total = 0.0;
-  for (std::size_t i = 0; i < color.pixels.size(); ++i) {
+  for (size_t i = 0; i < color.pixels.size(); ++i) {
     const float value = std::isfinite(color.pixels[i]) ? std::max(color.pixels[i], 0.0F) : 0.0F;
     result.pixels[i / channels] += value / static_cast<float>(color.channels);
     total += value;
@@ -91,9 +91,7 @@ std::optional<Image> shrunkTo(const Image& layer, int width, int height) {
 
 Mask grown(const Mask& mask, int width, int height) {
   Mask result(mask.size());
-  const auto position = [width](int x, int y) {
-    return static_cast<std::size_t>(y) * std::size_t(width) + std::size_t(x);
-  };
+  const auto position = [width](int x, int y) { return static_cast<size_t>(y) * size_t(width) + size_t(x); };
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v) {
@@ -118,14 +116,14 @@ std::vector<std::string> checkEdges(const Image& color, const std::vector<NamedL
     if (const std::optional<Image> small = shrunkTo(*layer.image, color.width, color.height)) {
       const Mask edges = grown(edgesOf(*small, kAuxStep), color.width, color.height);
       std::transform(edges.begin(), edges.end(), auxEdges.begin(), auxEdges.begin(),
-                     [](std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(a | b); });
+                     [](uint8_t a, uint8_t b) { return static_cast<uint8_t>(a | b); });
       names += (names.empty() ? "'" : " and '") + layer.name + "'";
     }
   }
   const Mask colorEdges = edgesOf(smoothed(logBrightness(color), 1), kColorStep);
   const auto edgeCount = static_cast<double>(std::count(colorEdges.begin(), colorEdges.end(), 1));
   double shared = 0.0;
-  for (std::size_t pixel = 0; pixel < colorEdges.size(); ++pixel) {
+  for (size_t pixel = 0; pixel < colorEdges.size(); ++pixel) {
     shared += colorEdges[pixel] & auxEdges[pixel];
   }
   if (names.empty() || edgeCount < kEnoughEdges * static_cast<double>(color.pixelCount()) ||

@@ -22,12 +22,12 @@ class ExrAttributes {
   ~ExrAttributes();
 
   /// The names of the attributes in alphabetical order.
-  [[nodiscard]] std::vector<std::string> names() const;
+  std::vector<std::string> names() const;
 
   /// The text of a string attribute; nothing when there is none of this name or it is no string.
-  [[nodiscard]] std::optional<std::string> text(const std::string& name) const;
+  std::optional<std::string> text(const std::string& name) const;
 
-  [[nodiscard]] const Stored& stored() const { return *stored_; }
+  const Stored& stored() const { return *stored_; }
 
  private:
   std::unique_ptr<Stored> stored_;

@@ -17,9 +17,9 @@ struct ExrAttributes::Stored {
 /// Whether an attribute speaks of the picture, so that it may be passed on to another file, and not of the way one
 /// file stores it (channels, compression, tiles, windows, part and view names, preview and the like) or of layers that
 /// do not travel with it (Cryptomatte's tables, Blender's mark of a multi-layer file).
-[[nodiscard]] bool describesPicture(std::string_view attributeName);
+bool describesPicture(std::string_view attributeName);
 
 /// The attributes of a header that was read from a file.
-[[nodiscard]] ExrAttributes attributesOf(const Imf::Header& header);
+ExrAttributes attributesOf(const Imf::Header& header);
 
 }  // namespace xrds

@@ -32,7 +32,7 @@ std::vector<std::vector<FixturePart>> damageFixtures() {
 bool readsWhole(const std::filesystem::path& path) {
   try {
     const ExrFile file = readExrHeader(path);
-    for (std::size_t part = 0; part < file.parts.size(); ++part) {
+    for (size_t part = 0; part < file.parts.size(); ++part) {
       for (const ExrLayer& layer : file.parts[part].layers) {
         for (const ExrChannel& channel : layer.channels) {
           static_cast<void>(readLayer(file, {part, layer.name, {channel.name}}));
@@ -51,8 +51,8 @@ TEST(ExrDamage, RefusesFilesCutAtAnyLength) {
     writeFixture(folder / "whole.exr", parts);
     const std::string bytes = readBytes(folder / "whole.exr");
     ASSERT_TRUE(readsWhole(folder / "whole.exr"));
-    const std::size_t step = bytes.size() / 150 + 1;
-    for (std::size_t length = 0; length < bytes.size(); length += length < 64 ? 1 : step) {
+    const size_t step = bytes.size() / 150 + 1;
+    for (size_t length = 0; length < bytes.size(); length += length < 64 ? 1 : step) {
       writeBytes(folder / "cut.exr", bytes.substr(0, length));
       EXPECT_FALSE(readsWhole(folder / "cut.exr")) << length << " of " << bytes.size() << " bytes";
     }
@@ -67,7 +67,7 @@ TEST(ExrDamage, SurvivesFlippedBytes) {
     const std::string bytes = readBytes(folder / "whole.exr");
     for (int round = 0; round < 150; ++round) {
       std::string damaged = bytes;
-      const std::size_t reach = round % 2 == 0 ? std::min<std::size_t>(bytes.size(), 512) : bytes.size();
+      const size_t reach = round % 2 == 0 ? std::min<size_t>(bytes.size(), 512) : bytes.size();
       for (int flip = 0; flip <= round % 3; ++flip) {
         damaged[random() % reach] = static_cast<char>(random());
       }
@@ -88,14 +88,13 @@ TEST(ExrDamage, RefusesAbsentEmptyForeignAndFolder) {
 }
 
 // Replaces the corners of the data window inside the header bytes.
-std::string withDataWindow(std::string bytes, std::int32_t minX, std::int32_t minY, std::int32_t maxX,
-                           std::int32_t maxY) {
+std::string withDataWindow(std::string bytes, int32_t minX, int32_t minY, int32_t maxX, int32_t maxY) {
   const std::string entry("dataWindow\0box2i\0", 17);
-  const std::size_t start = bytes.find(entry) + entry.size() + 4;
-  std::size_t offset = start;
-  for (const std::int32_t value : {minX, minY, maxX, maxY}) {
+  const size_t start = bytes.find(entry) + entry.size() + 4;
+  size_t offset = start;
+  for (const int32_t value : {minX, minY, maxX, maxY}) {
     for (unsigned shift = 0; shift < 32; shift += 8) {
-      bytes[offset++] = static_cast<char>(static_cast<std::uint32_t>(value) >> shift);
+      bytes[offset++] = static_cast<char>(static_cast<uint32_t>(value) >> shift);
     }
   }
   return bytes;
@@ -105,7 +104,7 @@ TEST(ExrDamage, RefusesHugeAndImpossibleWindows) {
   const TemporaryFolder folder;
   writeFixture(folder / "whole.exr", {damageFixtures()[0]});
   const std::string bytes = readBytes(folder / "whole.exr");
-  constexpr std::int32_t kLargest = 2147483647;
+  constexpr int32_t kLargest = 2147483647;
   const std::vector<Window> windows = {{0, 0, kLargest, kLargest},
                                        {-kLargest - 1, -kLargest - 1, kLargest, kLargest},
                                        {0, 0, 1 << 29, 0},

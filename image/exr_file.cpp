@@ -16,10 +16,10 @@
 namespace xrds {
 namespace {
 
-constexpr std::int64_t kMaxBlockByteSize = std::int64_t{1} << 30;
+constexpr int64_t kMaxBlockByteSize = int64_t{1} << 30;
 // What a block may take whatever the file's size, and per byte of the file: no deflated byte becomes more than 1032.
-constexpr std::int64_t kAnyBlockByteSize = std::int64_t{1} << 26;
-constexpr std::int64_t kBytesPerFileByte = 1032;
+constexpr int64_t kAnyBlockByteSize = int64_t{1} << 26;
+constexpr int64_t kBytesPerFileByte = 1032;
 
 ExrPixelType pixelTypeOf(Imf::PixelType type) {
   switch (type) {
@@ -42,7 +42,7 @@ std::vector<ExrLayer> layersOf(const Imf::ChannelList& channels) {
     channel.type = pixelTypeOf(entry.channel().type);
     channel.xSampling = entry.channel().xSampling;
     channel.ySampling = entry.channel().ySampling;
-    const std::size_t dot = channel.name.rfind('.');
+    const size_t dot = channel.name.rfind('.');
     const std::string layerName = dot == std::string::npos ? "" : channel.name.substr(0, dot);
     channel.suffix = dot == std::string::npos ? channel.name : channel.name.substr(dot + 1);
     auto layer = std::find_if(layers.begin(), layers.end(), [&](const ExrLayer& l) { return l.name == layerName; });
@@ -55,7 +55,7 @@ std::vector<ExrLayer> layersOf(const Imf::ChannelList& channels) {
 }
 
 // How many rows OpenEXR decodes at once, which bounds the buffers that it allocates for a part.
-std::int64_t rowsPerBlock(const Imf::Header& header) {
+int64_t rowsPerBlock(const Imf::Header& header) {
   if (header.hasTileDescription()) {
     return header.tileDescription().ySize;
   }
@@ -75,10 +75,10 @@ std::int64_t rowsPerBlock(const Imf::Header& header) {
 }
 
 // The blocks that OpenEXR allocates as it opens a part, so that few bytes cannot ask for much memory.
-void checkBlocks(const ExrFile& file, const Imf::Header& header, std::int64_t width) {
-  const std::int64_t blockWidth =
-      header.hasTileDescription() ? std::max<std::int64_t>(width, header.tileDescription().xSize) : width;
-  std::int64_t pixelByteSize = 0;
+void checkBlocks(const ExrFile& file, const Imf::Header& header, int64_t width) {
+  const int64_t blockWidth =
+      header.hasTileDescription() ? std::max<int64_t>(width, header.tileDescription().xSize) : width;
+  int64_t pixelByteSize = 0;
   for (auto entry = header.channels().begin(); entry != header.channels().end(); ++entry) {
     pixelByteSize += entry.channel().type == Imf::HALF ? 2 : 4;
   }
@@ -91,15 +91,15 @@ void checkBlocks(const ExrFile& file, const Imf::Header& header, std::int64_t wi
       static_cast<double>(blockWidth) * static_cast<double>(rowsPerBlock(header)) * static_cast<double>(pixelByteSize);
   if (blockByteSize > allowed) {
     throw Error("cannot read '" + file.path.string() + "': expected blocks of at most " +
-                std::to_string(static_cast<std::int64_t>(allowed) >> 20) + " MiB, found " +
-                std::to_string(pixelByteSize) + " bytes a pixel in blocks of " + std::to_string(blockWidth) + " x " +
+                std::to_string(static_cast<int64_t>(allowed) >> 20) + " MiB, found " + std::to_string(pixelByteSize) +
+                " bytes a pixel in blocks of " + std::to_string(blockWidth) + " x " +
                 std::to_string(rowsPerBlock(header)) + " pixels; check that it is intact");
   }
 }
 
 void checkSize(const ExrFile& file, const Window& window, const Imf::Header& header) {
-  const std::int64_t width = window.width();
-  const std::int64_t height = window.height();
+  const int64_t width = window.width();
+  const int64_t height = window.height();
   if (width < 1 || height < 1 || width > kMaxPixelCount / height) {
     throw Error("cannot read '" + file.path.string() + "': expected at most " + std::to_string(kMaxPixelCount) +
                 " pixels, found a data window of " + toString(window) + "; crop the frame or check that it is intact");
@@ -166,7 +166,7 @@ std::string printable(std::string name) {
 std::string describe(const ExrFile& file) {
   std::ostringstream text;
   text << "'" << file.path.string() << "' holds";
-  for (std::size_t number = 0; number < file.parts.size(); ++number) {
+  for (size_t number = 0; number < file.parts.size(); ++number) {
     const ExrPart& part = file.parts[number];
     for (const ExrLayer& layer : part.layers) {
       text << "\n  part " << number;

@@ -48,21 +48,21 @@ struct ExrFile {
 };
 
 /// The most pixels that one layer may have (16384 x 16384). Larger frames are refused before anything is allocated.
-inline constexpr std::int64_t kMaxPixelCount = std::int64_t{1} << 28;
+inline constexpr int64_t kMaxPixelCount = int64_t{1} << 28;
 
 /// Reads the headers of an OpenEXR file: scan lines or tiles, one part or several, one layer or several. Deep parts are
 /// listed but cannot be read. Throws Error when the file is absent, damaged, no OpenEXR file or larger than
 /// kMaxPixelCount. Safe to call from several threads.
-[[nodiscard]] ExrFile readExrHeader(const std::filesystem::path& path);
+ExrFile readExrHeader(const std::filesystem::path& path);
 
 /// How many threads OpenEXR may add to the caller's for packing and unpacking pixels, in the whole program; 0, with
 /// which a program starts, for none. Throws Error when `count` is negative. Call it before files are read or written.
 void useExrThreads(int count);
 
 /// A name from a file as it may be shown: control characters, which could upset a terminal, become question marks.
-[[nodiscard]] std::string printable(std::string name);
+std::string printable(std::string name);
 
 /// What the file holds, one line a layer, with sizes and channels: for messages that must say what there is to choose.
-[[nodiscard]] std::string describe(const ExrFile& file);
+std::string describe(const ExrFile& file);
 
 }  // namespace xrds

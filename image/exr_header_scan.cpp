@@ -12,15 +12,15 @@
 namespace xrds {
 namespace {
 
-constexpr std::uint32_t kSeveralParts = 0x1000;  // of the version field
-constexpr std::size_t kLongestName = 255;
+constexpr uint32_t kSeveralParts = 0x1000;  // of the version field
+constexpr size_t kLongestName = 255;
 
-std::optional<std::uint32_t> readWhole(std::istream& file) {
+std::optional<uint32_t> readWhole(std::istream& file) {
   std::array<unsigned char, 4> bytes{};
   if (!file.read(reinterpret_cast<char*>(bytes.data()), bytes.size())) {
     return std::nullopt;
   }
-  return bytes[0] | std::uint32_t{bytes[1]} << 8U | std::uint32_t{bytes[2]} << 16U | std::uint32_t{bytes[3]} << 24U;
+  return bytes[0] | uint32_t{bytes[1]} << 8U | uint32_t{bytes[2]} << 16U | uint32_t{bytes[3]} << 24U;
 }
 
 // Up to its zero byte; nothing when there is none in reach, which OpenEXR refuses in its own words.
@@ -36,49 +36,49 @@ std::optional<std::string> readName(std::istream& file) {
 
 // What OpenEXR reads for a type whatever size the attribute states; 0 for types of any size. Where the two differ, it
 // would take the bytes behind for the next attribute.
-std::uint32_t fixedByteSize(const std::string& type) {
-  static const std::map<std::string, std::uint32_t> kSizes = {{"box2f", 16},
-                                                              {"box2i", 16},
-                                                              {"chromaticities", 32},
-                                                              {"compression", 1},
-                                                              {"deepImageState", 1},
-                                                              {"double", 8},
-                                                              {"envmap", 1},
-                                                              {"float", 4},
-                                                              {"int", 4},
-                                                              {"keycode", 28},
-                                                              {"m33d", 72},
-                                                              {"lineOrder", 1},
-                                                              {"m33f", 36},
-                                                              {"m44d", 128},
-                                                              {"m44f", 64},
-                                                              {"v2d", 16},
-                                                              {"rational", 8},
-                                                              {"tiledesc", 9},
-                                                              {"timecode", 8},
-                                                              {"v2f", 8},
-                                                              {"v2i", 8},
-                                                              {"v3d", 24},
-                                                              {"v3f", 12},
-                                                              {"v3i", 12}};
+uint32_t fixedByteSize(const std::string& type) {
+  static const std::map<std::string, uint32_t> kSizes = {{"box2f", 16},
+                                                         {"box2i", 16},
+                                                         {"chromaticities", 32},
+                                                         {"compression", 1},
+                                                         {"deepImageState", 1},
+                                                         {"double", 8},
+                                                         {"envmap", 1},
+                                                         {"float", 4},
+                                                         {"int", 4},
+                                                         {"keycode", 28},
+                                                         {"m33d", 72},
+                                                         {"lineOrder", 1},
+                                                         {"m33f", 36},
+                                                         {"m44d", 128},
+                                                         {"m44f", 64},
+                                                         {"v2d", 16},
+                                                         {"rational", 8},
+                                                         {"tiledesc", 9},
+                                                         {"timecode", 8},
+                                                         {"v2f", 8},
+                                                         {"v2i", 8},
+                                                         {"v3d", 24},
+                                                         {"v3f", 12},
+                                                         {"v3i", 12}};
   const auto found = kSizes.find(type);
   return found == kSizes.end() ? 0 : found->second;
 }
 
 // Whether the value that starts here ends at `end`, for the types whose values tell their own length: a channel list
 // has names of 16 bytes each until an empty one, a preview its width and height before its pixels.
-bool endsWhereItSays(std::istream& file, const std::string& type, std::uint64_t end) {
+bool endsWhereItSays(std::istream& file, const std::string& type, uint64_t end) {
   if (type == "preview") {
-    const std::uint64_t width = readWhole(file).value_or(0);
-    const std::uint64_t height = readWhole(file).value_or(0);
-    return static_cast<std::uint64_t>(file.tellg()) + 4 * width * height == end;
+    const uint64_t width = readWhole(file).value_or(0);
+    const uint64_t height = readWhole(file).value_or(0);
+    return static_cast<uint64_t>(file.tellg()) + 4 * width * height == end;
   }
   if (type != "chlist") {
     return true;
   }
   for (auto name = readName(file); name; name = readName(file)) {
     if (name->empty()) {
-      return static_cast<std::uint64_t>(file.tellg()) == end;
+      return static_cast<uint64_t>(file.tellg()) == end;
     }
     file.seekg(16, std::ios::cur);
   }
@@ -88,7 +88,7 @@ bool endsWhereItSays(std::istream& file, const std::string& type, std::uint64_t 
 enum class Found { kAttributes, kNothing, kEnd };
 
 // One header: name, type, size and value of each attribute, then an empty name.
-Found skipHeader(std::istream& file, std::uint64_t fileByteSize, const std::string& quoted) {
+Found skipHeader(std::istream& file, uint64_t fileByteSize, const std::string& quoted) {
   bool some = false;
   for (auto name = readName(file); name; name = readName(file)) {
     if (name->empty()) {
@@ -100,9 +100,9 @@ Found skipHeader(std::istream& file, std::uint64_t fileByteSize, const std::stri
     if (!type || !byteSize) {
       break;
     }
-    const auto start = static_cast<std::uint64_t>(file.tellg());
-    const std::uint64_t left = fileByteSize - start;
-    const std::uint32_t fixed = fixedByteSize(*type);
+    const auto start = static_cast<uint64_t>(file.tellg());
+    const uint64_t left = fileByteSize - start;
+    const uint32_t fixed = fixedByteSize(*type);
     if (*byteSize > left || (fixed != 0 && fixed != *byteSize)) {
       throw Error("cannot read " + quoted + ": expected a complete OpenEXR image, found an attribute of " +
                   std::to_string(*byteSize) + " bytes where " + std::to_string(fixed != 0 ? fixed : left) +
@@ -122,7 +122,7 @@ Found skipHeader(std::istream& file, std::uint64_t fileByteSize, const std::stri
 
 void requireAttributesInFile(const std::filesystem::path& path) {
   std::error_code failure;
-  const std::uint64_t fileByteSize = std::filesystem::file_size(path, failure);
+  const uint64_t fileByteSize = std::filesystem::file_size(path, failure);
   std::ifstream file(path, std::ios::binary);
   file.seekg(4);
   const auto version = readWhole(file);

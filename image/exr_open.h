@@ -12,10 +12,10 @@ namespace xrds {
 
 /// Opens a file with OpenEXR. Throws Error when it is absent, empty or no OpenEXR file, and whatever OpenEXR throws
 /// when it is damaged; call it inside `withExrErrors`.
-[[nodiscard]] std::unique_ptr<Imf::MultiPartInputFile> openExr(const std::filesystem::path& path);
+std::unique_ptr<Imf::MultiPartInputFile> openExr(const std::filesystem::path& path);
 
 /// The Error for a file that OpenEXR refuses with the given reason.
-[[nodiscard]] Error unreadable(const std::filesystem::path& path, const std::exception& reason);
+Error unreadable(const std::filesystem::path& path, const std::exception& reason);
 
 /// Runs `action`, turning every exception of OpenEXR into an Error that names the file.
 template <typename Action>

@@ -40,9 +40,9 @@ void checkPart(const ExrFile& file, const ExrSelection& selection) {
 Imf::FrameBuffer frameBufferFor(Image& image, const Window& window, int firstRow,
                                 const std::vector<std::string>& channelNames) {
   Imf::FrameBuffer buffer;
-  const std::size_t pixelStride = channelNames.size() * sizeof(float);
-  const std::size_t rowStride = pixelStride * static_cast<std::size_t>(image.width);
-  for (std::size_t c = 0; c < channelNames.size(); ++c) {
+  const size_t pixelStride = channelNames.size() * sizeof(float);
+  const size_t rowStride = pixelStride * static_cast<size_t>(image.width);
+  for (size_t c = 0; c < channelNames.size(); ++c) {
     buffer.insert(channelNames[c], Imf::Slice::Make(Imf::FLOAT, &image.pixels[c], Imath::V2i(window.minX, firstRow),
                                                     image.width, image.height, pixelStride, rowStride));
   }

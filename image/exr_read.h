@@ -12,7 +12,7 @@ namespace xrds {
 
 /// The channels of one part that are to be read together, in the order in which the image will hold them.
 struct ExrSelection {
-  std::size_t part = 0;
+  size_t part = 0;
   std::string layer;  ///< For messages: the name of the layer that the channels belong to.
   std::vector<std::string> channelNames;
 
@@ -23,6 +23,6 @@ struct ExrSelection {
 /// as 32-bit floats without any conversion of their values. Throws Error when the part is deep, when a channel does not
 /// exist, holds integers or is subsampled, and when the file is damaged or cut short. Safe to call from several
 /// threads.
-[[nodiscard]] Image readLayer(const ExrFile& file, const ExrSelection& selection);
+Image readLayer(const ExrFile& file, const ExrSelection& selection);
 
 }  // namespace xrds

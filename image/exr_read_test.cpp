@@ -25,14 +25,14 @@ using test::writeFixture;
 constexpr Window kFrame{0, 0, 36, 20};
 
 // Every value must be what the fixture stores for the channel of that place in `channelOrder`.
-void expectFixture(const Image& image, const Window& window, const std::vector<std::size_t>& channelOrder) {
+void expectFixture(const Image& image, const Window& window, const std::vector<size_t>& channelOrder) {
   ASSERT_EQ(image.width, window.width());
   ASSERT_EQ(image.height, window.height());
   ASSERT_EQ(image.channels, static_cast<int>(channelOrder.size()));
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       for (int c = 0; c < image.channels; ++c) {
-        ASSERT_EQ(image.at(x, y, c), fixtureValue(x + window.minX, y + window.minY, channelOrder[std::size_t(c)]))
+        ASSERT_EQ(image.at(x, y, c), fixtureValue(x + window.minX, y + window.minY, channelOrder[size_t(c)]))
             << x << ", " << y << ", " << c;
       }
     }

@@ -94,18 +94,18 @@ Imf::Header headerFor(const Image& image, const ExrOutput& output) {
 void writeHalfRows(Imf::OutputFile& file, const Image& image, const Window& window,
                    const std::vector<std::string>& names) {
   constexpr int kBandHeight = 256;
-  const std::size_t rowLength = static_cast<std::size_t>(image.width) * names.size();
+  const size_t rowLength = static_cast<size_t>(image.width) * names.size();
   std::vector<half> band;
   for (int firstRow = 0; firstRow < image.height; firstRow += kBandHeight) {
     const int rowCount = std::min(kBandHeight, image.height - firstRow);
-    band.resize(static_cast<std::size_t>(rowCount) * rowLength);
+    band.resize(static_cast<size_t>(rowCount) * rowLength);
     const float* source = &image.pixels[image.index(0, firstRow)];
     std::transform(source, source + band.size(), band.begin(), [](float value) {
       constexpr auto kLargest = static_cast<float>(HALF_MAX);
       return half(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
     });
     Imf::FrameBuffer buffer;
-    for (std::size_t c = 0; c < names.size(); ++c) {
+    for (size_t c = 0; c < names.size(); ++c) {
       buffer.insert(names[c],
                     Imf::Slice::Make(Imf::HALF, &band[c], Imath::V2i(window.minX, window.minY + firstRow), image.width,
                                      rowCount, names.size() * sizeof(half), rowLength * sizeof(half)));
@@ -118,11 +118,11 @@ void writeHalfRows(Imf::OutputFile& file, const Image& image, const Window& wind
 void writeFloatRows(Imf::OutputFile& file, const Image& image, const Window& window,
                     const std::vector<std::string>& names) {
   Imf::FrameBuffer buffer;
-  const std::size_t pixelStride = names.size() * sizeof(float);
-  for (std::size_t c = 0; c < names.size(); ++c) {
+  const size_t pixelStride = names.size() * sizeof(float);
+  for (size_t c = 0; c < names.size(); ++c) {
     buffer.insert(names[c],
                   Imf::Slice::Make(Imf::FLOAT, &image.pixels[c], Imath::V2i(window.minX, window.minY), image.width,
-                                   image.height, pixelStride, pixelStride * static_cast<std::size_t>(image.width)));
+                                   image.height, pixelStride, pixelStride * static_cast<size_t>(image.width)));
   }
   file.setFrameBuffer(buffer);
   file.writePixels(image.height);

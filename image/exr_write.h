@@ -22,7 +22,7 @@ struct ExrOutput {
 
 /// The output that belongs to a frame upscaled from `source`: its attributes, and both of its windows scaled exactly.
 /// Throws Error when the windows do not fit in 32 bits.
-[[nodiscard]] ExrOutput scaledOutput(const ExrPart& source, int scale);
+ExrOutput scaledOutput(const ExrPart& source, int scale);
 
 /// Writes an image of one (Y), three (R, G, B) or four (R, G, B, A) channels as one flat scan-line part with ZIP
 /// compression. The file appears whole or not at all: it is written beside `path` under a temporary name and renamed.

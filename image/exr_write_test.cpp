@@ -26,7 +26,7 @@ using test::TemporaryFolder;
 
 Image gradient(int width, int height, int channels) {
   Image image(width, height, channels);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
     image.pixels[i] = static_cast<float>(i) * 0.37F - 3.0F;
   }
   return image;
@@ -50,7 +50,7 @@ TEST(ExrWrite, ReturnsEveryFloat) {
     writeExr(folder / "a.exr", image, output);
     const ExrFile file = readExrHeader(folder / "a.exr");
     std::vector<std::string> names = {"R", "G", "B", "A"};
-    names.resize(static_cast<std::size_t>(channels));
+    names.resize(static_cast<size_t>(channels));
     EXPECT_EQ(readLayer(file, {0, "", channels == 1 ? std::vector<std::string>{"Y"} : names}), image);
     EXPECT_EQ(file.parts[0].dataWindow, output.dataWindow);
     EXPECT_EQ(folder.fileCount(), 1U);
@@ -60,7 +60,7 @@ TEST(ExrWrite, ReturnsEveryFloat) {
 TEST(ExrWrite, ThreadsAndTypesGiveTheSameNumbers) {
   const TemporaryFolder folder;
   Image image(50, 700, 3);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
     image.pixels[i] = static_cast<float>(i % 2039);
   }
   std::vector<std::string> files;
@@ -224,7 +224,7 @@ TEST(ExrWrite, LeavesNothingBehindOnAFullDisk) {
   writeExr(folder / "a.exr", image, outputFor(image));
   const std::string before = test::readBytes(folder / "a.exr");
   const Image other = gradient(65, 64, 3);
-  for (std::size_t limit = 0; limit < before.size(); limit += before.size() / 40 + 1) {
+  for (size_t limit = 0; limit < before.size(); limit += before.size() / 40 + 1) {
     const FullDisk full(limit);
     EXPECT_THROW(writeExr(folder / "a.exr", other, outputFor(other)), Error) << limit;
     EXPECT_THROW(writeExr(folder / "b.exr", image, outputFor(image)), Error) << limit;

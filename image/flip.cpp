@@ -52,9 +52,9 @@ Triple rgbOfWhiteRelative(const Triple& relative) {
   };
   const double whole = determinant(m[0], m[1], m[2]);
   Triple rgb{};
-  for (std::size_t column = 0; column < 3; ++column) {
+  for (size_t column = 0; column < 3; ++column) {
     auto replaced = m;
-    for (std::size_t row = 0; row < 3; ++row) {
+    for (size_t row = 0; row < 3; ++row) {
       replaced[row][column] = relative[row] * dot(m[row], kWhite);
     }
     rgb[column] = determinant(replaced[0], replaced[1], replaced[2]) / whole;
@@ -78,13 +78,13 @@ double hyab(const Triple& a, const Triple& b) { return std::abs(a[0] - b[0]) + s
 Planes opponentPlanes(const Image& image) {
   Planes planes = {Image(image.width, image.height, 1), Image(image.width, image.height, 1),
                    Image(image.width, image.height, 1)};
-  for (std::size_t pixel = 0; pixel < image.pixelCount(); ++pixel) {
+  for (size_t pixel = 0; pixel < image.pixelCount(); ++pixel) {
     Triple rgb{};
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (size_t c = 0; c < 3; ++c) {
       rgb[c] = std::clamp(double{image.pixels[pixel * 3 + c]}, 0.0, 1.0);
     }
     const Triple opponent = opponentOf(rgb);
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (size_t c = 0; c < 3; ++c) {
       planes[c].pixels[pixel] = static_cast<float>(opponent[c]);
     }
   }
@@ -108,23 +108,23 @@ class Eye {
   explicit Eye(double pixelsPerDegree)
       : pixelsPerDegree_(pixelsPerDegree), radius_(static_cast<int>(std::ceil(3.0 * deviation(kWidestSpread)))) {}
 
-  [[nodiscard]] Planes blurred(const Planes& planes) const {
+  Planes blurred(const Planes& planes) const {
     return {filtered(planes[0], filterOf(kBrightness)), filtered(planes[1], filterOf(kRedGreen)),
             blurredBlueYellow(planes[2])};
   }
 
  private:
-  [[nodiscard]] double deviation(double b) const {
+  double deviation(double b) const {
     return std::sqrt(b / (2.0 * std::numbers::pi * std::numbers::pi)) * pixelsPerDegree_;
   }
 
-  [[nodiscard]] SeparableFilter filterOf(const Spread& spread) const {
+  SeparableFilter filterOf(const Spread& spread) const {
     const std::vector<double> kernel = gaussian(deviation(spread.b), radius_);
     return {kernel, kernel};
   }
 
   // The sum of a spread's term over the pixels of the filter, before it is scaled to 1.
-  [[nodiscard]] double weightOf(const Spread& spread) const {
+  double weightOf(const Spread& spread) const {
     double sum = 0.0;
     for (int x = -radius_; x <= radius_; ++x) {
       const double t = x / deviation(spread.b);
@@ -134,7 +134,7 @@ class Eye {
   }
 
   // Two Gaussians, each separable though their sum is not.
-  [[nodiscard]] Image blurredBlueYellow(const Image& plane) const {
+  Image blurredBlueYellow(const Image& plane) const {
     Image first = filtered(plane, filterOf(kBlueYellow[0]));
     const Image second = filtered(plane, filterOf(kBlueYellow[1]));
     const double share = weightOf(kBlueYellow[0]) / (weightOf(kBlueYellow[0]) + weightOf(kBlueYellow[1]));
@@ -147,7 +147,7 @@ class Eye {
   int radius_;
 };
 
-Triple perceived(const Planes& planes, std::size_t pixel) {
+Triple perceived(const Planes& planes, size_t pixel) {
   const Triple opponent = {planes[0].pixels[pixel], planes[1].pixels[pixel], planes[2].pixels[pixel]};
   Triple rgb = rgbOfWhiteRelative(whiteRelativeOfOpponent(opponent));
   for (double& value : rgb) {
@@ -187,7 +187,7 @@ Image featureErrors(const Image& result, const Image& reference, double pixelsPe
   for (const auto& derivative : {gaussianSlope(deviation, radius), gaussianCurvature(deviation, radius)}) {
     const Image ofResult = featureStrength(result, derivative, blur);
     const Image ofReference = featureStrength(reference, derivative, blur);
-    for (std::size_t pixel = 0; pixel < errors.pixels.size(); ++pixel) {
+    for (size_t pixel = 0; pixel < errors.pixels.size(); ++pixel) {
       errors.pixels[pixel] =
           std::max(errors.pixels[pixel], std::abs(ofResult.pixels[pixel] - ofReference.pixels[pixel]));
     }
@@ -221,7 +221,7 @@ Image flipMap(const Image& result, const Image& reference, double pixelsPerDegre
   const Eye eye(pixelsPerDegree);
   const Planes seenResult = eye.blurred(resultPlanes);
   const Planes seenReference = eye.blurred(referencePlanes);
-  for (std::size_t pixel = 0; pixel < map.pixels.size(); ++pixel) {
+  for (size_t pixel = 0; pixel < map.pixels.size(); ++pixel) {
     const double color = colorError(perceived(seenResult, pixel), perceived(seenReference, pixel));
     map.pixels[pixel] = static_cast<float>(std::pow(color, 1.0 - map.pixels[pixel]));
   }

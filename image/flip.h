@@ -12,9 +12,9 @@ inline constexpr double kFlipPixelsPerDegree = 67.0;
 /// [0, 1]. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020 (LDR-FLIP); section
 /// numbers in the source are of that paper. Input: linear radiance of three channels, clamped to [0, 1]. Throws Error
 /// when the images differ in size, have other than three channels, are empty or hold values that are not finite.
-[[nodiscard]] Image flipMap(const Image& result, const Image& reference, double pixelsPerDegree = kFlipPixelsPerDegree);
+Image flipMap(const Image& result, const Image& reference, double pixelsPerDegree = kFlipPixelsPerDegree);
 
 /// The mean of the map, the number called FLIP in reports.
-[[nodiscard]] double flip(const Image& result, const Image& reference);
+double flip(const Image& result, const Image& reference);
 
 }  // namespace xrds

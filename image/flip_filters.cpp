@@ -34,7 +34,7 @@ Image filteredAlongX(const Image& image, const std::vector<double>& kernel) {
     for (int x = 0; x < image.width; ++x) {
       double sum = 0.0;
       for (int k = -radius; k <= radius; ++k) {
-        sum += kernel[std::size_t(k + radius)] * image.at(std::clamp(x + k, 0, image.width - 1), y, 0);
+        sum += kernel[size_t(k + radius)] * image.at(std::clamp(x + k, 0, image.width - 1), y, 0);
       }
       result.at(x, y, 0) = static_cast<float>(sum);
     }
@@ -45,13 +45,13 @@ Image filteredAlongX(const Image& image, const std::vector<double>& kernel) {
 Image filteredAlongY(const Image& image, const std::vector<double>& kernel) {
   Image result(image.width, image.height, 1);
   const int radius = static_cast<int>(kernel.size()) / 2;
-  std::vector<double> sums(std::size_t(image.width));
+  std::vector<double> sums(size_t(image.width));
   for (int y = 0; y < image.height; ++y) {
     std::fill(sums.begin(), sums.end(), 0.0);
     for (int k = -radius; k <= radius; ++k) {
       const float* row = &image.pixels[image.index(0, std::clamp(y + k, 0, image.height - 1))];
-      for (std::size_t x = 0; x < sums.size(); ++x) {
-        sums[x] += kernel[std::size_t(k + radius)] * row[x];
+      for (size_t x = 0; x < sums.size(); ++x) {
+        sums[x] += kernel[size_t(k + radius)] * row[x];
       }
     }
     std::transform(sums.begin(), sums.end(), &result.pixels[result.index(0, y)],

@@ -14,16 +14,16 @@ struct SeparableFilter {
 };
 
 /// The filtered image, one channel, borders replicated.
-[[nodiscard]] Image filtered(const Image& image, const SeparableFilter& filter);
+Image filtered(const Image& image, const SeparableFilter& filter);
 
 /// A Gaussian exp(-x^2 / (2 deviation^2)) at whole x from -radius to radius, with unit sum.
-[[nodiscard]] std::vector<double> gaussian(double deviation, int radius);
+std::vector<double> gaussian(double deviation, int radius);
 
 /// x times that Gaussian, negated, scaled so that its positive values sum to 1: the first derivative that finds edges.
-[[nodiscard]] std::vector<double> gaussianSlope(double deviation, int radius);
+std::vector<double> gaussianSlope(double deviation, int radius);
 
 /// (x^2 / deviation^2 - 1) times that Gaussian, its positive values scaled to sum 1 and its negative ones to -1: the
 /// second derivative that finds points.
-[[nodiscard]] std::vector<double> gaussianCurvature(double deviation, int radius);
+std::vector<double> gaussianCurvature(double deviation, int radius);
 
 }  // namespace xrds

@@ -29,7 +29,7 @@ Image testCard() {
 
 Image noisy() {
   Image image = testCard();
-  std::uint32_t state = 1;
+  uint32_t state = 1;
   for (float& value : image.pixels) {
     state = state * 1664525U + 1013904223U;
     value = std::clamp(value + (static_cast<float>(state >> 8U) / 16777216.0F - 0.5F) * 0.4F, 0.0F, 1.0F);
@@ -104,7 +104,7 @@ TEST(FlipMap, IsZeroForEqualAndOneForOppositeImages) {
   EXPECT_EQ(flip(testCard(), testCard()), 0.0);
   Image green(20, 10, 3);
   Image blue(20, 10, 3);
-  for (std::size_t pixel = 0; pixel < green.pixelCount(); ++pixel) {
+  for (size_t pixel = 0; pixel < green.pixelCount(); ++pixel) {
     green.pixels[pixel * 3 + 1] = 1.0F;
     blue.pixels[pixel * 3 + 2] = 1.0F;
   }

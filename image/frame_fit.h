@@ -18,6 +18,6 @@ struct FrameFit {
 /// if it is the same for both parts while their data windows differ by a whole factor, that factor is the scale, and
 /// the shared window is taken to be that of the part whose data window it equals. Throws Error when there is no whole
 /// scale or the result does not fit in 32 bits.
-[[nodiscard]] FrameFit fitFrame(const ExrPart& color, const ExrPart& auxiliary);
+FrameFit fitFrame(const ExrPart& color, const ExrPart& auxiliary);
 
 }  // namespace xrds

@@ -20,23 +20,21 @@ struct Image {
       : width(w),
         height(h),
         channels(c),
-        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c), fill) {}
+        pixels(static_cast<size_t>(w) * static_cast<size_t>(h) * static_cast<size_t>(c), fill) {}
 
   /// The number of pixels, whatever their channels.
-  [[nodiscard]] std::size_t pixelCount() const {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
+  size_t pixelCount() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
 
   /// Where channel `c` of the pixel in column `x` and row `y` lies in `pixels`; all three must be inside the image.
-  [[nodiscard]] std::size_t index(int x, int y, int c = 0) const {
-    return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
-               static_cast<std::size_t>(channels) +
-           static_cast<std::size_t>(c);
+  size_t index(int x, int y, int c = 0) const {
+    return (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) *
+               static_cast<size_t>(channels) +
+           static_cast<size_t>(c);
   }
 
   /// The value of channel `c` of the pixel in column `x` and row `y`; all three must be inside the image.
-  [[nodiscard]] float at(int x, int y, int c) const { return pixels[index(x, y, c)]; }
-  [[nodiscard]] float& at(int x, int y, int c) { return pixels[index(x, y, c)]; }
+  float at(int x, int y, int c) const { return pixels[index(x, y, c)]; }
+  float& at(int x, int y, int c) { return pixels[index(x, y, c)]; }
 
   bool operator==(const Image&) const = default;
 };

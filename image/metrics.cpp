@@ -14,18 +14,18 @@ namespace xrds {
 namespace {
 
 // Trimming leaves out one pixel in so many, the worst ones.
-constexpr std::size_t kPixelsPerTrimmedPixel = 1000;
+constexpr size_t kPixelsPerTrimmedPixel = 1000;
 
 double displayValue(float linear) { return srgbFromLinear(std::clamp(double{linear}, 0.0, 1.0)); }
 
-double meanOf(const std::vector<float>& values, std::size_t count) {
-  return std::accumulate(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count), 0.0) /
+double meanOf(const std::vector<float>& values, size_t count) {
+  return std::accumulate(values.begin(), values.begin() + static_cast<ptrdiff_t>(count), 0.0) /
          static_cast<double>(count);
 }
 
 void fillRelMse(Metrics& metrics, std::vector<float> values) {
   std::sort(values.begin(), values.end());
-  const std::size_t count = values.size();
+  const size_t count = values.size();
   metrics.relMse = meanOf(values, count);
   metrics.relMseTrimmed = meanOf(values, count - count / kPixelsPerTrimmedPixel);
   metrics.relMseMedian = 0.5 * (double{values[(count - 1) / 2]} + double{values[count / 2]});
@@ -37,7 +37,7 @@ void fillRelMse(Metrics& metrics, std::vector<float> values) {
 double psnr(const Image& result, const Image& reference) {
   requireComparable(result, reference);
   double sum = 0.0;
-  for (std::size_t i = 0; i < result.pixels.size(); ++i) {
+  for (size_t i = 0; i < result.pixels.size(); ++i) {
     const double difference = displayValue(result.pixels[i]) - displayValue(reference.pixels[i]);
     sum += difference * difference;
   }
@@ -49,10 +49,10 @@ Image relMseMap(const Image& result, const Image& reference) {
   constexpr double kStabilizer = 0.01;
   requireComparable(result, reference);
   Image map(result.width, result.height, 1);
-  const auto channels = static_cast<std::size_t>(result.channels);
-  for (std::size_t pixel = 0; pixel < map.pixels.size(); ++pixel) {
+  const auto channels = static_cast<size_t>(result.channels);
+  for (size_t pixel = 0; pixel < map.pixels.size(); ++pixel) {
     double sum = 0.0;
-    for (std::size_t i = pixel * channels; i < (pixel + 1) * channels; ++i) {
+    for (size_t i = pixel * channels; i < (pixel + 1) * channels; ++i) {
       const double y = reference.pixels[i];
       const double difference = result.pixels[i] - y;
       sum += difference * difference / (y * y + kStabilizer);

@@ -35,15 +35,15 @@ inline constexpr const char* kFlipDefinition =
 
 /// All metrics of a result against a reference of the same size, both linear radiance in the same exposure with three
 /// channels. Throws Error when sizes or channels differ, an image is empty or a value is not finite.
-[[nodiscard]] Metrics measure(const Image& result, const Image& reference);
+Metrics measure(const Image& result, const Image& reference);
 
 /// PSNR as kPsnrDefinition has it; any number of channels. Throws as `measure` does.
-[[nodiscard]] double psnr(const Image& result, const Image& reference);
+double psnr(const Image& result, const Image& reference);
 
 /// The RelMSE value of every pixel as a one-channel image; any number of channels. Throws as `measure` does.
-[[nodiscard]] Image relMseMap(const Image& result, const Image& reference);
+Image relMseMap(const Image& result, const Image& reference);
 
 /// The definitions of all metrics, in the order of the fields of Metrics.
-[[nodiscard]] std::vector<std::string> metricDefinitions();
+std::vector<std::string> metricDefinitions();
 
 }  // namespace xrds

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 fs::path temporaryBeside(const fs::path& path) {
   std::random_device random;
-  const std::uint64_t number = (std::uint64_t{random()} << 32U) | random();
+  const uint64_t number = (uint64_t{random()} << 32U) | random();
   return path.parent_path() / (".xrds-" + std::to_string(number) + ".part");
 }
 

@@ -18,7 +18,7 @@ class PendingFile {
   PendingFile& operator=(const PendingFile&) = delete;
 
   /// Where to write; not created by this type.
-  [[nodiscard]] const std::filesystem::path& temporaryPath() const { return temporaryPath_; }
+  const std::filesystem::path& temporaryPath() const { return temporaryPath_; }
 
   /// Renames the finished temporary to the final name, replacing an older file. Call it once, after the file has been
   /// closed. Throws Error when the rename fails; the temporary is then removed.

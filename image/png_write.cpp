@@ -31,11 +31,11 @@ png_uint_32 formatFor(const std::filesystem::path& path, const Image& image) {
   }
 }
 
-std::uint8_t step(double display) { return static_cast<std::uint8_t>(std::lround(display * 255.0)); }
+uint8_t step(double display) { return static_cast<uint8_t>(std::lround(display * 255.0)); }
 
-std::vector<std::uint8_t> displayBytes(const Image& image, float exposure) {
-  std::vector<std::uint8_t> bytes(image.pixels.size());
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
+std::vector<uint8_t> displayBytes(const Image& image, float exposure) {
+  std::vector<uint8_t> bytes(image.pixels.size());
+  for (size_t i = 0; i < bytes.size(); ++i) {
     const bool isAlpha = image.channels == 4 && i % 4 == 3;
     const double value = std::isnan(image.pixels[i]) ? 0.0 : double{image.pixels[i]} * (isAlpha ? 1.0 : exposure);
     const double clamped = std::clamp(value, 0.0, 1.0);
@@ -51,7 +51,7 @@ std::vector<char> encode(const std::filesystem::path& path, const Image& image, 
   png.width = static_cast<png_uint_32>(image.width);
   png.height = static_cast<png_uint_32>(image.height);
   png.format = formatFor(path, image);
-  const std::vector<std::uint8_t> bytes = displayBytes(image, exposure);
+  const std::vector<uint8_t> bytes = displayBytes(image, exposure);
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
   std::vector<char> file(size);
   if (png_image_write_to_memory(&png, file.data(), &size, 0, bytes.data(), 0, nullptr) == 0) {

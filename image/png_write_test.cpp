@@ -20,7 +20,7 @@ struct Png {
   int width = 0;
   int height = 0;
   png_uint_32 format = 0;
-  std::vector<std::uint8_t> bytes;
+  std::vector<uint8_t> bytes;
 };
 
 Png readPng(const std::filesystem::path& path) {
@@ -42,7 +42,7 @@ TEST(Png, AppliesTheSrgbCurve) {
   const Png png = readPng(folder / "a.png");
   EXPECT_EQ(png.width, 3);
   EXPECT_EQ(png.height, 1);
-  EXPECT_EQ(png.bytes, (std::vector<std::uint8_t>{0, 255, 188, 10, 118, 255, 0, 0, 128}));
+  EXPECT_EQ(png.bytes, (std::vector<uint8_t>{0, 255, 188, 10, 118, 255, 0, 0, 128}));
   EXPECT_EQ(folder.fileCount(), 1U);
 }
 
@@ -52,14 +52,14 @@ TEST(Png, AppliesExposureButNotToAlpha) {
   image.pixels = {0.25F, 0.25F, 0.5F, 0.5F};
   writePng(folder / "a.png", image, 2.0F);
   const Png png = readPng(folder / "a.png");
-  EXPECT_EQ(png.bytes, (std::vector<std::uint8_t>{188, 188, 255, 128}));
+  EXPECT_EQ(png.bytes, (std::vector<uint8_t>{188, 188, 255, 128}));
 }
 
 TEST(Png, WritesGrey) {
   const TemporaryFolder folder;
   Image image(2, 2, 1, 0.5F);
   writePng(folder / "a.png", image);
-  EXPECT_EQ(readPng(folder / "a.png").bytes, std::vector<std::uint8_t>(4, 188));
+  EXPECT_EQ(readPng(folder / "a.png").bytes, std::vector<uint8_t>(4, 188));
 }
 
 TEST(Png, RefusesWhatItCannotWrite) {

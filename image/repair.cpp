@@ -8,7 +8,7 @@
 namespace xrds {
 namespace {
 
-enum class PixelState : std::uint8_t { kFinite, kHole, kQueued };
+enum class PixelState : uint8_t { kFinite, kHole, kQueued };
 
 struct Position {
   int x;
@@ -30,8 +30,8 @@ void visitNeighbours(const Image& image, Position p, Visit&& visit) {
 class HoleFiller {
  public:
   explicit HoleFiller(Image& image) : image_(image), states_(image.pixelCount(), PixelState::kFinite) {
-    for (std::size_t pixel = 0; pixel < states_.size(); ++pixel) {
-      const auto first = image.pixels.begin() + static_cast<std::ptrdiff_t>(pixel * std::size_t(image.channels));
+    for (size_t pixel = 0; pixel < states_.size(); ++pixel) {
+      const auto first = image.pixels.begin() + static_cast<ptrdiff_t>(pixel * size_t(image.channels));
       if (!std::all_of(first, first + image.channels, [](float value) { return std::isfinite(value); })) {
         states_[pixel] = PixelState::kHole;
         ++holeCount_;
@@ -39,22 +39,22 @@ class HoleFiller {
     }
   }
 
-  std::size_t fill() {
+  size_t fill() {
     std::vector<Position> ring = firstRing();
     while (!ring.empty()) {
       ring = fillRing(ring);
     }
-    for (std::size_t pixel = 0; pixel < states_.size(); ++pixel) {
+    for (size_t pixel = 0; pixel < states_.size(); ++pixel) {
       if (states_[pixel] == PixelState::kHole) {
-        std::fill_n(image_.pixels.begin() + static_cast<std::ptrdiff_t>(pixel * std::size_t(image_.channels)),
-                    image_.channels, 0.0F);
+        std::fill_n(image_.pixels.begin() + static_cast<ptrdiff_t>(pixel * size_t(image_.channels)), image_.channels,
+                    0.0F);
       }
     }
     return holeCount_;
   }
 
  private:
-  PixelState& state(Position p) { return states_[std::size_t(p.y) * std::size_t(image_.width) + std::size_t(p.x)]; }
+  PixelState& state(Position p) { return states_[size_t(p.y) * size_t(image_.width) + size_t(p.x)]; }
 
   std::vector<Position> firstRing() {
     std::vector<Position> ring;
@@ -109,7 +109,7 @@ class HoleFiller {
 
   Image& image_;
   std::vector<PixelState> states_;
-  std::size_t holeCount_ = 0;
+  size_t holeCount_ = 0;
 };
 
 }  // namespace
@@ -118,10 +118,10 @@ RepairCounts repairNonFinite(Image& image) { return {HoleFiller(image).fill(), 0
 
 RepairCounts repairRadiance(Image& image) {
   RepairCounts counts = repairNonFinite(image);
-  const auto channels = static_cast<std::size_t>(image.channels);
-  for (std::size_t first = 0; first < image.pixels.size(); first += channels) {
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t first = 0; first < image.pixels.size(); first += channels) {
     bool negative = false;
-    for (std::size_t i = first; i < first + channels; ++i) {
+    for (size_t i = first; i < first + channels; ++i) {
       negative |= image.pixels[i] < 0.0F;
       image.pixels[i] = std::max(image.pixels[i], 0.0F);
     }

@@ -8,8 +8,8 @@ namespace xrds {
 
 /// How many pixels a repair has changed.
 struct RepairCounts {
-  std::size_t nonFinitePixels = 0;
-  std::size_t negativePixels = 0;
+  size_t nonFinitePixels = 0;
+  size_t negativePixels = 0;
 
   bool operator==(const RepairCounts&) const = default;
 };

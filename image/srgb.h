@@ -5,12 +5,12 @@
 namespace xrds {
 
 /// The sRGB transfer function (IEC 61966-2-1): linear light in [0, 1] to the display value in [0, 1].
-[[nodiscard]] inline double srgbFromLinear(double linear) {
+inline double srgbFromLinear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
 /// The inverse: display value in [0, 1] to linear light in [0, 1].
-[[nodiscard]] inline double linearFromSrgb(double display) {
+inline double linearFromSrgb(double display) {
   return display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
 }
 

@@ -23,9 +23,9 @@ struct Plane {
 };
 
 template <typename Value>
-Imf::Slice fill(std::vector<Value>& values, const FixturePart& part, std::size_t channel) {
+Imf::Slice fill(std::vector<Value>& values, const FixturePart& part, size_t channel) {
   const Window& w = part.dataWindow;
-  values.reserve(static_cast<std::size_t>(w.width() * w.height()));
+  values.reserve(static_cast<size_t>(w.width() * w.height()));
   for (int y = w.minY; y <= w.maxY; ++y) {
     for (int x = w.minX; x <= w.maxX; ++x) {
       values.push_back(static_cast<Value>(fixtureValue(x, y, channel)));
@@ -34,7 +34,7 @@ Imf::Slice fill(std::vector<Value>& values, const FixturePart& part, std::size_t
   return Imf::Slice::Make(part.type, values.data(), Imath::V2i(w.minX, w.minY), w.width(), w.height());
 }
 
-Imf::Slice fill(Plane& plane, const FixturePart& part, std::size_t channel) {
+Imf::Slice fill(Plane& plane, const FixturePart& part, size_t channel) {
   switch (part.type) {
     case Imf::HALF:
       return fill(plane.halves, part, channel);
@@ -48,7 +48,7 @@ Imf::Slice fill(Plane& plane, const FixturePart& part, std::size_t channel) {
 void writePart(Imf::MultiPartOutputFile& file, int number, const FixturePart& part) {
   std::vector<Plane> planes(part.channels.size());
   Imf::FrameBuffer buffer;
-  for (std::size_t c = 0; c < planes.size(); ++c) {
+  for (size_t c = 0; c < planes.size(); ++c) {
     buffer.insert(part.channels[c], fill(planes[c], part, c));
   }
   if (part.tileSize > 0) {
@@ -74,12 +74,12 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-std::size_t TemporaryFolder::fileCount() const {
+size_t TemporaryFolder::fileCount() const {
   const std::filesystem::directory_iterator files(path_);
-  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+  return static_cast<size_t>(std::distance(begin(files), end(files)));
 }
 
-float fixtureValue(int x, int y, std::size_t c) {
+float fixtureValue(int x, int y, size_t c) {
   return static_cast<float>(((x & 15) * 4 + (y & 15)) * 4 + static_cast<int>(c & 3U)) / 8.0F;
 }
 
@@ -106,11 +106,11 @@ Imf::Header fixtureHeader(const FixturePart& part) {
 
 void writeFixture(const std::filesystem::path& path, const std::vector<FixturePart>& parts,
                   std::vector<Imf::Header> headers) {
-  for (std::size_t number = headers.size(); number < parts.size(); ++number) {
+  for (size_t number = headers.size(); number < parts.size(); ++number) {
     headers.push_back(fixtureHeader(parts[number]));
   }
   Imf::MultiPartOutputFile file(path.string().c_str(), headers.data(), static_cast<int>(headers.size()));
-  for (std::size_t number = 0; number < parts.size(); ++number) {
+  for (size_t number = 0; number < parts.size(); ++number) {
     writePart(file, static_cast<int>(number), parts[number]);
   }
 }

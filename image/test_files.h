@@ -20,8 +20,8 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
-  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  [[nodiscard]] std::size_t fileCount() const;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  size_t fileCount() const;
 
  private:
   std::filesystem::path path_;
@@ -40,16 +40,16 @@ struct FixturePart {
 };
 
 /// What a fixture stores in channel `c` (counted in the order given) at absolute position (x, y); exact in half.
-[[nodiscard]] float fixtureValue(int x, int y, std::size_t c);
+float fixtureValue(int x, int y, size_t c);
 
 /// A header for one part, to which a test may add attributes.
-[[nodiscard]] Imf::Header fixtureHeader(const FixturePart& part);
+Imf::Header fixtureHeader(const FixturePart& part);
 
 /// Writes a file with one part or several by OpenEXR itself; `headers` belong to `parts` and default to fixtureHeader.
 void writeFixture(const std::filesystem::path& path, const std::vector<FixturePart>& parts,
                   std::vector<Imf::Header> headers = {});
 
-[[nodiscard]] std::string readBytes(const std::filesystem::path& path);
+std::string readBytes(const std::filesystem::path& path);
 void writeBytes(const std::filesystem::path& path, const std::string& bytes);
 
 }  // namespace xrds::test

@@ -8,12 +8,12 @@
 namespace xrds {
 namespace {
 
-std::int32_t checkedCoordinate(std::int64_t value, const Window& window, int scale) {
-  if (value < std::numeric_limits<std::int32_t>::min() || value > std::numeric_limits<std::int32_t>::max()) {
+int32_t checkedCoordinate(int64_t value, const Window& window, int scale) {
+  if (value < std::numeric_limits<int32_t>::min() || value > std::numeric_limits<int32_t>::max()) {
     throw Error("the window " + toString(window) + " cannot be scaled by " + std::to_string(scale) +
                 ": expected corners within 32 bits, found " + std::to_string(value) + "; use a smaller scale");
   }
-  return static_cast<std::int32_t>(value);
+  return static_cast<int32_t>(value);
 }
 
 }  // namespace
@@ -27,19 +27,19 @@ Window scaledWindow(const Window& window, int scale) {
   if (scale < 1) {
     throw Error("a window cannot be scaled by " + std::to_string(scale) + ": expected a positive whole number");
   }
-  const std::int64_t s = scale;
+  const int64_t s = scale;
   Window result;
   result.minX = checkedCoordinate(window.minX * s, window, scale);
   result.minY = checkedCoordinate(window.minY * s, window, scale);
-  result.maxX = checkedCoordinate((window.maxX + std::int64_t{1}) * s - 1, window, scale);
-  result.maxY = checkedCoordinate((window.maxY + std::int64_t{1}) * s - 1, window, scale);
+  result.maxX = checkedCoordinate((window.maxX + int64_t{1}) * s - 1, window, scale);
+  result.maxY = checkedCoordinate((window.maxY + int64_t{1}) * s - 1, window, scale);
   return result;
 }
 
 int scaleBetween(const Window& low, const Window& high) {
   const bool divides = low.width() > 0 && low.height() > 0 && high.width() >= low.width() &&
                        high.height() >= low.height() && high.width() % low.width() == 0 &&
-                       high.width() / low.width() <= std::numeric_limits<std::int32_t>::max() &&
+                       high.width() / low.width() <= std::numeric_limits<int32_t>::max() &&
                        high.width() / low.width() * low.height() == high.height();
   if (!divides) {
     throw Error(
@@ -66,12 +66,11 @@ Image placedInWindow(const Image& image, const Window& from, const Window& to) {
   if (firstX > lastX) {
     return result;
   }
-  const std::int64_t valueCount = (std::int64_t{lastX} - firstX + 1) * image.channels;
+  const int64_t valueCount = (int64_t{lastX} - firstX + 1) * image.channels;
   for (int y = firstY; y <= lastY; ++y) {
-    const auto source =
-        image.pixels.begin() + static_cast<std::ptrdiff_t>(image.index(firstX - from.minX, y - from.minY));
+    const auto source = image.pixels.begin() + static_cast<ptrdiff_t>(image.index(firstX - from.minX, y - from.minY));
     std::copy_n(source, valueCount,
-                result.pixels.begin() + static_cast<std::ptrdiff_t>(result.index(firstX - to.minX, y - to.minY)));
+                result.pixels.begin() + static_cast<ptrdiff_t>(result.index(firstX - to.minX, y - to.minY)));
   }
   return result;
 }

@@ -9,31 +9,31 @@ namespace xrds {
 
 /// A rectangle of pixels in the coordinates of an EXR file: both corners belong to it, and the origin may lie anywhere.
 struct Window {
-  std::int32_t minX = 0;
-  std::int32_t minY = 0;
-  std::int32_t maxX = -1;
-  std::int32_t maxY = -1;
+  int32_t minX = 0;
+  int32_t minY = 0;
+  int32_t maxX = -1;
+  int32_t maxY = -1;
 
-  [[nodiscard]] std::int64_t width() const { return std::int64_t{maxX} - minX + 1; }
-  [[nodiscard]] std::int64_t height() const { return std::int64_t{maxY} - minY + 1; }
+  int64_t width() const { return int64_t{maxX} - minX + 1; }
+  int64_t height() const { return int64_t{maxY} - minY + 1; }
 
   bool operator==(const Window&) const = default;
 };
 
 /// The window as text, such as "1920 x 1080 at (-8, -8)".
-[[nodiscard]] std::string toString(const Window& window);
+std::string toString(const Window& window);
 
 /// The window that covers the same part of the picture with `scale` times as many pixels in each direction:
 /// min' = min * scale, max' = (max + 1) * scale - 1. Throws Error when `scale` is not positive or the result does not
 /// fit in 32-bit coordinates.
-[[nodiscard]] Window scaledWindow(const Window& window, int scale);
+Window scaledWindow(const Window& window, int scale);
 
 /// The integer scale, at least 1, that turns display window `low` into display window `high`. Throws Error when there
 /// is none.
-[[nodiscard]] int scaleBetween(const Window& low, const Window& high);
+int scaleBetween(const Window& low, const Window& high);
 
 /// The image that covers `from`, cut and filled up with zeros so that it covers `to`: how a file that stores only a
 /// crop is brought to the frame it was cropped from. Throws Error when the image does not have the size of `from`.
-[[nodiscard]] Image placedInWindow(const Image& image, const Window& from, const Window& to);
+Image placedInWindow(const Image& image, const Window& from, const Window& to);
 
 }  // namespace xrds

@@ -24,7 +24,7 @@ TEST(Window, ScaledSizeIsTheScaledSize) {
 }
 
 TEST(Window, RefusesWhatDoesNotFit) {
-  const auto kLargest = std::numeric_limits<std::int32_t>::max();
+  const auto kLargest = std::numeric_limits<int32_t>::max();
   EXPECT_THROW(static_cast<void>(scaledWindow({0, 0, kLargest, 10}, 2)), Error);
   EXPECT_THROW(static_cast<void>(scaledWindow({-kLargest, 0, 0, 10}, 2)), Error);
   EXPECT_THROW(static_cast<void>(scaledWindow({0, 0, 10, 10}, 0)), Error);

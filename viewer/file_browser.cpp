@@ -76,8 +76,8 @@ void FileBrowser::moveTo(size_t entry) {
 }
 
 void FileBrowser::move(int steps) {
-  const auto wanted = static_cast<std::ptrdiff_t>(cursor_) + steps;
-  moveTo(static_cast<size_t>(std::max<std::ptrdiff_t>(0, wanted)));
+  const auto wanted = static_cast<ptrdiff_t>(cursor_) + steps;
+  moveTo(static_cast<size_t>(std::max<ptrdiff_t>(0, wanted)));
   moved_ = true;
 }
 
