@@ -162,6 +162,7 @@ TEST(Recording, ProgressStopsTheRun) {
   EXPECT_TRUE(recording.run());
 }
 
+// However busy the machine: the one lies within the other.
 TEST(Recording, TimestampsFitIntoTheWallTime) {
   Buffer buffer(gpu(), 4 * kRegion);
   Recording recording(gpu(), chain(buffer, 3),

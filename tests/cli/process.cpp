@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
@@ -89,15 +88,12 @@ Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string
   if (child == 0) becomeXrds(arguments, options);
   Ended ended;
   bool typed = keys.empty();
-  auto typedAt = std::chrono::steady_clock::now();
   while (append(terminal, ended.output)) {
     if (typed || ended.output.find(awaited) == std::string::npos) continue;
     typed = true;
-    typedAt = std::chrono::steady_clock::now();
     if (write(terminal, keys.data(), keys.size()) < 0) break;
   }
   ended.exitCode = waitFor(child);
-  ended.secondsAfterKeys = std::chrono::duration<double>(std::chrono::steady_clock::now() - typedAt).count();
   close(terminal);
   return ended;
 }

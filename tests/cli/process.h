@@ -12,7 +12,6 @@ namespace xrds::test {
 struct Ended {
   int exitCode = -1;
   std::string output, error;
-  double secondsAfterKeys = 0;  // from what runOnTerminal typed to the end
 };
 
 struct StartOptions {

@@ -87,7 +87,7 @@ TEST_F(ViewerWindow, TakesStepsBeforeAllSamplesAreThere) {
 }
 
 TEST_F(ViewerWindow, SaysThatItPreparesALiveScene) {
-  run("!screenshot preparing.png\n!sleep 0.05\n!key Q\n", live("room", "4"));
+  run("!screenshot preparing.png\n!wait\n!wait\n!key Q\n", live("room", "4"));
   const Image shot = readPng(folder / "preparing.png");
   double brightest = 0;
   for (const float value : cropped(shot, 40, 60, 240, 140).pixels)
@@ -95,6 +95,7 @@ TEST_F(ViewerWindow, SaysThatItPreparesALiveScene) {
   EXPECT_GT(brightest, 200) << "letters in the middle of the window";
 }
 
+// Nothing can be waited for: that nothing happens shows in a stretch of time alone, and most of it is asleep.
 TEST_F(ViewerWindow, CostsNothingWhileNothingHappens) {
   const Ended ended = run("wait\nclock\nsleep 3\nclock\n", live("room", "4"));
   ASSERT_EQ(valuesOf(ended.output, "seconds").size(), 2u) << ended.output;
@@ -103,15 +104,16 @@ TEST_F(ViewerWindow, CostsNothingWhileNothingHappens) {
   EXPECT_EQ(valuesOf(ended.output, "drawings")[1], 0);
 }
 
-// The bounds are for busy machines; bench/viewer.md has what a quiet one takes.
+// Each key is drawn, though the pictures of the last are still to come; bench/viewer.md has how long it takes.
 TEST_F(ViewerWindow, AnswersWhileItComputes) {
   std::string script = "wait\nclock\n";
-  for (int i = 0; i < 12; ++i) script += "!key Shift+Left\n!sleep 0.25\n";
-  const Ended ended = run(script + "!clock\nwait\n", live("room", "8"));
-  ASSERT_EQ(valuesOf(ended.output, "mean_turn_ms").size(), 2u) << ended.output;
-  EXPECT_GT(valuesOf(ended.output, "drawings")[1], 5);
-  EXPECT_LT(valuesOf(ended.output, "mean_turn_ms")[1], 200);
-  EXPECT_LT(valuesOf(ended.output, "longest_turn_ms")[1], 1500);
+  for (int i = 0; i < 12; ++i) script += "!key Shift+Left\n";
+  const Ended ended = run(script + "!clock\n!print\nwait\nprint\n", live("room", "8"));
+  ASSERT_EQ(valuesOf(ended.output, "drawings").size(), 2u) << ended.output;
+  EXPECT_GE(valuesOf(ended.output, "drawings")[1], 12);
+  const std::vector<double> pictures = valuesOf(ended.output, "pictures");
+  ASSERT_EQ(pictures.size(), 2u) << ended.output;
+  EXPECT_LT(pictures[0], pictures[1]) << ended.output;
 }
 
 TEST(Headless, TimesTheLoopWithoutADisplay) {

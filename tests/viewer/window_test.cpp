@@ -34,6 +34,7 @@ TEST_F(ViewerWindow, LooksAsItDid) {
 }
 
 TEST_F(ViewerWindow, SurvivesNewSizesAndLostSwapchains) {
+  // No event tells that the desktop has minimized a window: some never do.
   const Ended ended =
       run("wait\nsize 500 400\nwait\nscreenshot larger.png\nwait\nlose swapchain\nwait\nlose surface\nwait\nprint\n"
           "size 330 250\nwait\nkey P\nwait\nscreenshot smaller.png\nminimize\nsleep 0.1\nrestore\nwait\nprint\n",
@@ -60,6 +61,7 @@ TEST_F(ViewerWindow, SwitchesModelAndPrecisionAndTellsPixels) {
   EXPECT_TRUE(has(ended.output, "none.exr")) << ended.output;
 }
 
+// The viewer takes a file that nobody has written to for a while: only time shows that it leaves half of one alone.
 TEST_F(ViewerWindow, WaitsForHalfWrittenFiles) {
   const Ended ended =
       run("copy " + kColour + " lr.exr\npart 20000 " + kAuxiliary + " aux.exr\nsleep 0.4\nprint\ncopy " + kAuxiliary +
