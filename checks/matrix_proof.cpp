@@ -105,8 +105,8 @@ void proveAskedKernels(Gpu& gpu, const std::string& asked) {
   proveMatrixKernels(gpu);
   const KernelFamily family = gpu.traits().family;
   if (asked.empty() || family == kernelFamilyOf(asked)) return;
-  throw Error("the " + asked + " kernels do not run or give wrong results on " + gpu.description().name + "; choose " +
-              (family == KernelFamily::matrix ? "matrix, plain or tile" : "plain or tile"));
+  throw Error("The " + asked + " kernels do not run or give wrong results on " + gpu.description().name + "; choose " +
+              (family == KernelFamily::matrix ? "matrix, plain or tile" : "plain or tile") + ".");
 }
 
 }  // namespace xrds

@@ -72,10 +72,10 @@ TEST(MatrixProof, RefusesAFamilyThatWasAskedForAndIsWrong) {
   EXPECT_EQ(messageOf("nothing", "fused"), "");
   EXPECT_EQ(messageOf("swin_layer_matrix", "matrix"), "");  // which does without
   for (const char* asked : {"matrix", "fused"})
-    EXPECT_TRUE(messageOf("linear_matrix", asked).starts_with("the " + std::string(asked) + " kernels")) << asked;
+    EXPECT_TRUE(messageOf("linear_matrix", asked).starts_with("The " + std::string(asked) + " kernels")) << asked;
   const std::string fused = messageOf("swin_layer_matrix", "fused");
-  EXPECT_TRUE(fused.starts_with("the fused kernels")) << fused;
-  EXPECT_TRUE(fused.ends_with("choose matrix, plain or tile")) << fused;
+  EXPECT_TRUE(fused.starts_with("The fused kernels")) << fused;
+  EXPECT_TRUE(fused.ends_with("choose matrix, plain or tile.")) << fused;
 
   Gpu unasked = gpuWithout("linear_matrix", KernelFamily::matrix);
   proveAskedKernels(unasked, "");

@@ -35,7 +35,7 @@ uint32_t chooseMemoryType(const Gpu::Handles& gpu, uint32_t allowed, bool forSta
   if (gpu.options.forceStaging && !forStaging) preferences = {local, 0};
   for (const VkMemoryPropertyFlags wanted : preferences)
     if (const int type = findMemoryType(gpu, allowed, wanted); type >= 0) return static_cast<uint32_t>(type);
-  throw Error("the Vulkan device offers no memory for buffers; update its driver");
+  throw Error("The Vulkan device offers no memory for buffers; update its driver.");
 }
 
 void allocate(Buffer::Handles& buffer, bool forStaging) {
@@ -45,8 +45,9 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (buffer.byteSize > gpu.maxAllocationBytes)
-    throw OutOfMemory("a buffer of " + mebibytes(buffer.askedByteSize) + " is needed, but " + gpu.description.name +
-                      " allows at most " + mebibytes(gpu.maxAllocationBytes) + " at once; use smaller tiles or images");
+    throw OutOfMemory("A buffer of " + mebibytes(buffer.askedByteSize) + " is needed, but " + gpu.description.name +
+                      " allows at most " + mebibytes(gpu.maxAllocationBytes) +
+                      " at once; use smaller tiles or images.");
   checkResult(gpu.vk.vkCreateBuffer(gpu.device, &info, nullptr, &buffer.buffer), "vkCreateBuffer");
 
   VkMemoryRequirements needs;
@@ -62,7 +63,7 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
     throw OutOfMemory(gpu.description.name + " has no room for a buffer of " + mebibytes(needs.size) +
                       " in its memory of " + mebibytes(heapBytes) +
-                      "; use smaller tiles or images, or close other programs");
+                      "; use smaller tiles or images, or close other programs.");
   checkResult(result, "vkAllocateMemory");
   checkResult(gpu.vk.vkBindBufferMemory(gpu.device, buffer.buffer, buffer.memory, 0), "vkBindBufferMemory");
 

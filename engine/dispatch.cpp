@@ -21,7 +21,7 @@ const char* nameOf(MatrixUnits units) {
 KernelFamily kernelFamilyOf(std::string_view name) {
   const auto found = std::find(std::begin(kFamilies), std::end(kFamilies), name);
   if (found == std::end(kFamilies))
-    throw Error("there is no kernel family '" + std::string(name) + "'; choose plain, lane, tile, matrix or fused");
+    throw Error("There is no kernel family '" + std::string(name) + "'; choose plain, lane, tile, matrix or fused.");
   return static_cast<KernelFamily>(found - std::begin(kFamilies));
 }
 

@@ -129,13 +129,13 @@ std::unique_ptr<Instance> openInstance(const DeviceOptions& options) {
   const std::lock_guard lock(volkMutex);
   if (volkInitialize() != VK_SUCCESS)
     throw Error(
-        "no Vulkan loader was found; install the graphics driver of your GPU or the package with the Vulkan "
-        "loader (libvulkan1, vulkan-loader)");
+        "No Vulkan loader was found; install the graphics driver of your GPU or the package with the Vulkan "
+        "loader (libvulkan1, vulkan-loader).");
   if (volkGetInstanceVersion() < VK_API_VERSION_1_2)
-    throw Error("the Vulkan loader is older than version 1.2; update it or the graphics driver");
+    throw Error("The Vulkan loader is older than version 1.2; update it or the graphics driver.");
   if (validation && !hasLayer(kValidationLayer))
-    throw Error(std::string("validation was asked for, but the layer ") + kValidationLayer +
-                " is not installed; install the Vulkan validation layers or open the device without validation");
+    throw Error(std::string("Validation was asked for, but the layer ") + kValidationLayer +
+                " is not installed; install the Vulkan validation layers or open the device without validation.");
 
   auto result = std::make_unique<Instance>();
   result->onMessage = options.onMessage;

@@ -41,7 +41,7 @@ VkPipelineLayout makeLayout(const Gpu::Handles& gpu, VkDescriptorSetLayout setLa
 
 VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipelineLayout layout) {
   const auto words = gpu.options.programs ? gpu.options.programs(key.program) : std::span<const uint32_t>{};
-  if (words.empty()) throw std::logic_error("there is no program \"" + key.program + "\"");
+  if (words.empty()) throw std::logic_error("There is no program \"" + key.program + "\".");
   VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   moduleInfo.codeSize = words.size_bytes();
   moduleInfo.pCode = words.data();

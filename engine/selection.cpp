@@ -30,15 +30,15 @@ size_t only(std::span<const DeviceDescription> devices, const std::vector<size_t
   if (matches.size() == 1) return matches[0];
   std::ostringstream text;
   if (matches.empty()) {
-    text << "no Vulkan device matches \"" << select << "\"; choose one of " << listed(devices)
-         << " by its index, a part of its name or its UUID";
+    text << "No Vulkan device matches \"" << select << "\"; choose one of " << listed(devices)
+         << " by its index, a part of its name or its UUID.";
     throw Error(text.str());
   }
   std::vector<DeviceDescription> several;
   several.reserve(matches.size());
   for (const size_t match : matches) several.push_back(devices[match]);
-  text << "more than one Vulkan device matches \"" << select << "\": " << listed(several)
-       << "; choose one by its index or UUID";
+  text << "More than one Vulkan device matches \"" << select << "\": " << listed(several)
+       << "; choose one by its index or UUID.";
   throw Error(text.str());
 }
 
@@ -47,8 +47,8 @@ size_t only(std::span<const DeviceDescription> devices, const std::vector<size_t
 size_t selectDevice(std::span<const DeviceDescription> devices, std::string_view select) {
   if (devices.empty())
     throw Error(
-        "no Vulkan 1.2 device with a compute queue was found; install the graphics driver of your GPU, or "
-        "Mesa's lavapipe to run on the CPU");
+        "No Vulkan 1.2 device with a compute queue was found; install the graphics driver of your GPU, or "
+        "Mesa's lavapipe to run on the CPU.");
   if (select.empty()) {
     // DeviceKind is ordered from the best to the last resort, but for `other`, of which nothing is known.
     const auto better = [](const auto& a, const auto& b) { return a.kind < b.kind; };

@@ -66,7 +66,7 @@ TEST(Selection, NamesThoseThatFitWhenSeveralDo) {
 }
 
 TEST(Selection, SaysSoWhenThereIsNoDevice) {
-  EXPECT_NE(refusal("", {}).find("no Vulkan 1.2 device"), std::string::npos);
+  EXPECT_NE(refusal("", {}).find("No Vulkan 1.2 device"), std::string::npos);
 }
 
 TEST(Device, ListsTheOpenDevice) {
@@ -137,7 +137,7 @@ TEST(KernelFamily, MayBeAskedForWhereItRuns) {
     chosenFamily(cpu, "tiles");
     FAIL() << "a name of no family";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "there is no kernel family 'tiles'; choose plain, lane, tile, matrix or fused");
+    EXPECT_STREQ(error.what(), "There is no kernel family 'tiles'; choose plain, lane, tile, matrix or fused.");
   }
 }
 

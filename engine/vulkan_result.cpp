@@ -46,12 +46,12 @@ void checkResult(VkResult result, const char* call) {
     case VK_ERROR_OUT_OF_HOST_MEMORY:
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_POOL_MEMORY:
-      throw OutOfMemory(text + "; use smaller tiles or images, or close other programs");
+      throw OutOfMemory(text + "; use smaller tiles or images, or close other programs.");
     case VK_ERROR_DEVICE_LOST:
     case VK_TIMEOUT:
-      throw DeviceLost(text + "; try again, update its driver, or choose another device");
+      throw DeviceLost(text + "; try again, update its driver, or choose another device.");
     default:
-      throw Error(text + "; update the device's driver, or choose another device");
+      throw Error(text + "; update the device's driver, or choose another device.");
   }
 }
 

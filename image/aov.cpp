@@ -125,14 +125,14 @@ bool isDeep(const ExrFile& file, AovRole role) {
 const AovCandidate& single(const ExrFile& file, AovRole role, const std::string& name, const Candidates& found) {
   const std::string remedy = remedyFor(file, role);
   if (found.empty() && isDeep(file, role)) {
-    throw Error("no " + toString(role) + " in '" + file.path.string() +
-                "': expected a flat image, found deep samples; flatten it first");
+    throw Error("No " + toString(role) + " in '" + file.path.string() +
+                "': expected a flat image, found deep samples; flatten it first.");
   }
   if (found.empty()) {
-    throw Error("no " + toString(role) + " in '" + file.path.string() + "': expected " +
+    throw Error("No " + toString(role) + " in '" + file.path.string() + "': expected " +
                 (name.empty() ? "a layer of a known name" : "a layer '" + name + "'") +
                 (role == AovRole::kDepth ? " with one floating-point channel" : " with three floating-point channels") +
-                ", found none" + remedy);
+                ", found none" + remedy + ".");
   }
   if (found.size() > 1) {
     std::string list;
@@ -140,8 +140,8 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
       list += (list.empty() ? "" : ", ") + std::to_string(candidate.selection.part) + ":" +
               printable(candidate.selection.layer);
     }
-    throw Error("the " + toString(role) + " in '" + file.path.string() + "' is ambiguous: expected one layer, found " +
-                list + remedy);
+    throw Error("The " + toString(role) + " in '" + file.path.string() + "' is ambiguous: expected one layer, found " +
+                list + remedy + ".");
   }
   return found.front();
 }

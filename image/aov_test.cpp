@@ -250,7 +250,7 @@ TEST(Aov, FindsDepthAmongLayersOfOneChannel) {
   EXPECT_EQ(depthOf(kRoot + Names{"A", "Z"}), Names{"Z"});
   EXPECT_EQ(depthOf(kRoot + Names{"depth.V", "mist.V"}), Names{"depth.V"});
   EXPECT_EQ(depthOf(kRoot + Names{"mist.V"}, "mist"), Names{"mist.V"});
-  EXPECT_NE(refusal([&] { depthOf(kRoot + triple("N", "XYZ") + Names{"mist.V"}); }).find("no depth"),
+  EXPECT_NE(refusal([&] { depthOf(kRoot + triple("N", "XYZ") + Names{"mist.V"}); }).find("No depth"),
             std::string::npos);
 }
 
@@ -324,7 +324,7 @@ TEST(Aov, TwoViewLayersAreAmbiguous) {
 TEST(Aov, AbsenceListsWhatThereIs) {
   const ExrFile file = fileWith({partWith(kRoot + triple("diffuse", "RGB"))});
   const std::string message = refusal([&] { static_cast<void>(findAovs(file, file)); });
-  EXPECT_NE(message.find("no albedo"), std::string::npos) << message;
+  EXPECT_NE(message.find("No albedo"), std::string::npos) << message;
   EXPECT_NE(message.find("--albedo"), std::string::npos) << message;
   EXPECT_NE(message.find("diffuse [B G R]"), std::string::npos) << message;
   EXPECT_NO_THROW(static_cast<void>(findAovs(file, file, {.needed = {}})));
@@ -343,7 +343,7 @@ TEST(Aov, NamesGoThroughEveryReading) {
   EXPECT_EQ(findAov(file, AovRole::kColor, "(unnamed)").part, 0U);
   EXPECT_NE(refusal([&] { static_cast<void>(findAov(file, AovRole::kAlbedo, "a.tint")); }).find("ambiguous"),
             std::string::npos);
-  EXPECT_NE(refusal([&] { static_cast<void>(findAov(file, AovRole::kAlbedo, "9:tint")); }).find("no albedo"),
+  EXPECT_NE(refusal([&] { static_cast<void>(findAov(file, AovRole::kAlbedo, "9:tint")); }).find("No albedo"),
             std::string::npos);
 }
 
@@ -354,7 +354,7 @@ TEST(Aov, IgnoresWholeNumbersSubsampledAndDeep) {
   chroma.layers[0].channels[1].xSampling = 2;
   for (const ExrPart& part : {partWith(kRoot, kLow, "", ExrPixelType::kUint), deep, chroma, partWith({"Y"})}) {
     const ExrFile file = fileWith({part});
-    EXPECT_NE(refusal([&] { static_cast<void>(findAov(file, AovRole::kColor)); }).find("no colour"), std::string::npos);
+    EXPECT_NE(refusal([&] { static_cast<void>(findAov(file, AovRole::kColor)); }).find("No colour"), std::string::npos);
   }
   const ExrFile mixed = fileWith({deep, partWith(kRoot, kHigh)});
   EXPECT_EQ(findAov(mixed, AovRole::kColor).part, 1U);

@@ -46,7 +46,7 @@ std::string sizeOf(const Image& image) {
 
 Image enlargeNearest(const Image& image, int scale) {
   if (scale < 1) {
-    throw Error("an image cannot be enlarged " + std::to_string(scale) + " times: expected a positive whole number");
+    throw Error("An image cannot be enlarged " + std::to_string(scale) + " times: expected a positive whole number.");
   }
   Image result(image.width * scale, image.height * scale, image.channels);
   for (int y = 0; y < result.height; ++y) {
@@ -59,14 +59,14 @@ Image enlargeNearest(const Image& image, int scale) {
 
 Image sideBySide(const std::vector<Image>& images, int gap) {
   if (images.empty() || gap < 0) {
-    throw Error("a comparison needs at least one image and no negative gap: found " + std::to_string(images.size()) +
-                " images and a gap of " + std::to_string(gap));
+    throw Error("A comparison needs at least one image and no negative gap: found " + std::to_string(images.size()) +
+                " images and a gap of " + std::to_string(gap) + ".");
   }
   int width = gap * static_cast<int>(images.size() - 1);
   for (const Image& image : images) {
     if (image.height != images.front().height || image.channels != images.front().channels) {
-      throw Error("images side by side need one height: expected that of " + sizeOf(images.front()) + ", found " +
-                  sizeOf(image) + "; enlarge the smaller one");
+      throw Error("Images side by side need one height: expected that of " + sizeOf(images.front()) + ", found " +
+                  sizeOf(image) + "; enlarge the smaller one.");
     }
     width += image.width;
   }
@@ -84,8 +84,8 @@ Image sideBySide(const std::vector<Image>& images, int gap) {
 
 Image heatMap(const Image& error, float maximum) {
   if (error.channels != 1 || !(maximum > 0.0F)) {
-    throw Error("an error map is shown from one channel and a positive maximum: found " + sizeOf(error) +
-                " and a maximum of " + std::to_string(maximum));
+    throw Error("An error map is shown from one channel and a positive maximum: found " + sizeOf(error) +
+                " and a maximum of " + std::to_string(maximum) + ".");
   }
   Image result(error.width, error.height, 3);
   for (size_t pixel = 0; pixel < error.pixels.size(); ++pixel) {

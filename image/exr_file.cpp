@@ -90,10 +90,10 @@ void checkBlocks(const ExrFile& file, const Imf::Header& header, int64_t width) 
   const double blockByteSize =
       static_cast<double>(blockWidth) * static_cast<double>(rowsPerBlock(header)) * static_cast<double>(pixelByteSize);
   if (blockByteSize > allowed) {
-    throw Error("cannot read '" + file.path.string() + "': expected blocks of at most " +
+    throw Error("Cannot read '" + file.path.string() + "': expected blocks of at most " +
                 std::to_string(static_cast<int64_t>(allowed) >> 20) + " MiB, found " + std::to_string(pixelByteSize) +
                 " bytes a pixel in blocks of " + std::to_string(blockWidth) + " x " +
-                std::to_string(rowsPerBlock(header)) + " pixels; check that it is intact");
+                std::to_string(rowsPerBlock(header)) + " pixels; check that it is intact.");
   }
 }
 
@@ -101,8 +101,8 @@ void checkSize(const ExrFile& file, const Window& window, const Imf::Header& hea
   const int64_t width = window.width();
   const int64_t height = window.height();
   if (width < 1 || height < 1 || width > kMaxPixelCount / height) {
-    throw Error("cannot read '" + file.path.string() + "': expected at most " + std::to_string(kMaxPixelCount) +
-                " pixels, found a data window of " + toString(window) + "; crop the frame or check that it is intact");
+    throw Error("Cannot read '" + file.path.string() + "': expected at most " + std::to_string(kMaxPixelCount) +
+                " pixels, found a data window of " + toString(window) + "; crop the frame or check that it is intact.");
   }
   checkBlocks(file, header, width);
 }
@@ -152,7 +152,7 @@ ExrFile readExrHeader(const std::filesystem::path& path) {
 
 void useExrThreads(int count) {
   if (count < 0) {
-    throw Error("OpenEXR cannot use " + std::to_string(count) + " threads: expected 0 or more");
+    throw Error("OpenEXR cannot use " + std::to_string(count) + " threads: expected 0 or more.");
   }
   Imf::setGlobalThreadCount(count);
 }

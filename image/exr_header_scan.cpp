@@ -104,13 +104,13 @@ Found skipHeader(std::istream& file, uint64_t fileByteSize, const std::string& q
     const uint64_t left = fileByteSize - start;
     const uint32_t fixed = fixedByteSize(*type);
     if (*byteSize > left || (fixed != 0 && fixed != *byteSize)) {
-      throw Error("cannot read " + quoted + ": expected a complete OpenEXR image, found an attribute of " +
+      throw Error("Cannot read " + quoted + ": expected a complete OpenEXR image, found an attribute of " +
                   std::to_string(*byteSize) + " bytes where " + std::to_string(fixed != 0 ? fixed : left) +
-                  (fixed != 0 ? " make one" : " are left") + "; render or copy it again");
+                  (fixed != 0 ? " make one" : " are left") + "; render or copy it again.");
     }
     if (!endsWhereItSays(file, *type, start + *byteSize)) {
-      throw Error("cannot read " + quoted + ": expected a complete OpenEXR image, found a " + *type +
-                  " that does not fill its " + std::to_string(*byteSize) + " bytes; render or copy it again");
+      throw Error("Cannot read " + quoted + ": expected a complete OpenEXR image, found a " + *type +
+                  " that does not fill its " + std::to_string(*byteSize) + " bytes; render or copy it again.");
     }
     file.clear();
     file.seekg(static_cast<std::streamoff>(start + *byteSize));

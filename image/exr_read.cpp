@@ -14,25 +14,25 @@ namespace {
 
 void checkChannel(const ExrFile& file, const Imf::ChannelList& channels, const std::string& name) {
   const Imf::Channel* channel = channels.findChannel(name);
-  const std::string start = "cannot read channel '" + name + "' of '" + file.path.string() + "': ";
+  const std::string start = "Cannot read channel '" + name + "' of '" + file.path.string() + "': ";
   if (channel == nullptr) {
-    throw Error(start + "there is none of this name; " + describe(file));
+    throw Error(start + "there is none of this name; " + describe(file) + ".");
   }
   if (channel->type != Imf::HALF && channel->type != Imf::FLOAT) {
-    throw Error(start + "expected half or float, found whole numbers; choose another layer");
+    throw Error(start + "expected half or float, found whole numbers; choose another layer.");
   }
   if (channel->xSampling != 1 || channel->ySampling != 1) {
-    throw Error(start + "expected one value a pixel, found a subsampled channel; choose another layer");
+    throw Error(start + "expected one value a pixel, found a subsampled channel; choose another layer.");
   }
 }
 
 void checkPart(const ExrFile& file, const ExrSelection& selection) {
-  const std::string start = "cannot read part " + std::to_string(selection.part) + " of '" + file.path.string() + "': ";
+  const std::string start = "Cannot read part " + std::to_string(selection.part) + " of '" + file.path.string() + "': ";
   if (selection.part >= file.parts.size()) {
-    throw Error(start + "the file has " + std::to_string(file.parts.size()) + " parts, counted from 0");
+    throw Error(start + "the file has " + std::to_string(file.parts.size()) + " parts, counted from 0.");
   }
   if (file.parts[selection.part].deep) {
-    throw Error(start + "expected a flat image, found deep samples; flatten it first");
+    throw Error(start + "expected a flat image, found deep samples; flatten it first.");
   }
 }
 
@@ -66,7 +66,7 @@ Image readLayer(const ExrFile& file, const ExrSelection& selection) {
     Imf::InputPart input(*opened, static_cast<int>(selection.part));
     const Imath::Box2i& found = input.header().dataWindow();
     if (Window{found.min.x, found.min.y, found.max.x, found.max.y} != window) {
-      throw Error("cannot read '" + file.path.string() + "': it changed while it was being read; try again");
+      throw Error("Cannot read '" + file.path.string() + "': it changed while it was being read; try again.");
     }
     for (const std::string& name : selection.channelNames) {
       checkChannel(file, input.header().channels(), name);

@@ -64,8 +64,8 @@ std::vector<std::string> channelNamesFor(const Image& image) {
     case 4:
       return {"R", "G", "B", "A"};
     default:
-      throw Error("an image of " + std::to_string(image.channels) +
-                  " channels cannot be written as OpenEXR: expected 1, 3 or 4");
+      throw Error("An image of " + std::to_string(image.channels) +
+                  " channels cannot be written as OpenEXR: expected 1, 3 or 4.");
   }
 }
 
@@ -129,13 +129,13 @@ void writeFloatRows(Imf::OutputFile& file, const Image& image, const Window& win
 }
 
 void checkFits(const std::filesystem::path& path, const Image& image, const ExrOutput& output) {
-  const std::string start = "cannot write '" + path.string() + "': ";
+  const std::string start = "Cannot write '" + path.string() + "': ";
   if (output.dataWindow.width() != image.width || output.dataWindow.height() != image.height || image.pixels.empty()) {
     throw Error(start + "expected an image that fills its data window, found " + std::to_string(image.width) + " x " +
-                std::to_string(image.height) + " pixels for " + toString(output.dataWindow));
+                std::to_string(image.height) + " pixels for " + toString(output.dataWindow) + ".");
   }
   if (output.pixelType == ExrPixelType::kUint) {
-    throw Error(start + "expected half or float pixels, found whole numbers");
+    throw Error(start + "expected half or float pixels, found whole numbers.");
   }
 }
 
@@ -167,8 +167,8 @@ void writeExr(const std::filesystem::path& path, const Image& image, const ExrOu
   } catch (const Error&) {
     throw;
   } catch (const std::exception& reason) {
-    throw Error("cannot write '" + path.string() + "': " + reason.what() +
-                "; check the folder's permissions and the free space of its disk");
+    throw Error("Cannot write '" + path.string() + "': " + reason.what() +
+                "; check the folder's permissions and the free space of its disk.");
   }
   pending.commit();
 }

@@ -213,7 +213,7 @@ Image flipMap(const Image& result, const Image& reference, double pixelsPerDegre
   requireComparable(result, reference);
   if (result.channels != 3 || !(pixelsPerDegree > 0.0)) {
     throw Error("FLIP compares images of three channels at a positive number of pixels a degree: found " +
-                std::to_string(result.channels) + " channels and " + std::to_string(pixelsPerDegree));
+                std::to_string(result.channels) + " channels and " + std::to_string(pixelsPerDegree) + ".");
   }
   const Planes resultPlanes = opponentPlanes(result);
   const Planes referencePlanes = opponentPlanes(reference);

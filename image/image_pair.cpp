@@ -16,8 +16,8 @@ std::string sizeOf(const Image& image) {
 void requireFinite(const Image& image, const char* name) {
   const auto count = std::count_if(image.pixels.begin(), image.pixels.end(), [](float v) { return !std::isfinite(v); });
   if (count > 0) {
-    throw Error(std::string("images cannot be compared: expected finite values, found ") + std::to_string(count) +
-                " others in the " + name + "; repair it first");
+    throw Error(std::string("Images cannot be compared: expected finite values, found ") + std::to_string(count) +
+                " others in the " + name + "; repair it first.");
   }
 }
 
@@ -26,8 +26,8 @@ void requireFinite(const Image& image, const char* name) {
 void requireComparable(const Image& result, const Image& reference) {
   if (result.pixels.empty() || result.width != reference.width || result.height != reference.height ||
       result.channels != reference.channels) {
-    throw Error("images cannot be compared: expected equal sizes, found " + sizeOf(result) + " and " +
-                sizeOf(reference) + "; crop or scale one of them");
+    throw Error("Images cannot be compared: expected equal sizes, found " + sizeOf(result) + " and " +
+                sizeOf(reference) + "; crop or scale one of them.");
   }
   requireFinite(result, "result");
   requireFinite(reference, "reference");

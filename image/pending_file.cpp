@@ -29,7 +29,7 @@ fs::path behindLinks(const fs::path& path) {
     }
     place = place.parent_path() / fs::read_symlink(place, failure);  // an absolute target replaces the folder
   }
-  throw Error("cannot write '" + path.string() + "': its symbolic links go in circles; choose another name");
+  throw Error("Cannot write '" + path.string() + "': its symbolic links go in circles; choose another name.");
 }
 
 }  // namespace
@@ -39,13 +39,13 @@ PendingFile::PendingFile(const fs::path& path) {
   path_ = behindLinks(path);
   const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
   if (path_.filename().empty() || !fs::is_directory(folder, failure)) {
-    throw Error("cannot write '" + path.string() + "': expected an existing folder, found none at '" + folder.string() +
-                "'; create it or choose another place");
+    throw Error("Cannot write '" + path.string() + "': expected an existing folder, found none at '" + folder.string() +
+                "'; create it or choose another place.");
   }
   const fs::file_status status = fs::status(path_, failure);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw Error("cannot write '" + path.string() +
-                "': expected a free name or a regular file, found something else; choose another name");
+    throw Error("Cannot write '" + path.string() +
+                "': expected a free name or a regular file, found something else; choose another name.");
   }
   temporaryPath_ = temporaryBeside(path_);
 }
@@ -64,8 +64,8 @@ void PendingFile::commit() {
   }
   fs::rename(temporaryPath_, path_, failure);
   if (failure) {
-    throw Error("cannot write '" + path_.string() + "': renaming the finished file failed (" + failure.message() +
-                "); check the permissions of the folder");
+    throw Error("Cannot write '" + path_.string() + "': renaming the finished file failed (" + failure.message() +
+                "); check the permissions of the folder.");
   }
   committed_ = true;
 }

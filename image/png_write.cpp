@@ -25,9 +25,9 @@ png_uint_32 formatFor(const std::filesystem::path& path, const Image& image) {
     case 4:
       return PNG_FORMAT_RGBA;
     default:
-      throw Error("cannot write '" + path.string() + "': expected pixels of 1, 3 or 4 channels, found " +
+      throw Error("Cannot write '" + path.string() + "': expected pixels of 1, 3 or 4 channels, found " +
                   std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels of " +
-                  std::to_string(image.channels));
+                  std::to_string(image.channels) + ".");
   }
 }
 
@@ -57,7 +57,7 @@ std::vector<char> encode(const std::filesystem::path& path, const Image& image, 
   if (png_image_write_to_memory(&png, file.data(), &size, 0, bytes.data(), 0, nullptr) == 0) {
     const std::string reason = png.message;
     png_image_free(&png);
-    throw Error("cannot write '" + path.string() + "': libpng refuses the image (" + reason + "); make it smaller");
+    throw Error("Cannot write '" + path.string() + "': libpng refuses the image (" + reason + "); make it smaller.");
   }
   file.resize(size);
   return file;
@@ -72,8 +72,9 @@ void writePng(const std::filesystem::path& path, const Image& image, float expos
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
   if (!file) {
-    throw Error("cannot write '" + path.string() +
-                "': the file cannot be created or the disk is full; check the folder's permissions and the free space");
+    throw Error(
+        "Cannot write '" + path.string() +
+        "': the file cannot be created or the disk is full; check the folder's permissions and the free space.");
   }
   pending.commit();
 }

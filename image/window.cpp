@@ -10,8 +10,8 @@ namespace {
 
 int32_t checkedCoordinate(int64_t value, const Window& window, int scale) {
   if (value < std::numeric_limits<int32_t>::min() || value > std::numeric_limits<int32_t>::max()) {
-    throw Error("the window " + toString(window) + " cannot be scaled by " + std::to_string(scale) +
-                ": expected corners within 32 bits, found " + std::to_string(value) + "; use a smaller scale");
+    throw Error("The window " + toString(window) + " cannot be scaled by " + std::to_string(scale) +
+                ": expected corners within 32 bits, found " + std::to_string(value) + "; use a smaller scale.");
   }
   return static_cast<int32_t>(value);
 }
@@ -25,7 +25,7 @@ std::string toString(const Window& window) {
 
 Window scaledWindow(const Window& window, int scale) {
   if (scale < 1) {
-    throw Error("a window cannot be scaled by " + std::to_string(scale) + ": expected a positive whole number");
+    throw Error("A window cannot be scaled by " + std::to_string(scale) + ": expected a positive whole number.");
   }
   const int64_t s = scale;
   Window result;
@@ -43,17 +43,17 @@ int scaleBetween(const Window& low, const Window& high) {
                        high.width() / low.width() * low.height() == high.height();
   if (!divides) {
     throw Error(
-        "the auxiliary frame is no whole multiple of the colour frame: expected the same whole scale in both "
+        "The auxiliary frame is no whole multiple of the colour frame: expected the same whole scale in both "
         "directions, found " +
-        toString(low) + " and " + toString(high) + "; render both from one camera at matching sizes");
+        toString(low) + " and " + toString(high) + "; render both from one camera at matching sizes.");
   }
   return static_cast<int>(high.width() / low.width());
 }
 
 Image placedInWindow(const Image& image, const Window& from, const Window& to) {
   if (image.width != from.width() || image.height != from.height()) {
-    throw Error("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                " pixels cannot be placed: expected the size of its window, " + toString(from));
+    throw Error("An image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                " pixels cannot be placed: expected the size of its window, " + toString(from) + ".");
   }
   if (from == to) {
     return image;

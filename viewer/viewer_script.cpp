@@ -81,7 +81,7 @@ Script::Actions Viewer::scriptActions() {
 void Viewer::addInputActions(Script::Actions& actions) {
   actions["key"] = [this](const Words& words) {
     const auto press = parseKey(words[0]);
-    if (!press) throw Error("there is no key '" + words[0] + "'");
+    if (!press) throw Error("There is no key '" + words[0] + "'.");
     pressKey(press->key, press->modifiers);
   };
   actions["move"] = [this](const Words& words) {

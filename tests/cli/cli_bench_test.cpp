@@ -52,7 +52,7 @@ TEST(CliBenchQuality, ModelsThatTakeDepthNeedItOfEveryScene) {
   writeFull(scenes.folder / "s1_aux16.exr", 0.1F, true);
   const Ended one = scenes.run(both);
   EXPECT_EQ(one.exitCode, 3) << one.output;
-  EXPECT_TRUE(contains(one.error, "no depth in") && contains(one.error, "s2_aux16.exr")) << one.error;
+  EXPECT_TRUE(contains(one.error, "No depth in") && contains(one.error, "s2_aux16.exr")) << one.error;
   writeFull(scenes.folder / "s2_aux16.exr", 0.1F, true);
   const Ended all = scenes.run(both);
   EXPECT_TRUE(contains(all.output, "s4_depth.model")) << all.output << all.error;

@@ -48,7 +48,7 @@ TEST(CliFailure, SizesThatDoNotFit) {
 TEST(CliFailure, LayersThatAreUnknownAmbiguousOrAbsent) {
   const SmallFrame frame;
   expectFailure(upscale(frame, {"--albedo", "bogus"}), 3, "a layer 'bogus'", frame.folder, 2);
-  expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "no albedo", frame.folder, 2);
+  expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "No albedo", frame.folder, 2);
   expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "--model xrds-x4-compact-plain", frame.folder,
                 2);
   writeParts(frame.aux, {{windowOf(40, 32),

@@ -112,7 +112,7 @@ TEST(CliFrame, ReadsDepthInAnyUnitForAModelThatTakesIt) {
   const Ended unknown = runWith(1, 0, {"--depth", "Mist"});
   EXPECT_TRUE(contains(unknown.error, "expected a layer 'Mist' with one floating-point channel")) << unknown.error;
   const Ended without = runXrds(SmallFrame().arguments({}, goldenModel("s4_depth")));
-  EXPECT_TRUE(contains(without.error, "no depth in")) << without.error;
+  EXPECT_TRUE(contains(without.error, "No depth in")) << without.error;
 }
 
 TEST(CliFrame, KeepsAttributesAndAddsItsOwn) {

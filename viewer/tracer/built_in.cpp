@@ -28,7 +28,7 @@ TraceScene builtInScene(const std::string& name) {
     if (name == known) return make();
   std::string list;
   for (const std::string& known : builtInSceneNames()) list += (list.empty() ? "" : ", ") + known;
-  throw Error("there is no built-in scene '" + name + "'; there are " + list);
+  throw Error("There is no built-in scene '" + name + "'; there are " + list + ".");
 }
 
 }  // namespace xrds

@@ -119,10 +119,10 @@ void emit(const std::vector<TreeNode>& tree, uint32_t index, uint32_t octant, ui
 
 Bvh buildBvh(std::span<const Triangle> triangles) {
   constexpr size_t kMostTriangles = (size_t{1} << 24) / Bvh::kMaxLeafTriangles;  // whole numbers that a float holds
-  if (triangles.empty()) throw Error("the scene has no triangles");
+  if (triangles.empty()) throw Error("The scene has no triangles.");
   if (triangles.size() > kMostTriangles)
-    throw Error("the scene has " + std::to_string(triangles.size()) + " triangles, at most " +
-                std::to_string(kMostTriangles) + " are possible");
+    throw Error("The scene has " + std::to_string(triangles.size()) + " triangles, at most " +
+                std::to_string(kMostTriangles) + " are possible.");
   Builder builder;
   for (const Triangle& triangle : triangles) {
     Box box;

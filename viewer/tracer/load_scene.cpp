@@ -57,7 +57,7 @@ Texture Loader::decoded(const std::string& name) const {
                                   &width, &height, &channels, 3);
   else
     bytes = stbi_load((folder_ / name).string().c_str(), &width, &height, &channels, 3);
-  if (!bytes) throw Error("the texture '" + name + "' cannot be read: " + stbi_failure_reason());
+  if (!bytes) throw Error("The texture '" + name + "' cannot be read (" + stbi_failure_reason() + ").");
   const std::unique_ptr<stbi_uc, void (*)(void*)> owner(bytes, stbi_image_free);
   Texture texture{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   for (size_t i = 0; i < size_t{texture.width} * texture.height; ++i)
@@ -153,12 +153,12 @@ TraceScene loadScene(const std::filesystem::path& file) {
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* source = importer.ReadFile(
       file.string(), aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals | aiProcess_FlipUVs);
-  if (!source) throw Error("the scene '" + file.string() + "' cannot be read: " + importer.GetErrorString());
+  if (!source) throw Error("The scene '" + file.string() + "' cannot be read (" + importer.GetErrorString() + ").");
   TraceScene scene{.name = file.stem().string()};
   Loader loader(*source, file.parent_path(), scene);
   loader.materials();
   loader.meshes();
-  if (scene.triangles.empty()) throw Error("the scene '" + file.string() + "' has no surfaces");
+  if (scene.triangles.empty()) throw Error("The scene '" + file.string() + "' has no surfaces.");
   loader.camera();
   const bool hasLight = std::any_of(scene.triangles.begin(), scene.triangles.end(), [&](const Triangle& triangle) {
     return luminance(scene.materials.at(triangle.material).emission) > 0;
