@@ -10,6 +10,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSuffix = ".safetensors";
+constexpr int kScaleOfColourAlone = 4;  // no image tells another
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
@@ -29,6 +30,11 @@ fs::path shippedFile(const std::string& name) {
   for (const fs::path& folder : modelFolders())
     if (fs::path file = folder / (name + kSuffix); fs::exists(file)) return file;
   return {};
+}
+
+std::string variantName(int scale, const std::vector<std::string>& inputs) {
+  const bool hasNormal = std::find(inputs.begin(), inputs.end(), "normal") != inputs.end();
+  return defaultModelName(scale) + (inputs.empty() ? "-plain" : hasNormal ? "" : "-albedo");
 }
 
 }  // namespace
@@ -70,13 +76,15 @@ fs::path resolveModel(const std::string& nameOrFile) {
 
 std::string defaultModelName(int scale) { return "xrds-x" + std::to_string(scale) + "-compact"; }
 
-fs::path shippedVariant(int scale, const std::string& variant) {
-  return shippedFile(defaultModelName(scale) + "-" + variant);
+std::string liveModelName() { return "xrds-x4-mini"; }
+
+fs::path shippedVariant(int scale, const std::vector<std::string>& inputs) {
+  return shippedFile(variantName(scale, inputs));
 }
 
-fs::path defaultModel(int scale, bool hasNormal) {
-  if (!hasNormal)
-    if (fs::path variant = shippedVariant(scale, "albedo"); !variant.empty()) return variant;
+fs::path defaultModel(int scale, const std::vector<std::string>& inputs) {
+  if (inputs.empty()) return resolveModel(variantName(kScaleOfColourAlone, inputs));
+  if (fs::path variant = shippedVariant(scale, inputs); !variant.empty()) return variant;
   fs::path file = shippedFile(defaultModelName(scale));
   if (file.empty() && shippedModels().empty())
     throw Error("Without --model a shipped model is taken, but " + noModels());

@@ -21,12 +21,16 @@ std::filesystem::path resolveModel(const std::string& nameOrFile);
 /// "xrds-x<scale>-compact", whether it is shipped or not.
 std::string defaultModelName(int scale);
 
-/// The file of the default model of a scale: the one that does without normals where there are none, if it is shipped.
-/// Throws Error as resolveModel does.
-std::filesystem::path defaultModel(int scale, bool hasNormal);
+/// "xrds-x4-mini", which is fast enough for live views, whether it is shipped or not.
+std::string liveModelName();
 
-/// The file of the default model's variant for frames with other auxiliary images, "albedo" or "plain"; empty if none
-/// is shipped for the scale.
-std::filesystem::path shippedVariant(int scale, const std::string& variant);
+/// The file of the default model's variant for frames with these auxiliary images: of the colour alone, without
+/// normals, or the default model itself. Empty if it is not shipped for the scale.
+std::filesystem::path shippedVariant(int scale, const std::vector<std::string>& inputs);
+
+/// The file of the model for frames with these auxiliary images, `scale` times the colour's size: the variant that
+/// suits them, or the default model itself where that is not shipped. The colour alone is upscaled by 4, whatever
+/// `scale` is. Throws Error as resolveModel does.
+std::filesystem::path defaultModel(int scale, const std::vector<std::string>& inputs);
 
 }  // namespace xrds

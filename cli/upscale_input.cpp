@@ -15,14 +15,12 @@ namespace fs = std::filesystem;
 
 // How the colour alone can be upscaled, where it can.
 std::string colourAloneHint(const UpscaleOptions& options) {
-  const fs::path model = shippedVariant(4, "plain");
-  if (model.empty()) return "";
   try {
     const Frame frame(options.color, {}, options.layers, {});
+    return "\n  or, of the colour alone: --model " + defaultModel(frame.scale(), frame.inputs()).stem().string();
   } catch (const Error&) {
     return "";
   }
-  return "\n  or, of the colour alone: --model " + model.stem().string();
 }
 
 fs::path modelFile(const UpscaleOptions& options) {
@@ -38,7 +36,9 @@ fs::path modelFile(const UpscaleOptions& options) {
     throw;
   }
   const bool hasNormal = !options.layers.nameOf(AovRole::kNormal).empty() || hasAov(file, AovRole::kNormal);
-  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, hasNormal); });
+  std::vector<std::string> inputs{std::string(kAlbedo.name)};
+  if (hasNormal) inputs.emplace_back(kNormal.name);
+  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, inputs); });
   if (!hasNormal)
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
   return model;
@@ -91,7 +91,9 @@ void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame
   };
   const std::string input = constant("albedo") ? "albedo" : constant("normal") ? "normal" : "";
   if (input.empty()) return;
-  const fs::path file = shippedVariant(scale, input == "albedo" ? "plain" : "albedo");
+  std::vector<std::string> left;
+  if (input == "normal") left = {"albedo"};
+  const fs::path file = shippedVariant(scale, left);
   if (file.empty()) return;
   opened = {file, stage(ExitCode::model, [&] { return Model(file); })};
   frame = openFrame(options, opened);

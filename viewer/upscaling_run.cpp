@@ -29,9 +29,8 @@ const char* baseName(Slot slot) {
 
 std::string Upscaling::wantedModel(const Wanted& wanted) const {
   if (!wanted.model.empty()) return wanted.model;
-  if (live_) return "xrds-x4-mini";
-  if (size_.inputs.empty()) return "xrds-x4-compact-plain";
-  return defaultModel(size_.scale, size_.has("normal")).stem().string();
+  if (live_) return liveModelName();
+  return stage(ExitCode::model, [&] { return defaultModel(size_.scale, size_.inputs); }).stem().string();
 }
 
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
