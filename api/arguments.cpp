@@ -17,10 +17,9 @@ std::string numberText(float value) {
 }
 
 void checkExposure(const Upscaler::Options& options) {
-  constexpr float kLargest = 1e30f;
-  const float e = options.exposure.value_or(1);
-  if (!(e >= 1 / kLargest && e <= kLargest))
-    throw Error("An exposure of " + numberText(e) + " was given, expected a number between 1e-30 and 1e30.");
+  if (options.exposure && !Upscaler::isExposure(*options.exposure))
+    throw Error("An exposure of " + numberText(*options.exposure) +
+                " was given, expected a number between 1e-30 and 1e30.");
 }
 
 void checkSkip(const SkipOptions& options) {

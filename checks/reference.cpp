@@ -42,7 +42,7 @@ void setInputs(const Graph& graph, const FrameInput& input, HostMemory& memory) 
     set(graph.auxiliary, static_cast<uint32_t>(3 * i), input.auxiliary[i]);
   if (!graph.computesExposure()) {
     auto& exposure = memory.storage(graph.exposure);
-    exposure[0] = input.exposure.value_or(1.f);
+    exposure[0] = input.exposure.value_or(FrameExposure{}).value;
     exposure[1] = 1 / exposure[0];
   }
 }

@@ -15,7 +15,7 @@ std::string validExposure(const std::string& text) {
   if (text == "auto") return {};
   char* end = nullptr;
   const float value = std::strtof(text.c_str(), &end);
-  return *end == 0 && value > 1e-30F && value < 1e30F ? "" : "expected auto or a positive number, found '" + text + "'";
+  return *end == 0 && Upscaler::isExposure(value) ? "" : "expected auto or a positive number, found '" + text + "'";
 }
 
 void addFiles(CLI::App& verb, UpscaleOptions& options) {

@@ -1,6 +1,5 @@
 #include "frames/frame_exposure.h"
 
-#include "frames/frame_input.h"
 #include "shaders/exposure/exposure.h"
 
 namespace xrds {
@@ -8,7 +7,7 @@ namespace xrds {
 FrameExposure exposureOnHost(const PixelView& colour) {
   const auto [exposure, count] = automaticExposure(uint64_t{colour.width} * colour.height, [&](uint64_t i) {
     const float* rgb = colour.pixels + i * colour.stride;
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    return luminance(rgb[0], rgb[1], rgb[2]);
   });
   return {static_cast<float>(exposure), static_cast<float>(1 / exposure)};
 }

@@ -1,14 +1,9 @@
 #pragma once
 
 #include "engine/recording.h"
-#include "xrds/pixel_view.h"
+#include "frames/frame_input.h"
 
 namespace xrds {
-
-/// The exposure of a frame and its inverse, each as it was computed.
-struct FrameExposure {
-  float value = 1, inverse = 1;
-};
 
 /// The automatic exposure of shaders/exposure over the whole image, on the device: bit for bit what the graph of the
 /// untiled frame computes. Overwrites `scratch`; if that does not hold the image, 16 bytes a pixel and some more, or

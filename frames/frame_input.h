@@ -7,12 +7,19 @@
 
 namespace xrds {
 
+/// The exposure of a frame and its inverse: of a given one, or both as they were computed.
+struct FrameExposure {
+  float value = 1, inverse = 1;
+  FrameExposure() = default;
+  FrameExposure(float given) : value(given), inverse(1 / given) {}  // a number is an exposure
+  FrameExposure(float value, float inverse) : value(value), inverse(inverse) {}
+};
+
 /// One frame on the host, pixels of the caller.
 struct FrameInput {
-  PixelView colour;                        // [h, w], linear radiance
-  std::vector<PixelView> auxiliary{};      // [s h, s w] each, in the model's order
-  std::optional<float> exposure{};         // empty: computed over the whole frame
-  std::optional<float> inverseExposure{};  // as a device computed it; empty: 1 / exposure
+  PixelView colour;                         // [h, w], linear radiance
+  std::vector<PixelView> auxiliary{};       // [s h, s w] each, in the model's order
+  std::optional<FrameExposure> exposure{};  // empty: computed over the whole frame
 };
 
 /// Copies `width` pixels of row y, from column x on, three floats each, to every `stride`th float of `to`. Columns are

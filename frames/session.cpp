@@ -177,8 +177,8 @@ void Session::uploadPart(const FrameInput& frame, int64_t x, uint32_t y) {
     write(graph_.auxiliary, frame.auxiliary, x * scale, y * scale);
   }
   if (!graph_.computesExposure()) {
-    const float e = frame.exposure.value_or(1.f);
-    const float numbers[4] = {e, frame.inverseExposure.value_or(1 / e), 0, 0};
+    const FrameExposure exposure = frame.exposure.value_or(FrameExposure{});
+    const float numbers[4] = {exposure.value, exposure.inverse, 0, 0};
     arena_->upload(placeOf(graph_.exposure), std::as_bytes(std::span(numbers)));
   }
 }

@@ -71,11 +71,11 @@ SparseRunner::SparseRunner(Gpu& gpu, const NetworkModel& model, const SessionOpt
 
 bool SparseRunner::run(const FrameInput& given, std::span<float> output, const std::function<bool(double)>& progress) {
   FrameInput frame = given;
-  exposure_ = frame.exposure ? *frame.exposure : exposureOnHost(frame.colour).value;
+  exposure_ = (frame.exposure ? *frame.exposure : exposureOnHost(frame.colour)).value;
   if (!frame.exposure && last_ && std::abs(exposure_ / last_->exposure - 1) <= kHeldExposure)
     frame.exposure = exposure_ = last_->exposure;
 
-  const bool comparable = last_ && frame.exposure == last_->exposure;
+  const bool comparable = last_ && frame.exposure && frame.exposure->value == last_->exposure;
   const WindowMask changed = comparable ? changedWindows(frame) : WindowMask(frame_, config_.window, true);
   WindowMask needed = changed;
   std::optional<QuietWindows> quiet;

@@ -48,10 +48,9 @@ bool TileRunner::run(const FrameInput& frame, std::span<const Tile> tiles, std::
   lostPixels_.clear();
   if (tiles.empty()) return true;
   prepare(tiles);
-  const float given = frame.exposure.value_or(1.f);
-  exposure_ = frame.exposure ? FrameExposure{given, 1 / given} : exposureOf(gpu_, frame.colour, largest_->arena());
+  exposure_ = frame.exposure ? *frame.exposure : exposureOf(gpu_, frame.colour, largest_->arena());
   FrameInput exposed = frame;
-  exposed.exposure = exposure_.value, exposed.inverseExposure = exposure_.inverse;
+  exposed.exposure = exposure_;
   double total = 0, done = 0;
   for (const Tile& tile : tiles) total += static_cast<double>(pixelCount(tile.crop));
   for (const Tile& tile : tiles) {

@@ -26,7 +26,7 @@ class XRDS_API Upscaler {
  public:
   struct Options {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
-    std::optional<float> exposure{};  // factor on the colour, 1e-30 to 1e30; empty: from the mean log luminance
+    std::optional<float> exposure{};  // factor on the colour, see isExposure(); empty: from the mean log luminance
     bool profile = false;
     /// Passes over the frame: 1, or the mean of 2 (also turned by half a turn), 4 (mirrored both ways) or 8 (also on
     /// the diagonal, not with TileOptions::wrap), for as many times the time. Normals are taken to be in the camera's
@@ -37,6 +37,8 @@ class XRDS_API Upscaler {
     /// A run is cut into submissions of about that much work: others wait for the device no longer than one takes.
     uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
   };
+  /// Whether it may be given as an exposure.
+  static constexpr bool isExposure(float value) { return value >= 1e-30F && value <= 1e30F; }
   static constexpr uint32_t kSmallFrame = 256;  // low-resolution pixels
   /// The kernels of a frame of width x height low-resolution pixels on a device that runs `family`, where no family was
   /// asked for: "plain" in place of "lane" for frames of at most kSmallFrame pixels.

@@ -28,8 +28,7 @@ void reference(const Exposure& op, HostMemory& memory) {
   outputShape(op);
   const auto [exposure, count] = automaticExposure(op.colour.pixelCount(), [&](uint64_t i) {
     const auto y = static_cast<uint32_t>(i / op.colour.width), x = static_cast<uint32_t>(i % op.colour.width);
-    return 0.2126 * memory.at(op.colour, y, x, 0) + 0.7152 * memory.at(op.colour, y, x, 1) +
-           0.0722 * memory.at(op.colour, y, x, 2);
+    return luminance(memory.at(op.colour, y, x, 0), memory.at(op.colour, y, x, 1), memory.at(op.colour, y, x, 2));
   });
   const double result[] = {exposure, 1 / exposure, static_cast<double>(count), 0};
   for (uint32_t c = 0; c < 4; ++c) memory.at(op.output, 0, 0, c) = result[c];

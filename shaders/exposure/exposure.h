@@ -53,7 +53,10 @@ void propagate(const Exposure& op, Moments& moments);
 /// On which a device is examined; none where it does not make this operator.
 void addExamples(ExampleMaker& maker, std::vector<Exposure>& examples);
 
-/// The exposure of pixelCount pixels in double precision, where luminanceOf(i) is the Rec. 709 luminance of pixel i.
+/// Rec. 709.
+inline double luminance(double red, double green, double blue) { return 0.2126 * red + 0.7152 * green + 0.0722 * blue; }
+
+/// The exposure of pixelCount pixels in double precision, where luminanceOf(i) is the luminance of pixel i.
 struct ExposureResult {
   double exposure = 1;
   uint64_t count = 0;  // pixels that count
