@@ -3,8 +3,8 @@
 #include <memory>
 #include <set>
 
+#include "app/failing_with.h"
 #include "app/models.h"
-#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/network_report.h"
 #include "cli/output_file.h"
@@ -123,14 +123,14 @@ void run(const BenchNetworkOptions& options) {
     requireExtension(options.json, ".json", "--json");
     requireWritable(options.json);
   }
-  const auto models = stage(ExitCode::model, [&] { return modelsOf(options); });
+  const auto models = failingWith(ExitCode::model, [&] { return modelsOf(options); });
   requireMultiples(options, models);
-  const auto devices = stage(ExitCode::device, [&] { return devicesOf(options); });
+  const auto devices = failingWith(ExitCode::device, [&] { return devicesOf(options); });
   const auto cases = casesOf(options, models, devices);
-  NetworkReport report = stage(ExitCode::device, [&] { return measureAll(options, cases); });
+  NetworkReport report = failingWith(ExitCode::device, [&] { return measureAll(options, cases); });
   report.devices = devices;
   if (!options.quiet) std::fputs(plainText(report).c_str(), stdout);
-  if (!options.json.empty()) stage(ExitCode::output, [&] { writeText(options.json, jsonText(report)); });
+  if (!options.json.empty()) failingWith(ExitCode::output, [&] { writeText(options.json, jsonText(report)); });
 }
 
 void addCases(CLI::App& verb, BenchNetworkOptions& options) {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <set>
 
+#include "app/failing_with.h"
 #include "app/models.h"
-#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
@@ -98,10 +98,11 @@ void requireDistinctNames(const Contest& contest) {
 
 Contest prepare(const BenchQualityOptions& options) {
   Contest contest{settingOf(options), {}, finishedOf(options), {}};
-  contest.engine = stage(ExitCode::model, [&] { return engineMethods(options); });
+  contest.engine = failingWith(ExitCode::model, [&] { return engineMethods(options); });
   requireDistinctNames(contest);
   for (const EngineMethod& method : contest.engine) contest.setting.read(method.model());
-  contest.list = stage(ExitCode::input, [&] { return findScenes(options.folder, contest.setting, contest.finished); });
+  contest.list =
+      failingWith(ExitCode::input, [&] { return findScenes(options.folder, contest.setting, contest.finished); });
   return contest;
 }
 
@@ -114,7 +115,7 @@ fs::path imageFile(const BenchQualityOptions& options, const std::string& scene,
 
 void writeImage(const BenchQualityOptions& options, const std::string& sceneName, const Frame& frame,
                 const EngineMethod& method, const Image& image) {
-  stage(ExitCode::output, [&] {
+  failingWith(ExitCode::output, [&] {
     ExrOutput output = frame.output(options.scale);
     output.texts["xrds:version"] = XRDS_VERSION;
     output.texts["xrds:model"] = method.name() + " " + method.model().hash();
@@ -125,15 +126,15 @@ void writeImage(const BenchQualityOptions& options, const std::string& sceneName
 // Adds one scene to every method of the report; their order is that of reportFor.
 void measureScene(const BenchQualityOptions& options, Contest& contest, const SceneFiles& files, Device& device,
                   QualityReport& report) {
-  const Scene scene = stage(ExitCode::input, [&] { return loadScene(files, contest.setting); });
+  const Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, contest.setting); });
   for (const std::string& warning : scene.frame.warnings())
     std::fprintf(stderr, "xrds: warning: %s: %s\n", files.name.c_str(), warning.c_str());
   auto row = report.methods.begin();
   if (options.scale == 1) (row++)->scenes.push_back({measure(scene.frame.colour(), scene.reference)});
   for (EngineMethod& method : contest.engine) {
     FrameSeconds seconds;
-    const Image image =
-        stage(ExitCode::device, [&] { return method.run(device, scene.frame, options.precision == "fp16", seconds); });
+    const Image image = failingWith(
+        ExitCode::device, [&] { return method.run(device, scene.frame, options.precision == "fp16", seconds); });
     (row++)->scenes.push_back({measure(image, scene.reference), seconds});
     if (!options.write.empty()) writeImage(options, files.name, scene.frame, method, image);
   }
@@ -173,7 +174,7 @@ QualityReport measureAll(const BenchQualityOptions& options, Contest contest, De
   ProgressBar bar(options.quiet);
   for (const SceneFiles& files : contest.list.scenes) {
     stopIfInterrupted();
-    stage(ExitCode::input, [&] { measureScene(options, contest, files, device, report); });
+    failingWith(ExitCode::input, [&] { measureScene(options, contest, files, device, report); });
     report.sceneNames.push_back(files.name);
     bar.update(static_cast<double>(report.sceneNames.size()) / static_cast<double>(contest.list.scenes.size()));
   }
@@ -183,10 +184,10 @@ QualityReport measureAll(const BenchQualityOptions& options, Contest contest, De
 void run(const BenchQualityOptions& options) {
   Contest contest = prepare(options);
   checkOutputs(options);
-  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
+  Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   const QualityReport report = measureAll(options, std::move(contest), device);
   if (!options.quiet) std::fputs(plainText(report).c_str(), stdout);
-  stage(ExitCode::output, [&] {
+  failingWith(ExitCode::output, [&] {
     if (!options.json.empty()) writeText(options.json, jsonText(report));
     if (!options.markdown.empty()) writeText(options.markdown, markdownText(report));
   });

@@ -5,9 +5,9 @@
 #include <ctime>
 #include <memory>
 
+#include "app/failing_with.h"
 #include "app/models.h"
 #include "app/skip_bound.h"
-#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
@@ -147,18 +147,18 @@ void run(const BenchSkipOptions& options) {
   if (!options.markdown.empty()) requireWritable(options.markdown);
   QualitySetting setting{options.scale, options.colour, options.aux};
   const std::string name = options.model.empty() ? defaultModelName(options.scale) : options.model;
-  const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(name)); });
+  const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); });
   setting.read(model);
-  const SceneList list = stage(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
-  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
+  const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
+  Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   std::vector<Row> rows{
       {"scene", "skipped", "work", "s off", "s skip", "faster", "PSNR off", "change dB", "skipped windows", "others"}};
   double worst = 0;
   std::vector<double> slower;
   for (const SceneFiles& files : list.scenes) {
-    const Scene scene = stage(ExitCode::input, [&] { return loadScene(files, setting); });
+    const Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, setting); });
     const SkipMeasurement made =
-        stage(ExitCode::device, [&] { return measureScene(device, model, files, scene, options); });
+        failingWith(ExitCode::device, [&] { return measureScene(device, model, files, scene, options); });
     if (made.map.work == 1) {
       const std::vector<double> pairs = ratios(made.seconds, made.secondsOff);
       slower.insert(slower.end(), pairs.begin(), pairs.end());
@@ -167,7 +167,7 @@ void run(const BenchSkipOptions& options) {
     rows.push_back(rowOf(made));
   }
   if (!options.quiet) printSummary(options, name, device, rows, worst, slower);
-  if (!options.markdown.empty()) stage(ExitCode::output, [&] { writeText(options.markdown, markdown(rows)); });
+  if (!options.markdown.empty()) failingWith(ExitCode::output, [&] { writeText(options.markdown, markdown(rows)); });
 }
 
 }  // namespace

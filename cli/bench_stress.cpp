@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/failing_with.h"
 #include "app/models.h"
-#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
@@ -37,20 +37,20 @@ void run(const BenchStressOptions& options) {
   const auto names = modelNames(options);
   std::vector<Model> models;
   for (const std::string& name : names)
-    models.push_back(stage(ExitCode::model, [&] { return Model(resolveModel(name)); }));
-  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
+    models.push_back(failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); }));
+  Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   ProgressBar bar(options.quiet);
   StressOptions wanted{.randomModels = !options.noRandom,
                        .seed = options.seed,
                        .shortForm = options.shortForm,
                        .progress = [&](double share) { return bar.update(share); }};
   for (size_t i = 0; i < models.size(); ++i) wanted.models.push_back({names[i], &models[i]});
-  const StressReport report = stage(ExitCode::device, [&] { return Upscaler::stress(device, wanted); });
+  const StressReport report = failingWith(ExitCode::device, [&] { return Upscaler::stress(device, wanted); });
   stopIfInterrupted();
   if (!options.quiet)
     std::printf("%s, %s\n%s", device.description().name.c_str(), device.description().driver.c_str(),
                 plainText(report).c_str());
-  stage(ExitCode::output, [&] {
+  failingWith(ExitCode::output, [&] {
     if (!options.json.empty()) writeText(options.json, jsonText(report));
     if (!options.markdown.empty()) writeText(options.markdown, markdownText(report));
   });

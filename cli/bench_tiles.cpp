@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/failing_with.h"
 #include "app/models.h"
-#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
@@ -119,7 +119,7 @@ using Errors = std::vector<TileError>;
 
 void measureScene(const BenchTilesOptions& options, Device& device, const Model& model, const SceneFiles& files,
                   const QualitySetting& setting, std::vector<Errors>& errors) {
-  const Scene scene = stage(ExitCode::input, [&] { return loadScene(files, setting); });
+  const Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, setting); });
   Runner runner(options, device, model, scene.frame);
   const Image whole = runner.run({});
   std::vector<Image> maps;
@@ -136,7 +136,8 @@ void measureScene(const BenchTilesOptions& options, Device& device, const Model&
     if (!options.heatMap.empty()) maps.push_back(heatMap(differenceMap(tiled, whole), 8));
   }
   if (!options.heatMap.empty())
-    stage(ExitCode::output, [&] { writePng(fs::path(options.heatMap) / (files.name + ".png"), sideBySide(maps, 4)); });
+    failingWith(ExitCode::output,
+                [&] { writePng(fs::path(options.heatMap) / (files.name + ".png"), sideBySide(maps, 4)); });
 }
 
 Row rowOf(uint32_t halo, const Errors& errors) {
@@ -153,17 +154,17 @@ Row rowOf(uint32_t halo, const Errors& errors) {
 }
 
 void run(const BenchTilesOptions& options) {
-  const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
+  const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
   QualitySetting setting{
       .scale = static_cast<int>(model.scale()), .colourSamples = options.colour, .auxSamples = options.aux};
   setting.read(model);
-  const SceneList list = stage(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
-  Device device = stage(ExitCode::device, [&] { return Device({.select = options.device}); });
+  const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
+  Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   std::vector<Errors> errors(options.halos.size());
   {
     ProgressBar bar(options.quiet);
     for (size_t i = 0; i < list.scenes.size(); ++i) {
-      stage(ExitCode::device, [&] { measureScene(options, device, model, list.scenes[i], setting, errors); });
+      failingWith(ExitCode::device, [&] { measureScene(options, device, model, list.scenes[i], setting, errors); });
       bar.update(static_cast<double>(i + 1) / static_cast<double>(list.scenes.size()));
       stopIfInterrupted();
     }

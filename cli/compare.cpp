@@ -2,7 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 #include "cli/commands.h"
 #include "cli/metric_columns.h"
 #include "cli/output_file.h"
@@ -67,12 +67,12 @@ std::string jsonText(const CompareOptions& options, const Image& image, const Me
 
 void run(const CompareOptions& options) {
   requireOutputs(options);
-  const auto [image, reference] = stage(ExitCode::input, [&] { return readImages(options); });
+  const auto [image, reference] = failingWith(ExitCode::input, [&] { return readImages(options); });
   stopIfInterrupted();
-  const Metrics metrics = stage(ExitCode::input, [&] { return measure(image, reference); });
+  const Metrics metrics = failingWith(ExitCode::input, [&] { return measure(image, reference); });
   if (!options.quiet) printMetrics(metrics);
   stopIfInterrupted();
-  stage(ExitCode::output, [&] {
+  failingWith(ExitCode::output, [&] {
     if (!options.json.empty()) writeText(options.json, jsonText(options, image, metrics));
     if (!options.heatMap.empty()) writePng(options.heatMap, heatMap(flipMap(image, reference), options.heatMaximum));
   });

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 #include "cli/progress.h"
 
 namespace xrds {
@@ -38,7 +38,7 @@ std::unique_ptr<Device> open(const std::string& select, PreparationLine& line) {
 
 void runOn(const std::string& select, bool quiet, const std::function<void(Device&)>& work) {
   PreparationLine line(quiet);
-  stage(ExitCode::device, [&] {
+  failingWith(ExitCode::device, [&] {
     const auto device = open(select, line);
     printNotes(*device);
     try {
@@ -59,7 +59,7 @@ void printNotes(const Device& device) {
 void onDevice(const std::string& select, bool quiet, const std::function<void(Device&)>& work) {
   std::vector<Candidate> candidates{{select, "", 0}};
   if (select.empty()) {
-    const auto devices = stage(ExitCode::device, [] { return Device::list(); });
+    const auto devices = failingWith(ExitCode::device, [] { return Device::list(); });
     if (devices.size() > 1) candidates = bestFirst(devices);
   }
   for (size_t i = 0; i + 1 < candidates.size(); ++i) try {

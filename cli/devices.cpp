@@ -2,7 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "xrds/xrds.h"
@@ -39,11 +39,11 @@ void run(const std::string& jsonFile) {
     requireExtension(jsonFile, ".json", "--json");
     requireWritable(jsonFile);
   }
-  const auto devices = stage(ExitCode::device, [] { return Device::list(); });
+  const auto devices = failingWith(ExitCode::device, [] { return Device::list(); });
   if (devices.empty())
     throw Failure{ExitCode::device, "There is no Vulkan 1.2 device: install a driver (Debian: mesa-vulkan-drivers)."};
   print(devices);
-  if (!jsonFile.empty()) stage(ExitCode::output, [&] { writeText(jsonFile, jsonText(devices)); });
+  if (!jsonFile.empty()) failingWith(ExitCode::output, [&] { writeText(jsonFile, jsonText(devices)); });
 }
 
 }  // namespace

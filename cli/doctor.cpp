@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/failing_with.h"
 #include "app/models.h"
-#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
 #include "cli/doctor_report.h"
@@ -58,7 +58,7 @@ void run(const DoctorOptions& options) {
     requireExtension(options.json, ".json", "--json");
     requireWritable(options.json);
   }
-  const Findings findings = stage(ExitCode::device, [&] {
+  const Findings findings = failingWith(ExitCode::device, [&] {
     const EndsAtOnce endsAtOnce;
     Device device({.select = options.device});
     printNotes(device);
@@ -66,7 +66,8 @@ void run(const DoctorOptions& options) {
   });
   const Verdict verdict = judge(findings);
   if (!options.quiet) std::fputs(doctorText(findings, verdict).c_str(), stdout);
-  if (!options.json.empty()) stage(ExitCode::output, [&] { writeText(options.json, doctorJson(findings, verdict)); });
+  if (!options.json.empty())
+    failingWith(ExitCode::output, [&] { writeText(options.json, doctorJson(findings, verdict)); });
   if (verdict.code != ExitCode::ok) throw Failure{verdict.code, verdict.sentence};
 }
 

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/byte_count.h"
+#include "app/failing_with.h"
 #include "app/models.h"
-#include "app/stage.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
 #include "cli/output_file.h"
@@ -141,8 +141,8 @@ Json jsonOf(const Model& model, const std::string& name, const Answer& answer) {
 
 void writeJson(const std::string& file, const Json& json) {
   if (file.empty()) return;
-  stage(ExitCode::output,
-        [&] { writeText(file, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"); });
+  failingWith(ExitCode::output,
+              [&] { writeText(file, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"); });
 }
 
 void listModels(const InfoOptions& options) {
@@ -157,8 +157,8 @@ void run(const InfoOptions& options) {
   }
   if (options.model.empty()) return listModels(options);
   const Size size = parseSize(options.size);
-  const Model model = stage(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
-  const Answer answer = stage(ExitCode::usage, [&] { return answerOf(model, size, options); });
+  const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
+  const Answer answer = failingWith(ExitCode::usage, [&] { return answerOf(model, size, options); });
   printMetadata(model);
   printCosts(answer);
   if (answer.fp32Tiling) printTilings(answer, options.memory);

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <random>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 #include "cli/process_memory.h"
 #include "cli/progress.h"
 #include "cli/quality_report.h"

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <fstream>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 #include "image/pending_file.h"
 
 namespace xrds {
@@ -18,7 +18,7 @@ void requireExtension(const std::string& path, const std::string& extension, con
 }
 
 void requireWritable(const std::string& path) {
-  stage(ExitCode::output, [&] {
+  failingWith(ExitCode::output, [&] {
     const PendingFile probe(path);
     if (!std::ofstream(probe.temporaryPath()))
       throw Error("Cannot write '" + path +

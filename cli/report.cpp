@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <map>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 #include "cli/progress.h"
 #include "image/compose.h"
 #include "image/metrics.h"
@@ -132,9 +132,10 @@ void writeSideBySide(Device& device, const Frame& frame, const Image& result, co
   const int scale = result.width / frame.colour().width;
   std::vector<Image> images{
       enlargeNearest(frame.colour(), scale),
-      stage(ExitCode::device, [&] { return runBaseline(device, {"bicubic"}, frame.colour(), {}, scale); }), result};
+      failingWith(ExitCode::device, [&] { return runBaseline(device, {"bicubic"}, frame.colour(), {}, scale); }),
+      result};
   if (reference) images.push_back(*reference);
-  stage(ExitCode::output, [&] { writePng(pngPath, sideBySide(images, 4)); });
+  failingWith(ExitCode::output, [&] { writePng(pngPath, sideBySide(images, 4)); });
 }
 
 std::vector<MeasuredImage> measureWithBaselines(Device& device, const Frame& frame, const Image& result,

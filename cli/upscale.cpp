@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/failing_with.h"
 #include "app/skip_map.h"
-#include "app/stage.h"
 #include "cli/alpha.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
@@ -24,7 +24,7 @@ struct Timer {
 
 std::vector<Upscaler::CheckRow> runCheck(Device& device, const Model& model, const Frame& frame,
                                          const UpscaleOptions& options) {
-  auto rows = stage(ExitCode::device, [&] { return checkOnCrop(device, model, frame, options.upscaler()); });
+  auto rows = failingWith(ExitCode::device, [&] { return checkOnCrop(device, model, frame, options.upscaler()); });
   if (!options.quiet) printCheck(rows);
   if (const int divergent = firstDivergent(rows); divergent >= 0)
     throw Failure{ExitCode::differs,
@@ -64,7 +64,7 @@ void writeResult(const UpscaleOptions& options, const Frame& frame, const Opened
                  const std::optional<Image>& alpha) {
   char exposure[32];
   std::snprintf(exposure, sizeof exposure, "%.6g", result.exposure);
-  stage(ExitCode::output, [&] {
+  failingWith(ExitCode::output, [&] {
     ExrOutput output = frame.output(static_cast<int>(opened.model.scale()));
     output.texts["xrds:version"] = XRDS_VERSION;
     output.texts["xrds:model"] = opened.name() + " " + opened.model.hash();
@@ -106,8 +106,8 @@ void upscaleOn(Device& device, const Task& task) {
     result.measured = measureWithBaselines(device, frame, result.colour, *reference);
   if (!options.quiet) printMeasured(result.measured);
   if (!options.json.empty())
-    stage(ExitCode::output,
-          [&] { writeText(options.json, upscaleJson(options, input, device.description(), result)); });
+    failingWith(ExitCode::output,
+                [&] { writeText(options.json, upscaleJson(options, input, device.description(), result)); });
 }
 
 void run(UpscaleOptions options) {
@@ -121,8 +121,8 @@ void run(UpscaleOptions options) {
   const int scale = static_cast<int>(input.opened.model.scale());
   std::optional<Image> reference;
   if (!options.reference.empty())
-    reference = stage(ExitCode::input,
-                      [&] { return readReference(options.reference, scale * colour.width, scale * colour.height); });
+    reference = failingWith(
+        ExitCode::input, [&] { return readReference(options.reference, scale * colour.width, scale * colour.height); });
   printWarnings(input.frame.warnings());
   stopIfInterrupted();
   const Task task{options, input, reference, whole};

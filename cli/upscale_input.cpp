@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "app/failing_with.h"
 #include "app/frame_files.h"
 #include "app/models.h"
 #include "app/skip_bound.h"
-#include "app/stage.h"
 #include "cli/warnings.h"
 
 namespace xrds {
@@ -24,13 +24,13 @@ std::string colourAloneHint(const UpscaleOptions& options) {
 }
 
 fs::path modelFile(const UpscaleOptions& options) {
-  if (!options.model.empty()) return stage(ExitCode::model, [&] { return resolveModel(options.model); });
+  if (!options.model.empty()) return failingWith(ExitCode::model, [&] { return resolveModel(options.model); });
   const ExrFile file =
-      stage(ExitCode::input, [&] { return readExrHeader(options.aux.empty() ? options.color : options.aux); });
+      failingWith(ExitCode::input, [&] { return readExrHeader(options.aux.empty() ? options.color : options.aux); });
   int scale = 0;
   try {
     scale =
-        stage(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)}).scale(); });
+        failingWith(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)}).scale(); });
   } catch (Failure& failure) {
     if (options.layers.nameOf(AovRole::kAlbedo).empty() && !hasAov(file, AovRole::kAlbedo)) failure.message += colourAloneHint(options);
     throw;
@@ -38,7 +38,7 @@ fs::path modelFile(const UpscaleOptions& options) {
   const bool hasNormal = !options.layers.nameOf(AovRole::kNormal).empty() || hasAov(file, AovRole::kNormal);
   std::vector<std::string> inputs{std::string(kAlbedo.name)};
   if (hasNormal) inputs.emplace_back(kNormal.name);
-  const fs::path model = stage(ExitCode::model, [&] { return defaultModel(scale, inputs); });
+  const fs::path model = failingWith(ExitCode::model, [&] { return defaultModel(scale, inputs); });
   if (!hasNormal)
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
   return model;
@@ -46,13 +46,13 @@ fs::path modelFile(const UpscaleOptions& options) {
 
 OpenedModel openModel(const UpscaleOptions& options) {
   const fs::path file = modelFile(options);
-  OpenedModel opened{file, stage(ExitCode::model, [&] { return Model(file); })};
-  stage(ExitCode::model, [&] { requireKnownInputs(opened.model, opened.name()); });
+  OpenedModel opened{file, failingWith(ExitCode::model, [&] { return Model(file); })};
+  failingWith(ExitCode::model, [&] { requireKnownInputs(opened.model, opened.name()); });
   return opened;
 }
 
 Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
-  Frame frame = stage(ExitCode::input, [&] {
+  Frame frame = failingWith(ExitCode::input, [&] {
     return Frame(options.color, options.aux, options.layers, opened.model.auxiliaryInputs());
   });
   const int scale = static_cast<int>(opened.model.scale());
@@ -60,7 +60,7 @@ Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
     throw Failure{ExitCode::model, "The auxiliary images have " + std::to_string(frame.scale()) +
                                        " times the colour's size, but model '" + opened.name() + "' upscales by " +
                                        std::to_string(scale) + ": choose another with --model."};
-  stage(ExitCode::input, [&] {
+  failingWith(ExitCode::input, [&] {
     (void)frame.output(scale);  // throws if the windows do not fit
     frame.load();
   });
@@ -95,7 +95,7 @@ void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame
   if (input == "normal") left = {"albedo"};
   const fs::path file = shippedVariant(scale, left);
   if (file.empty()) return;
-  opened = {file, stage(ExitCode::model, [&] { return Model(file); })};
+  opened = {file, failingWith(ExitCode::model, [&] { return Model(file); })};
   frame = openFrame(options, opened);
   printWarnings({"The " + input + " is the same everywhere; taking model " + opened.name() + "."});
 }
@@ -104,7 +104,7 @@ void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame
 
 void sortInputs(UpscaleOptions& options) {
   if (options.aux.empty()) return;
-  const FrameFiles files = stage(ExitCode::input, [&] { return sortPair(options.color, options.aux); });
+  const FrameFiles files = failingWith(ExitCode::input, [&] { return sortPair(options.color, options.aux); });
   options.color = files.colour.string();
   options.aux = files.auxiliary.string();
 }

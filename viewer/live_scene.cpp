@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 
 namespace xrds {
 namespace {
@@ -15,7 +15,7 @@ TraceScene sceneOf(const std::string& name) {
 }
 
 PathTracer makeTracer(Gpu& gpu, const LiveWanted& wanted, uint32_t scale, Camera& start) {
-  const TraceScene scene = stage(ExitCode::input, [&] { return sceneOf(wanted.scene); });
+  const TraceScene scene = failingWith(ExitCode::input, [&] { return sceneOf(wanted.scene); });
   start = scene.camera;
   return {gpu, scene, wanted.width, wanted.height, scale};
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "app/failing_with.h"
 #include "app/skip_map.h"
-#include "app/stage.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -59,7 +59,7 @@ bool FrameSize::has(const std::string& input) const {
 PreparedNetwork::PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame,
                                  const NetworkOptions& options)
     : name_(std::move(name)),
-      model_(stage(ExitCode::model, [&] { return checked(std::move(model), name_, frame); })),
+      model_(failingWith(ExitCode::model, [&] { return checked(std::move(model), name_, frame); })),
       options_(options),
       width_(frame.width),
       height_(frame.height),

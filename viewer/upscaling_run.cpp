@@ -1,8 +1,8 @@
 // How a frame goes through the network and becomes pictures.
 #include <utility>
 
+#include "app/failing_with.h"
 #include "app/models.h"
-#include "app/stage.h"
 #include "viewer/upscaling.h"
 
 namespace xrds {
@@ -30,7 +30,7 @@ const char* baseName(Slot slot) {
 std::string Upscaling::wantedModel(const Wanted& wanted) const {
   if (!wanted.model.empty()) return wanted.model;
   if (live_) return liveModelName();
-  return stage(ExitCode::model, [&] { return defaultModel(size_.scale, size_.inputs); }).stem().string();
+  return failingWith(ExitCode::model, [&] { return defaultModel(size_.scale, size_.inputs); }).stem().string();
 }
 
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
@@ -51,7 +51,7 @@ void Upscaling::prepare(const Wanted& wanted) {
   network_.reset();  // its memory goes before the next one's comes
   pictures_.invalidate(Slot::skipMap);
   if (!bases_.empty() && !bases_.begin()->second->fits(size_)) bases_.clear();
-  Model model = stage(ExitCode::model, [&] { return Model(resolveModel(name)); });
+  Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); });
   const NetworkOptions options = optionsFor(wanted, model);
   network_ = std::make_unique<PreparedNetwork>(device_, name, std::move(model), size_, options);
   clock_.end("preparing");

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "app/stage.h"
+#include "app/failing_with.h"
 #include "viewer/upscaling.h"
 
 namespace xrds {
@@ -50,7 +50,7 @@ void Upscaling::trace(const Wanted& wanted) {
 // Returns whether there is a new frame.
 bool Upscaling::loadWanted(const Wanted& wanted) {
   FrameFiles files = wanted.files;
-  if (!wanted.folder.empty()) files = stage(ExitCode::input, [&] { return newestFrame(wanted.folder); });
+  if (!wanted.folder.empty()) files = failingWith(ExitCode::input, [&] { return newestFrame(wanted.folder); });
   const bool same =
       frame_ && files == frame_->files && samePixels(wanted.layers, served_.layers) && wanted.reload == served_.reload;
   if (wanted.watching) {
@@ -60,7 +60,7 @@ bool Upscaling::loadWanted(const Wanted& wanted) {
     return false;
   }
   if (!frame_) tell([&](Report& report) { report.waiting = "Reading " + files.colour.filename().string() + " ..."; });
-  LoadedFrame loaded = stage(ExitCode::input, [&] { return loadFrame(files, wanted.layers); });
+  LoadedFrame loaded = failingWith(ExitCode::input, [&] { return loadFrame(files, wanted.layers); });
   served_ = wanted;
   clock_.end("read files");
   takeFrame(std::move(loaded));

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "app/byte_count.h"
+#include "app/failing_with.h"
 #include "app/models.h"
 #include "app/skip_bound.h"
-#include "app/stage.h"
 #include "image/png_write.h"
 #include "image/srgb.h"
 #include "viewer/placement.h"
@@ -49,8 +49,8 @@ Placement placementOf(const ViewerOptions& options) {
 }  // namespace
 
 Wanted wantedOf(const ViewerOptions& options) {
-  if (!options.model.empty()) stage(ExitCode::model, [&] { Model{resolveModel(options.model)}; });
-  if (!options.scene.empty()) stage(ExitCode::input, [&] { LiveScene::requireExisting(options.scene); });
+  if (!options.model.empty()) failingWith(ExitCode::model, [&] { Model{resolveModel(options.model)}; });
+  if (!options.scene.empty()) failingWith(ExitCode::input, [&] { LiveScene::requireExisting(options.scene); });
   Wanted wanted;
   wanted.layers = options.layers;
   wanted.model = options.model;
@@ -95,9 +95,9 @@ Viewer::Viewer(const ViewerOptions& options)
     Display::wake();
   });
   if (!options.scene.empty()) showScene(options.scene);
-  if (!options.files.empty()) stage(ExitCode::input, [&] { open(options.files); });
+  if (!options.files.empty()) failingWith(ExitCode::input, [&] { open(options.files); });
   if (!options.script.empty())
-    script_ = stage(ExitCode::usage, [&] {
+    script_ = failingWith(ExitCode::usage, [&] {
       return std::make_unique<Script>(readScript(options.script), scriptVerbs(), scriptActions());
     });
 }
@@ -263,7 +263,7 @@ void Viewer::saveScreenshot(const fs::path& path) {
   Image image(static_cast<int>(shot.width), static_cast<int>(shot.height), 3);
   for (size_t i = 0; i < shot.pixels.size(); ++i)
     image.pixels[i] = static_cast<float>(linearFromSrgb(shot.pixels[i] / 255.0));
-  stage(ExitCode::output, [&] { writePng(path, image); });
+  failingWith(ExitCode::output, [&] { writePng(path, image); });
   report_.notice = "Saved " + path.string();
 }
 

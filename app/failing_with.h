@@ -5,9 +5,9 @@
 
 namespace xrds {
 
-/// Runs one stage of a command; an Error in it ends the process with the stage's exit code.
+/// Runs an action and returns its result; an Error in it becomes a Failure, which ends the process with that code.
 template <class Action>
-auto stage(ExitCode code, Action&& action) {
+auto failingWith(ExitCode code, Action&& action) {
   try {
     return action();
   } catch (const Error& error) {
