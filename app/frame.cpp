@@ -13,7 +13,7 @@ std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
 constexpr const char* kFilled = "not finite, filled from the neighbours";
 
-bool covers(const Window& outer, const Window& inner) {
+bool covers(const Box& outer, const Box& inner) {
   return outer.minX <= inner.minX && outer.minY <= inner.minY && outer.maxX >= inner.maxX && outer.maxY >= inner.maxY;
 }
 
@@ -88,12 +88,12 @@ void Frame::addWarnings(const std::vector<std::string>& more) {
 
 Image Frame::loadAuxiliary(const std::string& input) {
   const ExrSelection& layer = layerOf(input);
-  const Window& stored = auxFile_.parts[layer.part].dataWindow;
-  const Window wanted = scaledWindow(colorPart().dataWindow, fit_->scale);
+  const Box& stored = auxFile_.parts[layer.part].dataWindow;
+  const Box wanted = scaledBox(colorPart().dataWindow, fit_->scale);
   if (!covers(stored, wanted))
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");
-  Image image = placedInWindow(readLayer(auxFile_, layer), stored, wanted);
+  Image image = placedInBox(readLayer(auxFile_, layer), stored, wanted);
   const AuxiliaryInput& kind = *findAuxiliaryInput(input);
   if (!kind.isDistance) addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
   if (kind.isDirection) addWarnings(checkNormal({nameOf(layer), &image}));

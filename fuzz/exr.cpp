@@ -35,8 +35,8 @@ void readLayers(const xrds::ExrFile& file) {
   size_t read = 0;
   for (size_t part = 0; part < file.parts.size(); ++part)
     for (const xrds::ExrLayer& layer : file.parts[part].layers) {
-      const xrds::Window& window = file.parts[part].dataWindow;
-      if (window.width() * window.height() > kPixelsRead || ++read > kLayersRead) return;
+      const xrds::Box& box = file.parts[part].dataWindow;
+      if (box.width() * box.height() > kPixelsRead || ++read > kLayersRead) return;
       xrds::ExrSelection selection{part, layer.name, {}};
       for (const xrds::ExrChannel& channel : layer.channels)
         if (selection.channelNames.size() < 4) selection.channelNames.push_back(channel.name);

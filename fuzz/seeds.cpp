@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using test::FixturePart;
 using test::writeFixture;
 
-constexpr Window kSmall{-1, 2, 7, 8};
+constexpr Box kSmall{-1, 2, 7, 8};
 
 void writeExrSeeds(const fs::path& folder) {
   for (int compression = Imf::NO_COMPRESSION; compression < Imf::NUM_COMPRESSION_METHODS; ++compression)
@@ -29,7 +29,7 @@ void writeExrSeeds(const fs::path& folder) {
         writeFixture(folder / name, {{"", kSmall, kSmall, {"R", "G", "B", "A"}, type, chosen, tileSize}});
       }
   const auto zip = Imf::ZIP_COMPRESSION;
-  const Window large{-2, 4, 15, 17};
+  const Box large{-2, 4, 15, 17};
   writeFixture(folder / "parts.exr", {{"beauty", kSmall, large, {"R", "G", "B"}, Imf::HALF, zip},
                                       {"albedo", large, large, {"albedo.R", "albedo.G", "albedo.B"}, Imf::HALF, zip, 4},
                                       {"normal", large, large, {"N.X", "N.Y", "N.Z"}, Imf::FLOAT, zip, 0, "left"}});

@@ -10,19 +10,19 @@
 namespace xrds {
 namespace {
 
-constexpr Window kLow{0, 0, 63, 47};
-constexpr Window kHigh{0, 0, 255, 191};
+constexpr Box kLow{0, 0, 63, 47};
+constexpr Box kHigh{0, 0, 255, 191};
 
 using Names = std::vector<std::string>;
 
 // A part as a file's headers would list it; channels in alphabetical order as OpenEXR keeps them.
-ExrPart partWith(Names channels, const Window& window = kLow, const std::string& name = "",
+ExrPart partWith(Names channels, const Box& box = kLow, const std::string& name = "",
                  ExrPixelType type = ExrPixelType::kHalf) {
   std::sort(channels.begin(), channels.end());
   ExrPart part;
   part.name = name;
-  part.dataWindow = window;
-  part.displayWindow = window;
+  part.dataWindow = box;
+  part.displayWindow = box;
   for (const std::string& channel : channels) {
     const size_t dot = channel.rfind('.');
     const std::string layer = dot == std::string::npos ? "" : channel.substr(0, dot);

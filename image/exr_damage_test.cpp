@@ -18,7 +18,7 @@ using test::TemporaryFolder;
 using test::writeBytes;
 using test::writeFixture;
 
-constexpr Window kFrame{-3, -2, 36, 41};
+constexpr Box kFrame{-3, -2, 36, 41};
 
 std::vector<std::vector<FixturePart>> damageFixtures() {
   return {{{"", kFrame, kFrame, {"R", "G", "B"}, Imf::HALF, Imf::ZIP_COMPRESSION}},
@@ -105,19 +105,19 @@ TEST(ExrDamage, RefusesHugeAndImpossibleWindows) {
   writeFixture(folder / "whole.exr", {damageFixtures()[0]});
   const std::string bytes = readBytes(folder / "whole.exr");
   constexpr int32_t kLargest = 2147483647;
-  const std::vector<Window> windows = {{0, 0, kLargest, kLargest},
-                                       {-kLargest - 1, -kLargest - 1, kLargest, kLargest},
-                                       {0, 0, 1 << 29, 0},
-                                       {0, 0, 0, 1 << 29},
-                                       {0, 0, 30000, 30000},
-                                       {10, 10, 0, 0},
-                                       {0, 0, 16383, 16383},
-                                       {kLargest, 0, kLargest, 10},
-                                       {-1073741823, 0, 1073741823, 40},
-                                       {0, 0, 1 << 24, 15}};
-  for (const Window& window : windows) {
-    writeBytes(folder / "huge.exr", withDataWindow(bytes, window.minX, window.minY, window.maxX, window.maxY));
-    EXPECT_FALSE(readsWhole(folder / "huge.exr")) << toString(window);
+  const std::vector<Box> boxes = {{0, 0, kLargest, kLargest},
+                                  {-kLargest - 1, -kLargest - 1, kLargest, kLargest},
+                                  {0, 0, 1 << 29, 0},
+                                  {0, 0, 0, 1 << 29},
+                                  {0, 0, 30000, 30000},
+                                  {10, 10, 0, 0},
+                                  {0, 0, 16383, 16383},
+                                  {kLargest, 0, kLargest, 10},
+                                  {-1073741823, 0, 1073741823, 40},
+                                  {0, 0, 1 << 24, 15}};
+  for (const Box& box : boxes) {
+    writeBytes(folder / "huge.exr", withDataWindow(bytes, box.minX, box.minY, box.maxX, box.maxY));
+    EXPECT_FALSE(readsWhole(folder / "huge.exr")) << toString(box);
   }
 }
 

@@ -32,7 +32,7 @@ ExrPixelType pixelTypeOf(Imf::PixelType type) {
   }
 }
 
-Window windowOf(const Imath::Box2i& box) { return {box.min.x, box.min.y, box.max.x, box.max.y}; }
+Box boxOf(const Imath::Box2i& box) { return {box.min.x, box.min.y, box.max.x, box.max.y}; }
 
 std::vector<ExrLayer> layersOf(const Imf::ChannelList& channels) {
   std::vector<ExrLayer> layers;
@@ -97,12 +97,12 @@ void checkBlocks(const ExrFile& file, const Imf::Header& header, int64_t width) 
   }
 }
 
-void checkSize(const ExrFile& file, const Window& window, const Imf::Header& header) {
-  const int64_t width = window.width();
-  const int64_t height = window.height();
+void checkSize(const ExrFile& file, const Box& box, const Imf::Header& header) {
+  const int64_t width = box.width();
+  const int64_t height = box.height();
   if (width < 1 || height < 1 || width > kMaxPixelCount / height) {
     throw Error("Cannot read '" + file.path.string() + "': expected at most " + std::to_string(kMaxPixelCount) +
-                " pixels, found a data window of " + toString(window) + "; crop the frame or check that it is intact.");
+                " pixels, found a data window of " + toString(box) + "; crop the frame or check that it is intact.");
   }
   checkBlocks(file, header, width);
 }
@@ -111,8 +111,8 @@ ExrPart partOf(const ExrFile& file, const Imf::Header& header) {
   ExrPart part;
   part.name = header.hasName() ? header.name() : "";
   part.view = header.hasView() ? header.view() : "";
-  part.dataWindow = windowOf(header.dataWindow());
-  part.displayWindow = windowOf(header.displayWindow());
+  part.dataWindow = boxOf(header.dataWindow());
+  part.displayWindow = boxOf(header.displayWindow());
   part.deep = header.hasType() && (header.type() == Imf::DEEPSCANLINE || header.type() == Imf::DEEPTILE);
   part.tiled = header.hasTileDescription();
   part.layers = layersOf(header.channels());

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "image/box.h"
 #include "image/exr_attributes.h"
-#include "image/window.h"
 
 namespace xrds {
 
@@ -32,8 +32,8 @@ struct ExrLayer {
 struct ExrPart {
   std::string name;  ///< Empty where the file gives none.
   std::string view;  ///< Empty where the file gives none.
-  Window dataWindow;
-  Window displayWindow;
+  Box dataWindow;
+  Box displayWindow;
   bool deep = false;
   bool tiled = false;
   std::vector<ExrLayer> layers;

@@ -37,22 +37,22 @@ void checkPart(const ExrFile& file, const ExrSelection& selection) {
 }
 
 // The rows of `image` are the rows of the part from `firstRow` on.
-Imf::FrameBuffer frameBufferFor(Image& image, const Window& window, int firstRow,
+Imf::FrameBuffer frameBufferFor(Image& image, const Box& box, int firstRow,
                                 const std::vector<std::string>& channelNames) {
   Imf::FrameBuffer buffer;
   const size_t pixelStride = channelNames.size() * sizeof(float);
   const size_t rowStride = pixelStride * static_cast<size_t>(image.width);
   for (size_t c = 0; c < channelNames.size(); ++c) {
-    buffer.insert(channelNames[c], Imf::Slice::Make(Imf::FLOAT, &image.pixels[c], Imath::V2i(window.minX, firstRow),
+    buffer.insert(channelNames[c], Imf::Slice::Make(Imf::FLOAT, &image.pixels[c], Imath::V2i(box.minX, firstRow),
                                                     image.width, image.height, pixelStride, rowStride));
   }
   return buffer;
 }
 
 // Decodes one row, so that a file cut short is refused before memory for all rows is taken.
-void probeRow(Imf::InputPart& input, const Window& window, int row, const std::vector<std::string>& channelNames) {
-  Image oneRow(static_cast<int>(window.width()), 1, static_cast<int>(channelNames.size()));
-  input.setFrameBuffer(frameBufferFor(oneRow, window, row, channelNames));
+void probeRow(Imf::InputPart& input, const Box& box, int row, const std::vector<std::string>& channelNames) {
+  Image oneRow(static_cast<int>(box.width()), 1, static_cast<int>(channelNames.size()));
+  input.setFrameBuffer(frameBufferFor(oneRow, box, row, channelNames));
   input.readPixels(row, row);
 }
 
@@ -62,21 +62,21 @@ Image readLayer(const ExrFile& file, const ExrSelection& selection) {
   checkPart(file, selection);
   return withExrErrors(file.path, [&] {
     const auto opened = openExr(file.path);
-    const Window& window = file.parts[selection.part].dataWindow;
+    const Box& box = file.parts[selection.part].dataWindow;
     Imf::InputPart input(*opened, static_cast<int>(selection.part));
     const Imath::Box2i& found = input.header().dataWindow();
-    if (Window{found.min.x, found.min.y, found.max.x, found.max.y} != window) {
+    if (Box{found.min.x, found.min.y, found.max.x, found.max.y} != box) {
       throw Error("Cannot read '" + file.path.string() + "': it changed while it was being read; try again.");
     }
     for (const std::string& name : selection.channelNames) {
       checkChannel(file, input.header().channels(), name);
     }
-    probeRow(input, window, window.minY, selection.channelNames);
-    probeRow(input, window, window.maxY, selection.channelNames);
-    Image image(static_cast<int>(window.width()), static_cast<int>(window.height()),
+    probeRow(input, box, box.minY, selection.channelNames);
+    probeRow(input, box, box.maxY, selection.channelNames);
+    Image image(static_cast<int>(box.width()), static_cast<int>(box.height()),
                 static_cast<int>(selection.channelNames.size()));
-    input.setFrameBuffer(frameBufferFor(image, window, window.minY, selection.channelNames));
-    input.readPixels(window.minY, window.maxY);
+    input.setFrameBuffer(frameBufferFor(image, box, box.minY, selection.channelNames));
+    input.readPixels(box.minY, box.maxY);
     return image;
   });
 }

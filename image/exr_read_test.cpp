@@ -22,17 +22,17 @@ using test::PrintTo;
 using test::TemporaryFolder;
 using test::writeFixture;
 
-constexpr Window kFrame{0, 0, 36, 20};
+constexpr Box kFrame{0, 0, 36, 20};
 
 // Every value must be what the fixture stores for the channel of that place in `channelOrder`.
-void expectFixture(const Image& image, const Window& window, const std::vector<size_t>& channelOrder) {
-  ASSERT_EQ(image.width, window.width());
-  ASSERT_EQ(image.height, window.height());
+void expectFixture(const Image& image, const Box& box, const std::vector<size_t>& channelOrder) {
+  ASSERT_EQ(image.width, box.width());
+  ASSERT_EQ(image.height, box.height());
   ASSERT_EQ(image.channels, static_cast<int>(channelOrder.size()));
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       for (int c = 0; c < image.channels; ++c) {
-        ASSERT_EQ(image.at(x, y, c), fixtureValue(x + window.minX, y + window.minY, channelOrder[size_t(c)]))
+        ASSERT_EQ(image.at(x, y, c), fixtureValue(x + box.minX, y + box.minY, channelOrder[size_t(c)]))
             << x << ", " << y << ", " << c;
       }
     }
@@ -95,8 +95,8 @@ TEST(ExrRead, SplitsLayersAtTheLastDot) {
 
 TEST(ExrRead, ReadsPartsOfDifferentSizesAndKinds) {
   const TemporaryFolder folder;
-  const Window low{-2, -2, 11, 9};
-  const Window high{-8, -8, 47, 39};
+  const Box low{-2, -2, 11, 9};
+  const Box high{-8, -8, 47, 39};
   writeFixture(folder / "a.exr",
                {{"beauty", low, {0, 0, 9, 7}, {"R", "G", "B"}, Imf::HALF},
                 {"crypto", high, {0, 0, 9, 7}, {"id00.r"}, Imf::UINT},

@@ -69,10 +69,10 @@ std::vector<std::string> channelNamesFor(const Image& image) {
   }
 }
 
-Imath::Box2i boxOf(const Window& w) { return {Imath::V2i(w.minX, w.minY), Imath::V2i(w.maxX, w.maxY)}; }
+Imath::Box2i imathBoxOf(const Box& box) { return {Imath::V2i(box.minX, box.minY), Imath::V2i(box.maxX, box.maxY)}; }
 
 Imf::Header headerFor(const Image& image, const ExrOutput& output) {
-  Imf::Header header(boxOf(output.displayWindow), boxOf(output.dataWindow));
+  Imf::Header header(imathBoxOf(output.displayWindow), imathBoxOf(output.dataWindow));
   const Imf::Header& source = output.attributes.stored().header;
   for (auto entry = source.begin(); entry != source.end(); ++entry) {
     if (describesPicture(entry.name()) && !output.texts.contains(entry.name())) {
@@ -91,8 +91,7 @@ Imf::Header headerFor(const Image& image, const ExrOutput& output) {
 }
 
 // Converts band by band: half precision needs no second image, and every band has blocks enough for all threads.
-void writeHalfRows(Imf::OutputFile& file, const Image& image, const Window& window,
-                   const std::vector<std::string>& names) {
+void writeHalfRows(Imf::OutputFile& file, const Image& image, const Box& box, const std::vector<std::string>& names) {
   constexpr int kBandHeight = 256;
   const size_t rowLength = static_cast<size_t>(image.width) * names.size();
   std::vector<half> band;
@@ -107,7 +106,7 @@ void writeHalfRows(Imf::OutputFile& file, const Image& image, const Window& wind
     Imf::FrameBuffer buffer;
     for (size_t c = 0; c < names.size(); ++c) {
       buffer.insert(names[c],
-                    Imf::Slice::Make(Imf::HALF, &band[c], Imath::V2i(window.minX, window.minY + firstRow), image.width,
+                    Imf::Slice::Make(Imf::HALF, &band[c], Imath::V2i(box.minX, box.minY + firstRow), image.width,
                                      rowCount, names.size() * sizeof(half), rowLength * sizeof(half)));
     }
     file.setFrameBuffer(buffer);
@@ -115,13 +114,12 @@ void writeHalfRows(Imf::OutputFile& file, const Image& image, const Window& wind
   }
 }
 
-void writeFloatRows(Imf::OutputFile& file, const Image& image, const Window& window,
-                    const std::vector<std::string>& names) {
+void writeFloatRows(Imf::OutputFile& file, const Image& image, const Box& box, const std::vector<std::string>& names) {
   Imf::FrameBuffer buffer;
   const size_t pixelStride = names.size() * sizeof(float);
   for (size_t c = 0; c < names.size(); ++c) {
     buffer.insert(names[c],
-                  Imf::Slice::Make(Imf::FLOAT, &image.pixels[c], Imath::V2i(window.minX, window.minY), image.width,
+                  Imf::Slice::Make(Imf::FLOAT, &image.pixels[c], Imath::V2i(box.minX, box.minY), image.width,
                                    image.height, pixelStride, pixelStride * static_cast<size_t>(image.width)));
   }
   file.setFrameBuffer(buffer);
@@ -143,8 +141,8 @@ void checkFits(const std::filesystem::path& path, const Image& image, const ExrO
 
 ExrOutput scaledOutput(const ExrPart& source, int scale) {
   ExrOutput output;
-  output.dataWindow = scaledWindow(source.dataWindow, scale);
-  output.displayWindow = scaledWindow(source.displayWindow, scale);
+  output.dataWindow = scaledBox(source.dataWindow, scale);
+  output.displayWindow = scaledBox(source.displayWindow, scale);
   output.attributes = source.attributes;
   return output;
 }

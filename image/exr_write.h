@@ -4,17 +4,17 @@
 #include <map>
 #include <string>
 
+#include "image/box.h"
 #include "image/exr_attributes.h"
 #include "image/exr_file.h"
 #include "image/image.h"
-#include "image/window.h"
 
 namespace xrds {
 
 /// Everything that an EXR file is to say beside its pixels.
 struct ExrOutput {
-  Window dataWindow;
-  Window displayWindow;
+  Box dataWindow;
+  Box displayWindow;
   ExrAttributes attributes;                       ///< Passed on from the file that the image was made of.
   std::map<std::string, std::string> texts;       ///< Further string attributes, such as "xrds:version".
   ExrPixelType pixelType = ExrPixelType::kFloat;  ///< kFloat or kHalf.

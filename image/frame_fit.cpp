@@ -3,7 +3,7 @@
 namespace xrds {
 namespace {
 
-bool isWholeMultiple(const Window& low, const Window& high) {
+bool isWholeMultiple(const Box& low, const Box& high) {
   return high.width() > low.width() && high.width() % low.width() == 0 &&
          high.width() / low.width() * low.height() == high.height();
 }
@@ -16,9 +16,9 @@ FrameFit fitFrame(const ExrPart& color, const ExrPart& auxiliary) {
   FrameFit fit;
   fit.scale = bySize ? scaleBetween(color.dataWindow, auxiliary.dataWindow)
                      : scaleBetween(color.displayWindow, auxiliary.displayWindow);
-  fit.dataWindow = scaledWindow(color.dataWindow, fit.scale);
+  fit.dataWindow = scaledBox(color.dataWindow, fit.scale);
   const bool displaysAuxiliary = bySize && auxiliary.displayWindow == auxiliary.dataWindow;
-  fit.displayWindow = displaysAuxiliary ? auxiliary.displayWindow : scaledWindow(color.displayWindow, fit.scale);
+  fit.displayWindow = displaysAuxiliary ? auxiliary.displayWindow : scaledBox(color.displayWindow, fit.scale);
   return fit;
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 
+#include "image/box.h"
 #include "image/exr_file.h"
-#include "image/window.h"
 
 namespace xrds {
 
 /// How an auxiliary part lies over a colour part: their scale, and the windows of the frame that comes out.
 struct FrameFit {
   int scale = 1;
-  Window dataWindow;
-  Window displayWindow;
+  Box dataWindow;
+  Box displayWindow;
 
   bool operator==(const FrameFit&) const = default;
 };

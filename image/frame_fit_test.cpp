@@ -7,15 +7,15 @@
 namespace xrds {
 namespace {
 
-ExrPart partOf(const Window& dataWindow, const Window& displayWindow) {
+ExrPart partOf(const Box& dataWindow, const Box& displayWindow) {
   ExrPart part;
   part.dataWindow = dataWindow;
   part.displayWindow = displayWindow;
   return part;
 }
 
-constexpr Window kLow{0, 0, 63, 47};
-constexpr Window kHigh{0, 0, 255, 191};
+constexpr Box kLow{0, 0, 63, 47};
+constexpr Box kHigh{0, 0, 255, 191};
 
 TEST(FrameFit, SeparateFilesFitByTheirDisplayWindows) {
   EXPECT_EQ(fitFrame(partOf(kLow, kLow), partOf(kHigh, kHigh)), (FrameFit{4, kHigh, kHigh}));

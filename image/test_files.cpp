@@ -24,7 +24,7 @@ struct Plane {
 
 template <typename Value>
 Imf::Slice fill(std::vector<Value>& values, const FixturePart& part, size_t channel) {
-  const Window& w = part.dataWindow;
+  const Box& w = part.dataWindow;
   values.reserve(static_cast<size_t>(w.width() * w.height()));
   for (int y = w.minY; y <= w.maxY; ++y) {
     for (int x = w.minX; x <= w.maxX; ++x) {
@@ -84,7 +84,7 @@ float fixtureValue(int x, int y, size_t c) {
 }
 
 Imf::Header fixtureHeader(const FixturePart& part) {
-  const auto box = [](const Window& w) { return Imath::Box2i({w.minX, w.minY}, {w.maxX, w.maxY}); };
+  const auto box = [](const Box& w) { return Imath::Box2i({w.minX, w.minY}, {w.maxX, w.maxY}); };
   Imf::Header header(box(part.displayWindow), box(part.dataWindow));
   header.compression() = part.compression;
   header.setType(part.tileSize > 0 ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);

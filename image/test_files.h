@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "image/window.h"
+#include "image/box.h"
 
 namespace xrds::test {
 
@@ -30,8 +30,8 @@ class TemporaryFolder {
 /// One part of a fixture file: its channels by full name, all of one type, with values that `fixtureValue` gives.
 struct FixturePart {
   std::string name;
-  Window dataWindow;
-  Window displayWindow;
+  Box dataWindow;
+  Box displayWindow;
   std::vector<std::string> channels = {};
   Imf::PixelType type = Imf::FLOAT;
   Imf::Compression compression = Imf::ZIP_COMPRESSION;

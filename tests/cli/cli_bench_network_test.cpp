@@ -82,8 +82,8 @@ TEST(CliBenchNetwork, TakesTheImageErrorFromScenes) {
     colour.pixels = [exact, error](int x, int y, int c) { return exact(x, y, c) + error * float((x + y) % 2); };
     writeParts(
         scenes / name,
-        {{windowOf(side, side),
-          windowOf(side, side),
+        {{boxOf(side, side),
+          boxOf(side, side),
           {colour, albedoLayer("ViewLayer.Denoising Albedo", side), normalLayer("ViewLayer.Denoising Normal", side)}}});
   };
   write("a_gt.exr", 32, 0);

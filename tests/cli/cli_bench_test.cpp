@@ -10,7 +10,7 @@ namespace {
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 Part partOf(int width, int height, std::vector<Layer> layers) {
-  return {windowOf(width, height), windowOf(width, height), std::move(layers)};
+  return {boxOf(width, height), boxOf(width, height), std::move(layers)};
 }
 
 // A full-resolution render: colour, a little off by `error`, albedo, normal and, if asked for, depth.

@@ -16,9 +16,9 @@ TEST(CliCompare, PrintsEveryMetricAndJudges) {
     EXPECT_TRUE(contains(same.output, name)) << name;
   const std::string other = (frame.folder / "other.exr").string(), map = (frame.folder / "map.png").string();
   const Layer colour = colourLayer("", 10);
-  writeParts(other, {{windowOf(10, 8), windowOf(10, 8), {{"beauty", "RGB", [&](int x, int y, int c) {
-                                                            return 0.8F * colour.pixels(x, y, c);
-                                                          }}}}});
+  writeParts(other, {{boxOf(10, 8), boxOf(10, 8), {{"beauty", "RGB", [&](int x, int y, int c) {
+                                                      return 0.8F * colour.pixels(x, y, c);
+                                                    }}}}});
   EXPECT_EQ(runXrds({"compare", other, frame.color, "--heat-map", map, "--layer", "beauty", "--reference-layer", "RGB"})
                 .exitCode,
             0);
@@ -35,8 +35,7 @@ TEST(CliCompare, RefusesWhatCannotBeCompared) {
   expectFailure(runXrds({"compare", frame.color, frame.color, "--heat-map", "/proc/map.png"}), 6, "takes no new files",
                 frame.folder, 2);
   expectFailure(runXrds({"compare", frame.color, frame.color, "--heat-max", "-1"}), 2, "--heat-max", frame.folder, 2);
-  writeParts(frame.color,
-             {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [](int, int, int) { return std::nanf(""); }}}}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {{"", "RGB", [](int, int, int) { return std::nanf(""); }}}}});
   expectFailure(runXrds({"compare", frame.color, frame.color}), 3, "finite", frame.folder, 2);
 }
 

@@ -17,8 +17,8 @@ struct NoisyFrame : SmallFrame {
                      return (turned ? -1.F : 1.F) * (0.1F + 0.9F * static_cast<float>(random) / 255);
                    }};
     };
-    writeParts(color, {{windowOf(12, 10), windowOf(12, 10), {noise("", "RGB", 12)}}});
-    writeParts(aux, {{windowOf(48, 40), windowOf(48, 40), {noise("albedo", "RGB", 48), noise("normal", "XYZ", 48)}}});
+    writeParts(color, {{boxOf(12, 10), boxOf(12, 10), {noise("", "RGB", 12)}}});
+    writeParts(aux, {{boxOf(48, 40), boxOf(48, 40), {noise("albedo", "RGB", 48), noise("normal", "XYZ", 48)}}});
   }
   Image upscaled(const std::vector<std::string>& more) const {
     const Ended ended = runXrds(arguments(more));

@@ -30,9 +30,9 @@ TEST(CliFailure, InputThatIsMissingEmptyTruncatedOrGarbage) {
 TEST(CliFailure, SizesThatDoNotFit) {
   const SmallFrame frame;
   const auto setAux = [&](int width, int height) {
-    writeParts(frame.aux, {{windowOf(width, height),
-                            windowOf(width, height),
-                            {albedoLayer("albedo", width), normalLayer("normal", width)}}});
+    writeParts(
+        frame.aux,
+        {{boxOf(width, height), boxOf(width, height), {albedoLayer("albedo", width), normalLayer("normal", width)}}});
   };
   setAux(41, 32);
   expectFailure(upscale(frame), 3, "no whole multiple", frame.folder, 2);
@@ -51,8 +51,8 @@ TEST(CliFailure, LayersThatAreUnknownAmbiguousOrAbsent) {
   expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "No albedo", frame.folder, 2);
   expectFailure(runXrds({"upscale", frame.color, "-o", frame.out}), 3, "--model xrds-x4-compact-plain", frame.folder,
                 2);
-  writeParts(frame.aux, {{windowOf(40, 32),
-                          windowOf(40, 32),
+  writeParts(frame.aux, {{boxOf(40, 32),
+                          boxOf(40, 32),
                           {albedoLayer("a.albedo", 40), albedoLayer("b.albedo", 40), normalLayer("normal", 40)}}});
   expectFailure(upscale(frame), 3, "ambiguous", frame.folder, 2);
   EXPECT_EQ(upscale(frame, {"--albedo", "b.albedo"}).exitCode, 0);

@@ -88,9 +88,8 @@ TEST(CliFault, NoFailedCallLeavesAWrongPicture) {
 TEST(CliFault, AKilledRunLeavesNoPicture) {
   const SmallFrame frame;
   const std::string older = goodPicture(frame);
-  writeParts(frame.color, {{windowOf(160, 160), windowOf(160, 160), {colourLayer("", 160)}}});
-  writeParts(frame.aux,
-             {{windowOf(640, 640), windowOf(640, 640), {albedoLayer("albedo", 640), normalLayer("normal", 640)}}});
+  writeParts(frame.color, {{boxOf(160, 160), boxOf(160, 160), {colourLayer("", 160)}}});
+  writeParts(frame.aux, {{boxOf(640, 640), boxOf(640, 640), {albedoLayer("albedo", 640), normalLayer("normal", 640)}}});
   const auto writing = [&] {  // the temporary file has pixels in it
     for (const auto& entry : std::filesystem::directory_iterator(frame.folder / "")) {
       std::error_code gone;

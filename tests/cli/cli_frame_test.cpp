@@ -42,7 +42,7 @@ TEST(CliFrame, TakesColourAndAuxiliaryImagesInAnyOrder) {
   EXPECT_EQ(readColour(frame.out), expected);
 
   // Of one size, the colour is what has no albedo.
-  writeParts(frame.color, {{windowOf(40, 32), windowOf(40, 32), {colourLayer("", 40)}}});
+  writeParts(frame.color, {{boxOf(40, 32), boxOf(40, 32), {colourLayer("", 40)}}});
   ASSERT_EQ(runXrds(frame.arguments({}, goldenModel("s1_guided"))).exitCode, 0);
   const Image denoised = readColour(frame.out);
   const Ended ofOneSize = swapped("s1_guided");
@@ -54,7 +54,7 @@ TEST(CliFrame, HintsAtTheColourAloneOnlyWhereThatWorks) {
   const SmallFrame frame;
   const auto upscaled = [&](const std::string& file) { return runXrds({"upscale", file, "-o", frame.out}); };
   EXPECT_TRUE(contains(upscaled(frame.color).error, "--model xrds-x4-compact-plain"));
-  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {normalLayer("normal", 10)}}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {normalLayer("normal", 10)}}});
   const Ended ended = upscaled(frame.color);
   EXPECT_EQ(ended.exitCode, 3);
   EXPECT_FALSE(contains(ended.error, "xrds-x4-compact-plain")) << ended.error;
@@ -71,20 +71,18 @@ TEST(CliFrame, TakesTheModelForWhatTheFileHolds) {
   const std::vector<std::string> arguments{"upscale", frame.color, frame.aux, "-o", frame.out};
   const Ended both = runXrds(arguments, options);
   EXPECT_TRUE(contains(both.output, "model xrds-x4-compact (")) << both.output << both.error;
-  writeParts(frame.aux, {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40)}}});
+  writeParts(frame.aux, {{boxOf(40, 32), boxOf(40, 32), {albedoLayer("albedo", 40)}}});
   const Ended albedoAlone = runXrds(arguments, options);
   EXPECT_EQ(albedoAlone.exitCode, 0);
   EXPECT_TRUE(contains(albedoAlone.output, "model xrds-x4-compact-albedo (")) << albedoAlone.output;
   EXPECT_TRUE(contains(albedoAlone.error, "has no normal")) << albedoAlone.error;
 
   const auto constant = [](int, int, int c) { return c == 2 ? 0.5F : 0.F; };
-  writeParts(frame.aux,
-             {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", constant}}}});
+  writeParts(frame.aux, {{boxOf(40, 32), boxOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", constant}}}});
   const Ended noNormal = runXrds(arguments, options);
   EXPECT_TRUE(contains(noNormal.output, "model xrds-x4-compact-albedo (")) << noNormal.output;
   EXPECT_TRUE(contains(noNormal.error, "The normal is the same everywhere")) << noNormal.error;
-  writeParts(frame.aux,
-             {{windowOf(40, 32), windowOf(40, 32), {{"albedo", "RGB", constant}, normalLayer("normal", 40)}}});
+  writeParts(frame.aux, {{boxOf(40, 32), boxOf(40, 32), {{"albedo", "RGB", constant}, normalLayer("normal", 40)}}});
   const Ended noAlbedo = runXrds(arguments, options);
   EXPECT_TRUE(contains(noAlbedo.output, "model xrds-x4-compact-plain (")) << noAlbedo.output;
   EXPECT_TRUE(contains(noAlbedo.error, "The albedo is the same everywhere")) << noAlbedo.error;
@@ -97,7 +95,7 @@ TEST(CliFrame, ReadsDepthInAnyUnitForAModelThatTakesIt) {
                         return y == 3 ? background : unit * static_cast<float>(1 + x + y % 3);
                       }};
     writeParts(frame.aux,
-               {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40), depth}}});
+               {{boxOf(40, 32), boxOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40), depth}}});
     return runXrds(frame.arguments(more, goldenModel("s4_depth")));
   };
   const Ended metres = runWith(1, 0);
@@ -130,18 +128,18 @@ TEST(CliFrame, KeepsAttributesAndAddsItsOwn) {
 
 TEST(CliFrame, ScalesOffsetWindowsAndOverscanExactly) {
   const SmallFrame frame;
-  const Window low{-2, 3, 7, 10}, high{-8, 12, 31, 43};
-  writeParts(frame.color, {{low, windowOf(6, 14), {colourLayer("", 10)}}});
-  writeParts(frame.aux, {{high, windowOf(24, 56), {albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  const Box low{-2, 3, 7, 10}, high{-8, 12, 31, 43};
+  writeParts(frame.color, {{low, boxOf(6, 14), {colourLayer("", 10)}}});
+  writeParts(frame.aux, {{high, boxOf(24, 56), {albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
   const Ended ended = runXrds(frame.arguments());
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_EQ(headerOf(frame.out).dataWindow, high);
-  EXPECT_EQ(headerOf(frame.out).displayWindow, windowOf(24, 56));
+  EXPECT_EQ(headerOf(frame.out).displayWindow, boxOf(24, 56));
 }
 
 TEST(CliFrame, AnAuxiliaryCropIsPlacedAndReported) {
   const SmallFrame frame;
-  writeParts(frame.aux, {{{4, 4, 39, 31}, windowOf(40, 32), {albedoLayer("albedo", 36), normalLayer("normal", 36)}}});
+  writeParts(frame.aux, {{{4, 4, 39, 31}, boxOf(40, 32), {albedoLayer("albedo", 36), normalLayer("normal", 36)}}});
   const Ended ended = runXrds(frame.arguments());
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_TRUE(contains(ended.error, "Layer 'albedo' covers 36 x 28 at (4, 4)")) << ended.error;
@@ -150,13 +148,12 @@ TEST(CliFrame, AnAuxiliaryCropIsPlacedAndReported) {
 TEST(CliFrame, FindsAllLayersInOneFileOfSeveralParts) {
   const SmallFrame frame;
   const std::string all = (frame.folder / "all.exr").string();
-  writeParts(
-      all, {{windowOf(10, 8), windowOf(40, 32), {colourLayer("", 10)}, "beauty"},
-            {windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}, "features"}});
+  writeParts(all, {{boxOf(10, 8), boxOf(40, 32), {colourLayer("", 10)}, "beauty"},
+                   {boxOf(40, 32), boxOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}, "features"}});
   const Ended ended = runXrds({"upscale", all, "-o", frame.out, "--model", goldenModel("s4_guided")});
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
-  EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(40, 32));
-  EXPECT_EQ(headerOf(frame.out).displayWindow, windowOf(40, 32));
+  EXPECT_EQ(headerOf(frame.out).dataWindow, boxOf(40, 32));
+  EXPECT_EQ(headerOf(frame.out).displayWindow, boxOf(40, 32));
   ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);
   EXPECT_EQ(runXrds({"compare", frame.out, frame.out}).exitCode, 0);
 }
@@ -164,12 +161,11 @@ TEST(CliFrame, FindsAllLayersInOneFileOfSeveralParts) {
 TEST(CliFrame, OneLayerFileOfScaleOne) {
   const SmallFrame frame;
   const std::string all = (frame.folder / "all.exr").string();
-  writeParts(all, {{windowOf(10, 8),
-                    windowOf(10, 8),
-                    {colourLayer("", 10), albedoLayer("albedo", 10), normalLayer("normal", 10)}}});
+  writeParts(
+      all, {{boxOf(10, 8), boxOf(10, 8), {colourLayer("", 10), albedoLayer("albedo", 10), normalLayer("normal", 10)}}});
   const Ended ended = runXrds({"upscale", all, "-o", frame.out, "--model", goldenModel("s1_guided")});
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
-  EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(10, 8));
+  EXPECT_EQ(headerOf(frame.out).dataWindow, boxOf(10, 8));
 }
 
 TEST(CliFrame, OutputMayReplaceAnInput) {
@@ -193,7 +189,7 @@ TEST(CliFrame, UpscalesAlphaAndKeepsOpaqueOpaque) {
   const Layer withAlpha{"", "RGBA", [&](int x, int y, int c) {
                           return c < 3 ? colour.pixels(x, y, c) : x < 5 ? 1.F : 0.F;
                         }};
-  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {withAlpha}}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {withAlpha}}});
   ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);
   const ExrFile file = readExrHeader(frame.out);
   const Image alpha = readLayer(file, {0, "", {"A"}});
@@ -209,7 +205,7 @@ TEST(CliFrame, WrapsAlphaWithTheColour) {
   const Layer withAlpha{"", "RGBA", [&](int x, int y, int c) {
                           return c < 3 ? colour.pixels(x, y, c) : x < 5 ? 1.F : 0.F;
                         }};
-  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {withAlpha}}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {withAlpha}}});
   ASSERT_EQ(runXrds(frame.arguments({"--wrap"})).exitCode, 0);
   const Image alpha = readLayer(readExrHeader(frame.out), {0, "", {"A"}});
   EXPECT_EQ(alpha.at(10, 16, 0), 1.F);
@@ -227,19 +223,18 @@ TEST(CliFrame, RepairsCountsAndReportsWhatIsNotFinite) {
   const SmallFrame frame;
   const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
   const Layer good = colourLayer("", 10), normal = normalLayer("normal", 40);
-  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [&](int x, int y, int c) {
-                                                                  return x == 3 && y < 2    ? nan
-                                                                         : x == 7 && y == 4 ? inf
-                                                                         : x == 8 && y == 6 ? -1.F
-                                                                                            : good.pixels(x, y, c);
-                                                                }}}}});
-  writeParts(
-      frame.aux,
-      {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", [&](int x, int y, int c) {
-                                                                           return x == 9 && y == 9
-                                                                                      ? nan
-                                                                                      : normal.pixels(x, y, c);
-                                                                         }}}}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {{"", "RGB", [&](int x, int y, int c) {
+                                                            return x == 3 && y < 2    ? nan
+                                                                   : x == 7 && y == 4 ? inf
+                                                                   : x == 8 && y == 6 ? -1.F
+                                                                                      : good.pixels(x, y, c);
+                                                          }}}}});
+  writeParts(frame.aux,
+             {{boxOf(40, 32), boxOf(40, 32), {albedoLayer("albedo", 40), {"normal", "XYZ", [&](int x, int y, int c) {
+                                                                            return x == 9 && y == 9
+                                                                                       ? nan
+                                                                                       : normal.pixels(x, y, c);
+                                                                          }}}}});
   const Ended ended = runXrds(frame.arguments());
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_TRUE(contains(ended.error, "3 pixels of layer '(unnamed)' not finite")) << ended.error;
@@ -258,7 +253,7 @@ TEST(CliFrame, AModelWithoutAuxiliaryImagesNeedsNone) {
   };
   const Ended ended = upscale({frame.color});
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
-  EXPECT_EQ(headerOf(frame.out).dataWindow, windowOf(40, 32));
+  EXPECT_EQ(headerOf(frame.out).dataWindow, boxOf(40, 32));
   const Ended warned = upscale({frame.color, frame.aux});
   EXPECT_EQ(warned.exitCode, 0);
   EXPECT_TRUE(contains(warned.error, "takes no auxiliary images")) << warned.error;
@@ -266,7 +261,7 @@ TEST(CliFrame, AModelWithoutAuxiliaryImagesNeedsNone) {
 
 TEST(CliFrame, ChecksProfilesAndShowsTheBaselines) {
   const SmallFrame frame;
-  writeParts(frame.folder / "ref.exr", {{windowOf(40, 32), windowOf(40, 32), {colourLayer("", 40)}}});
+  writeParts(frame.folder / "ref.exr", {{boxOf(40, 32), boxOf(40, 32), {colourLayer("", 40)}}});
   const Ended ended =
       runXrds(frame.arguments({"--check", "--profile", "--reference", (frame.folder / "ref.exr").string(),
                                "--side-by-side", (frame.folder / "s.png").string()}));

@@ -26,7 +26,7 @@ TEST_P(CliGolden, MatchesPyTorch) {
   const auto layer = [&](const char* tensor, const char* name) {
     const StoredTensor& image = golden.tensors.at(tensor);
     const int height = static_cast<int>(image.shape[0]), width = static_cast<int>(image.shape[1]);
-    return Part{windowOf(width, height), windowOf(width, height), {layerOf(name, image.values, width)}};
+    return Part{boxOf(width, height), boxOf(width, height), {layerOf(name, image.values, width)}};
   };
   const std::string colour = (folder / "colour.exr").string(), aux = (folder / "aux.exr").string(),
                     out = (folder / "out.exr").string();

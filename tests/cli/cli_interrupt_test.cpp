@@ -6,10 +6,9 @@ namespace {
 
 TEST(CliInterrupt, ControlCEndsARunAndLeavesNothing) {
   const SmallFrame frame;
-  writeParts(frame.color, {{windowOf(256, 256), windowOf(256, 256), {colourLayer("", 256)}}});
-  writeParts(
-      frame.aux,
-      {{windowOf(1024, 1024), windowOf(1024, 1024), {albedoLayer("albedo", 1024), normalLayer("normal", 1024)}}});
+  writeParts(frame.color, {{boxOf(256, 256), boxOf(256, 256), {colourLayer("", 256)}}});
+  writeParts(frame.aux,
+             {{boxOf(1024, 1024), boxOf(1024, 1024), {albedoLayer("albedo", 1024), normalLayer("normal", 1024)}}});
   const Ended ended = runOnTerminal(
       {"upscale", frame.color, frame.aux, "-o", frame.out, "--model", goldenModel("s4_guided")}, "0 %", "\x03");
   EXPECT_EQ(ended.exitCode, 130) << ended.output;

@@ -22,7 +22,7 @@ void expectNoSentence(const nlohmann::json& json) {
 TEST(CliJson, OfUpscaleHasEveryNumber) {
   const SmallFrame frame;
   const std::string reference = (frame.folder / "ref.exr").string(), json = (frame.folder / "run.json").string();
-  writeParts(reference, {{windowOf(40, 32), windowOf(40, 32), {colourLayer("", 40)}}});
+  writeParts(reference, {{boxOf(40, 32), boxOf(40, 32), {colourLayer("", 40)}}});
   const Ended ended = runXrds(frame.arguments(
       {"--json", json, "--quiet", "--reference", reference, "--check", "--profile", "--exposure", "0.5"}));
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
@@ -59,9 +59,9 @@ TEST(CliJson, OfUpscaleHasEveryNumber) {
 TEST(CliJson, CountsWhatWasRepairedAndWhatIsMissing) {
   const SmallFrame frame;
   const Layer good = colourLayer("", 10);
-  writeParts(frame.color, {{windowOf(10, 8), windowOf(10, 8), {{"", "RGB", [&](int x, int y, int c) {
-                                                                  return y == 2 ? NAN : good.pixels(x, y, c);
-                                                                }}}}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {{"", "RGB", [&](int x, int y, int c) {
+                                                            return y == 2 ? NAN : good.pixels(x, y, c);
+                                                          }}}}});
   const std::string json = (frame.folder / "run.json").string();
   const Ended ended = runXrds(frame.arguments({"--json", json, "--quiet"}));
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
@@ -93,7 +93,7 @@ TEST(CliJson, OfCompareIsNullWhereAMetricIsInfinite) {
 TEST(CliQuiet, LeavesErrorsAndTheExitCode) {
   const SmallFrame frame;
   const std::string other = (frame.folder / "other.exr").string();
-  writeParts(other, {{windowOf(10, 8), windowOf(10, 8), {albedoLayer("beauty", 10)}}});
+  writeParts(other, {{boxOf(10, 8), boxOf(10, 8), {albedoLayer("beauty", 10)}}});
   const Ended ended = runXrds({"compare", other, frame.color, "--min-psnr", "60", "--quiet"});
   EXPECT_EQ(ended.exitCode, 7);
   EXPECT_EQ(ended.output, "");

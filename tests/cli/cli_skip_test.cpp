@@ -35,7 +35,7 @@ TEST(CliSkip, RefusesWhatCannotHold) {
   expectFailure(runXrds(frame.arguments({"--skip", "safe", "--wrap"})), 2, "exclude each other", frame.folder, 2);
   EXPECT_EQ(runXrds(frame.arguments({"--skip", "some"})).exitCode, 2);
   EXPECT_EQ(runXrds(frame.arguments({"--skip", "-1"})).exitCode, 2);
-  writeParts(frame.aux, {{windowOf(20, 16), windowOf(20, 16), {albedoLayer("albedo", 20)}}});
+  writeParts(frame.aux, {{boxOf(20, 16), boxOf(20, 16), {albedoLayer("albedo", 20)}}});
   expectFailure(runXrds(frame.arguments({"--skip", "0.01"}, none)), 4, "--skip is refused", frame.folder, 2);
 }
 

@@ -8,9 +8,8 @@ namespace {
 
 // A frame beyond Upscaler::kSmallFrame, whose kernels take long to compile.
 std::vector<std::string> largerFrame(const SmallFrame& frame) {
-  writeParts(frame.color, {{windowOf(32, 32), windowOf(32, 32), {colourLayer("", 32)}}});
-  writeParts(frame.aux,
-             {{windowOf(128, 128), windowOf(128, 128), {albedoLayer("albedo", 128), normalLayer("normal", 128)}}});
+  writeParts(frame.color, {{boxOf(32, 32), boxOf(32, 32), {colourLayer("", 32)}}});
+  writeParts(frame.aux, {{boxOf(128, 128), boxOf(128, 128), {albedoLayer("albedo", 128), normalLayer("normal", 128)}}});
   return frame.arguments();
 }
 

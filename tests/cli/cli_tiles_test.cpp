@@ -12,8 +12,8 @@ struct NoisyFrame : SmallFrame {
                      return 0.1F + 0.9F * static_cast<float>((x * 7919 + y * 104729 + c * 31 + x * y) % 256) / 255;
                    }};
     };
-    writeParts(color, {{windowOf(90, 70), windowOf(90, 70), {noise("", "RGB")}}});
-    writeParts(aux, {{windowOf(360, 280), windowOf(360, 280), {noise("albedo", "RGB"), noise("normal", "XYZ")}}});
+    writeParts(color, {{boxOf(90, 70), boxOf(90, 70), {noise("", "RGB")}}});
+    writeParts(aux, {{boxOf(360, 280), boxOf(360, 280), {noise("albedo", "RGB"), noise("normal", "XYZ")}}});
   }
   Ended upscale(const std::vector<std::string>& more) const { return runXrds(arguments(more)); }
   Image upscaled(const std::vector<std::string>& more, const std::string& words) const {
@@ -65,7 +65,7 @@ TEST(CliTiles, BenchMeasuresTheErrorOfEachHalo) {
   std::filesystem::copy_file(frame.color, folder / "s_lr64.exr");
   std::filesystem::copy_file(frame.aux, folder / "s_aux16.exr");
   const Layer colour = colourLayer("", 360);
-  writeParts(folder / "s_gt.exr", {{windowOf(360, 280), windowOf(360, 280), {colour}}});
+  writeParts(folder / "s_gt.exr", {{boxOf(360, 280), boxOf(360, 280), {colour}}});
   const Ended ended = runXrds({"bench", "tiles", (folder / "").string(), "--model", goldenModel("s4_guided"), "--halo",
                                "0,32", "--heat-map", (maps / "").string()});
   EXPECT_EQ(ended.exitCode, 0) << ended.error;

@@ -19,7 +19,7 @@ std::string channelName(const Layer& layer, size_t c) {
 }
 
 Imf::Header headerFor(const Part& part) {
-  const auto box = [](const Window& w) { return Imath::Box2i({w.minX, w.minY}, {w.maxX, w.maxY}); };
+  const auto box = [](const Box& w) { return Imath::Box2i({w.minX, w.minY}, {w.maxX, w.maxY}); };
   Imf::Header header(box(part.displayWindow), box(part.dataWindow));
   header.setType(Imf::SCANLINEIMAGE);
   if (!part.name.empty()) header.setName(part.name);
@@ -32,7 +32,7 @@ Imf::Header headerFor(const Part& part) {
 }
 
 void writePart(Imf::MultiPartOutputFile& file, int number, const Part& part) {
-  const Window& w = part.dataWindow;
+  const Box& w = part.dataWindow;
   std::vector<std::vector<float>> planes;
   Imf::FrameBuffer buffer;
   for (const Layer& layer : part.layers)
@@ -58,7 +58,7 @@ void writeParts(const std::filesystem::path& path, const std::vector<Part>& part
   for (size_t i = 0; i < parts.size(); ++i) writePart(file, static_cast<int>(i), parts[i]);
 }
 
-Window windowOf(int width, int height) { return {0, 0, width - 1, height - 1}; }
+Box boxOf(int width, int height) { return {0, 0, width - 1, height - 1}; }
 
 Layer colourLayer(const std::string& name, int width) {
   return {name, "RGB", [width](int x, int y, int c) {
@@ -93,15 +93,15 @@ void writeHalfEvenFrame(const std::filesystem::path& color, const std::filesyste
                  }};
   };
   constexpr int kNever = 280;
-  writeParts(color, {{windowOf(90, 70), windowOf(90, 70), {layer("", "RGB", 1, 0.4F, brighter)}}});
-  writeParts(aux, {{windowOf(360, 280),
-                    windowOf(360, 280),
+  writeParts(color, {{boxOf(90, 70), boxOf(90, 70), {layer("", "RGB", 1, 0.4F, brighter)}}});
+  writeParts(aux, {{boxOf(360, 280),
+                    boxOf(360, 280),
                     {layer("albedo", "RGB", 4, 0.4F, kNever), layer("normal", "XYZ", 4, 0, kNever)}}});
 }
 
 SmallFrame::SmallFrame() {
-  writeParts(color, {{windowOf(10, 8), windowOf(10, 8), {colourLayer("", 10)}}});
-  writeParts(aux, {{windowOf(40, 32), windowOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  writeParts(color, {{boxOf(10, 8), boxOf(10, 8), {colourLayer("", 10)}}});
+  writeParts(aux, {{boxOf(40, 32), boxOf(40, 32), {albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
 }
 
 std::vector<std::string> SmallFrame::arguments(const std::vector<std::string>& more, const std::string& model) const {

@@ -26,7 +26,7 @@ struct Layer {
 
 /// One part of a made-up render.
 struct Part {
-  Window dataWindow, displayWindow;
+  Box dataWindow, displayWindow;
   std::vector<Layer> layers;
   std::string name = {};
 };
@@ -34,7 +34,7 @@ struct Part {
 /// Writes 32-bit float parts; every header gets the text attribute "renderer" and the float "cameraZoom".
 void writeParts(const std::filesystem::path& path, const std::vector<Part>& parts);
 
-Window windowOf(int width, int height);
+Box boxOf(int width, int height);
 /// Plausible layers: smooth, with an edge in the middle; `width` is the layer's own.
 Layer colourLayer(const std::string& name, int width);
 Layer albedoLayer(const std::string& name, int width);

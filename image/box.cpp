@@ -1,4 +1,4 @@
-#include "image/window.h"
+#include "image/box.h"
 
 #include <algorithm>
 #include <limits>
@@ -8,9 +8,9 @@
 namespace xrds {
 namespace {
 
-int32_t checkedCoordinate(int64_t value, const Window& window, int scale) {
+int32_t checkedCoordinate(int64_t value, const Box& box, int scale) {
   if (value < std::numeric_limits<int32_t>::min() || value > std::numeric_limits<int32_t>::max()) {
-    throw Error("The window " + toString(window) + " cannot be scaled by " + std::to_string(scale) +
+    throw Error("The window " + toString(box) + " cannot be scaled by " + std::to_string(scale) +
                 ": expected corners within 32 bits, found " + std::to_string(value) + "; use a smaller scale.");
   }
   return static_cast<int32_t>(value);
@@ -18,25 +18,25 @@ int32_t checkedCoordinate(int64_t value, const Window& window, int scale) {
 
 }  // namespace
 
-std::string toString(const Window& window) {
-  return std::to_string(window.width()) + " x " + std::to_string(window.height()) + " at (" +
-         std::to_string(window.minX) + ", " + std::to_string(window.minY) + ")";
+std::string toString(const Box& box) {
+  return std::to_string(box.width()) + " x " + std::to_string(box.height()) + " at (" + std::to_string(box.minX) +
+         ", " + std::to_string(box.minY) + ")";
 }
 
-Window scaledWindow(const Window& window, int scale) {
+Box scaledBox(const Box& box, int scale) {
   if (scale < 1) {
     throw Error("A window cannot be scaled by " + std::to_string(scale) + ": expected a positive whole number.");
   }
   const int64_t s = scale;
-  Window result;
-  result.minX = checkedCoordinate(window.minX * s, window, scale);
-  result.minY = checkedCoordinate(window.minY * s, window, scale);
-  result.maxX = checkedCoordinate((window.maxX + int64_t{1}) * s - 1, window, scale);
-  result.maxY = checkedCoordinate((window.maxY + int64_t{1}) * s - 1, window, scale);
+  Box result;
+  result.minX = checkedCoordinate(box.minX * s, box, scale);
+  result.minY = checkedCoordinate(box.minY * s, box, scale);
+  result.maxX = checkedCoordinate((box.maxX + int64_t{1}) * s - 1, box, scale);
+  result.maxY = checkedCoordinate((box.maxY + int64_t{1}) * s - 1, box, scale);
   return result;
 }
 
-int scaleBetween(const Window& low, const Window& high) {
+int scaleBetween(const Box& low, const Box& high) {
   const bool divides = low.width() > 0 && low.height() > 0 && high.width() >= low.width() &&
                        high.height() >= low.height() && high.width() % low.width() == 0 &&
                        high.width() / low.width() <= std::numeric_limits<int32_t>::max() &&
@@ -50,7 +50,7 @@ int scaleBetween(const Window& low, const Window& high) {
   return static_cast<int>(high.width() / low.width());
 }
 
-Image placedInWindow(const Image& image, const Window& from, const Window& to) {
+Image placedInBox(const Image& image, const Box& from, const Box& to) {
   if (image.width != from.width() || image.height != from.height()) {
     throw Error("An image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
                 " pixels cannot be placed: expected the size of its window, " + toString(from) + ".");
