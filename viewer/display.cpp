@@ -47,7 +47,7 @@ void listen(GLFWwindow* window) {
   glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int) { tell(displayOf(w).events().redraw); });
 }
 
-// Whether some monitor would show the top of a window there: they come and go between two starts.
+// Whether some monitor would show the top of a display there: they come and go between two starts.
 bool onSomeMonitor(int x, int y) {
   int count = 0;
   GLFWmonitor** monitors = glfwGetMonitors(&count);
@@ -138,7 +138,7 @@ Placement Display::placement() const {
   int x = 0, y = 0;
   glfwGetWindowSize(window_, &found.width, &found.height);
   glfwGetWindowPos(window_, &x, &y);
-  // A new window is enlarged by the scale.
+  // A new display is enlarged by the scale.
   const float enlarged = scale() / pixelsPerUnit();
   found.width = static_cast<int>(std::lround(static_cast<float>(found.width) / enlarged));
   found.height = static_cast<int>(std::lround(static_cast<float>(found.height) / enlarged));

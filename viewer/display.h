@@ -23,14 +23,14 @@ class Desktop {
   std::vector<std::string> instanceExtensions() const;
 };
 
-/// Where a window lies on the desktop, in screen coordinates; its size as it would be on an ordinary display.
+/// Where a display lies on the desktop, in screen coordinates; its size as it would be on an ordinary monitor.
 struct Placement {
   int width = 1280, height = 800;
   std::optional<int> x{}, y{};
   bool maximized = false;
 };
 
-/// What the user does to a window. Positions are in pixels of the framebuffer.
+/// What the user does to a display. Positions are in pixels of the framebuffer.
 struct DisplayEvents {
   std::function<void(int key, int modifiers)> key{};
   std::function<void(int button, bool pressed)> button{};
@@ -38,10 +38,10 @@ struct DisplayEvents {
   std::function<void(double steps)> scroll{};
   std::function<void(const std::vector<std::string>& files)> drop{};
   std::function<void()> redraw{};
-  std::function<void()> rescale{};  // the window's pixels are of another size now
+  std::function<void()> rescale{};  // the display's pixels are of another size now
 };
 
-/// A window without contents. Used by the main thread alone, but for wake().
+/// A part of the desktop to draw on, a window of GLFW. Used by the main thread alone, but for wake().
 class Display {
  public:
   /// The events must outlive the display. Throws Error if the desktop opens no window.

@@ -4,17 +4,17 @@
 
 namespace xrds {
 
-/// Where the panel stands in a window.
+/// Where the panel stands on a display.
 enum class PanelPlace {
   hidden,
-  beside,  // the picture has the rest of the window
-  folded,  // to a button, because little would be left of the window
-  over     // the picture: unfolded in such a window
+  beside,  // the picture has the rest of the display
+  folded,  // to a button, because little would be left of the display
+  over     // the picture: unfolded on such a display
 };
 
 inline constexpr float kPanelWidth = 304;  // as all lengths here in pixels of an ordinary display
 
-/// `wanted`: the panel is switched on; `unfolded`: in a small window, too.
+/// `wanted`: the panel is switched on; `unfolded`: on a small display, too.
 PanelPlace panelPlace(bool wanted, bool unfolded, float displayWidth);
 
 /// A rectangle from its top left corner.

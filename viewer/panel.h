@@ -58,14 +58,14 @@ class Panel {
 
   /// Takes a new scale of the display. Call it when what was drawn before is finished.
   void rescale();
-  /// Display pixels that the panel takes from the picture, at the right of a window of that width.
+  /// Display pixels that the panel takes from the picture, at the right of a display of that width.
   uint32_t width(const ViewState& view, uint32_t displayWidth) const;
   float scale() const { return scale_; }
   /// Whether the mouse is over the user interface rather than the picture.
   bool takesMouse() const;
   /// Whether what is typed goes into a field.
   bool takesKeys() const;
-  /// Lays everything out for a window of that size.
+  /// Lays everything out for a display of that size.
   void layOut(PanelModel& model, VkExtent2D extent);
   /// From now on the mouse is there, in display pixels, and its left button pressed or not, for scripts.
   void pretendMouse(double x, double y, bool pressed) { pretended_ = {x, y, pressed}; }

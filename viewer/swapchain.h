@@ -12,17 +12,17 @@
 
 namespace xrds {
 
-/// What the window showed: 8-bit sRGB, rows from the top, 3 bytes a pixel.
+/// What the display showed: 8-bit sRGB, rows from the top, 3 bytes a pixel.
 struct Screenshot {
   uint32_t width = 0, height = 0;
   std::vector<uint8_t> pixels;
 };
 
-/// The images of a window, which are remade whenever the desktop asks for it. Used by the main thread alone; it shares
+/// The images of a display, which are remade whenever the desktop asks for it. Used by the main thread alone; it shares
 /// the device's queue with other threads.
 class Swapchain {
  public:
-  /// Throws Error if the device cannot draw on the window. All must outlive the swapchain.
+  /// Throws Error if the device cannot draw on the display. All must outlive the swapchain.
   Swapchain(Gpu& gpu, const Display& display);
   ~Swapchain();
   Swapchain(const Swapchain&) = delete;
@@ -33,7 +33,7 @@ class Swapchain {
   VkExtent2D extent() const { return extent_; }
 
   /// Draws and shows one picture. `before` records outside the render pass, `inside` in it, whose viewport is the
-  /// whole window. Returns false if the window has no area, or its images were lost twice in a row.
+  /// whole display. Returns false if the display has no area, or its images were lost twice in a row.
   using Record = std::function<void(VkCommandBuffer)>;
   bool draw(const Record& before, const Record& inside);
   /// Waits until what was drawn last is finished.

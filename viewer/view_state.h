@@ -96,7 +96,7 @@ struct ViewState {
   Viewport viewport;
   uint32_t windowSide = 0;  // of the skip map, in pixels of the picture
   bool panel = true, help = false;
-  bool unfolded = false;  // the panel, over the picture of a small window
+  bool unfolded = false;  // the panel, over the picture of a small display
 
   float exposure() const { return std::exp2(stops); }
   /// Of the divider, on the display.

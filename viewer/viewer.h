@@ -34,7 +34,7 @@ struct ViewerOptions {
 /// What the options ask the worker for, but the source. Throws Failure.
 Wanted wantedOf(const ViewerOptions& options);
 
-/// The window and everything in it. Used by the main thread.
+/// The display and everything on it. Used by the main thread.
 class Viewer {
  public:
   /// Throws Failure.
@@ -43,10 +43,10 @@ class Viewer {
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  /// Returns when the window is closed or the script is finished. Throws Failure if Vulkan fails or complains.
+  /// Returns when the display is closed or the script is finished. Throws Failure if Vulkan fails or complains.
   void run();
 
-  /// Closes the window and cancels what goes on. Returns false if something that cannot be cancelled would keep the
+  /// Closes the display and cancels what goes on. Returns false if something that cannot be cancelled would keep the
   /// program for longer than a moment: then end the process.
   bool leave();
 

@@ -1,10 +1,10 @@
 // Scenes that are traced and upscaled while one looks at them.
-#include "tests/viewer/viewer_window.h"
+#include "tests/viewer/viewer_display.h"
 
 namespace xrds::test {
 namespace {
 
-/// 64 x 64 to 256 x 256, in a window of little more.
+/// 64 x 64 to 256 x 256, on a display of little more.
 std::vector<std::string> live(const std::string& scene, const std::string& samples,
                               std::vector<std::string> more = {}) {
   more.insert(more.end(), {"--live", scene, "--live-size", "64x64", "--samples", samples, "--size", "320x260"});
@@ -13,7 +13,7 @@ std::vector<std::string> live(const std::string& scene, const std::string& sampl
 
 Image pictureIn(const Image& screenshot) { return cropped(screenshot, 32, 2, 256, 256); }
 
-TEST_F(ViewerWindow, ShowsTheBuiltInScenes) {
+TEST_F(ViewerDisplay, ShowsTheBuiltInScenes) {
   for (const std::string scene : {"room", "garden", "spheres"}) {
     const std::string file = "live_" + scene + ".png";
     const Ended ended = run("key P\nkey W\nwait\nscreenshot " + file + "\nwait\nprint\n", live(scene, "8"));
@@ -23,7 +23,7 @@ TEST_F(ViewerWindow, ShowsTheBuiltInScenes) {
   }
 }
 
-TEST_F(ViewerWindow, ShowsSceneFiles) {
+TEST_F(ViewerDisplay, ShowsSceneFiles) {
   writeBytes(folder / "roof.mtl", "newmtl red\nKd 0.7 0.1 0.1\nnewmtl grey\nKd 0.5 0.5 0.5\n");
   writeBytes(folder / "roof.obj",
              "mtllib roof.mtl\nv -3 0 -3\nv 3 0 -3\nv 3 0 3\nv -3 0 3\nv -1 0 1\nv 1 0 1\nv 0 2 0\nv 0 0 -1\n"
@@ -48,7 +48,7 @@ TEST_F(ViewerWindow, ShowsSceneFiles) {
   }
 }
 
-TEST_F(ViewerWindow, OrbitsAndBeginsAnewWhenMoved) {
+TEST_F(ViewerDisplay, OrbitsAndBeginsAnewWhenMoved) {
   const Ended ended =
       run("key P\nkey W\nwait\nprint\nscreenshot start.png\nmove 100 100\npress\nmove 130 100\nrelease\nwait\nprint\n"
           "screenshot turned.png\nkey I\nwait\nprint\nscreenshot closer.png\nkey V\nwait\nprint\n"
@@ -66,7 +66,7 @@ TEST_F(ViewerWindow, OrbitsAndBeginsAnewWhenMoved) {
   EXPECT_LT(meanDifference(shot("start.png"), shot("again.png")), 0.05);
 }
 
-TEST_F(ViewerWindow, DoesNotFlickerWhileNothingMoves) {
+TEST_F(ViewerDisplay, DoesNotFlickerWhileNothingMoves) {
   const auto shot = [&](const std::string& samples) {
     run("key P\nkey W\nwait\nscreenshot a.png\nmove 20 20\nwait\nscreenshot b.png\nwait\n", live("room", samples));
     const Image a = pictureIn(readPng(folder / "a.png"));
@@ -76,7 +76,7 @@ TEST_F(ViewerWindow, DoesNotFlickerWhileNothingMoves) {
   EXPECT_LT(meanDifference(shot("120"), shot("128")), 1) << "from one picture to the next";
 }
 
-TEST_F(ViewerWindow, TakesStepsBeforeAllSamplesAreThere) {
+TEST_F(ViewerDisplay, TakesStepsBeforeAllSamplesAreThere) {
   const Ended ended = run("samples 2\nwait\nprint\nkey Shift+Left\nwait\nprint\n", live("spheres", "1000000"));
   const std::vector<double> samples = valuesOf(ended.output, "samples");
   ASSERT_EQ(samples.size(), 2u) << ended.output;
@@ -86,17 +86,17 @@ TEST_F(ViewerWindow, TakesStepsBeforeAllSamplesAreThere) {
   }
 }
 
-TEST_F(ViewerWindow, SaysThatItPreparesALiveScene) {
+TEST_F(ViewerDisplay, SaysThatItPreparesALiveScene) {
   run("!screenshot preparing.png\n!wait\n!wait\n!key Q\n", live("room", "4"));
   const Image shot = readPng(folder / "preparing.png");
   double brightest = 0;
   for (const float value : cropped(shot, 40, 60, 240, 140).pixels)
     brightest = std::max(brightest, static_cast<double>(value));
-  EXPECT_GT(brightest, 200) << "letters in the middle of the window";
+  EXPECT_GT(brightest, 200) << "letters in the middle of the display";
 }
 
 // Nothing can be waited for: that nothing happens shows in a stretch of time alone, and most of it is asleep.
-TEST_F(ViewerWindow, CostsNothingWhileNothingHappens) {
+TEST_F(ViewerDisplay, CostsNothingWhileNothingHappens) {
   const Ended ended = run("wait\nclock\nsleep 3\nclock\n", live("room", "4"));
   ASSERT_EQ(valuesOf(ended.output, "seconds").size(), 2u) << ended.output;
   EXPECT_GE(valuesOf(ended.output, "seconds")[1], 3);
@@ -105,7 +105,7 @@ TEST_F(ViewerWindow, CostsNothingWhileNothingHappens) {
 }
 
 // Each key is drawn, though the pictures of the last are still to come; bench/viewer.md has how long it takes.
-TEST_F(ViewerWindow, AnswersWhileItComputes) {
+TEST_F(ViewerDisplay, AnswersWhileItComputes) {
   std::string script = "wait\nclock\n";
   for (int i = 0; i < 12; ++i) script += "!key Shift+Left\n";
   const Ended ended = run(script + "!clock\n!print\nwait\nprint\n", live("room", "8"));

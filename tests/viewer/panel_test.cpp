@@ -1,7 +1,7 @@
-// What the panel and the labels say, in windows of all sizes.
+// What the panel and the labels say, on displays of all sizes.
 #include <sstream>
 
-#include "tests/viewer/viewer_window.h"
+#include "tests/viewer/viewer_display.h"
 
 namespace xrds::test {
 namespace {
@@ -16,9 +16,9 @@ std::vector<double> rowOf(const std::string& text, const std::string& name) {
   return values;
 }
 
-TEST_F(ViewerWindow, TellsTheErrorsOfAPixelInTheErrorView) {
+TEST_F(ViewerDisplay, TellsTheErrorsOfAPixelInTheErrorView) {
   const Ended ended =
-      run("key P\nkey Shift+1\nkey 7\nmove 110 140\nwait\nprint\n", smallWindow({kColour, kAuxiliary, kReference}));
+      run("key P\nkey Shift+1\nkey 7\nmove 110 140\nwait\nprint\n", smallDisplay({kColour, kAuxiliary, kReference}));
   const auto output = rowOf(ended.output, "xrds"), expected = rowOf(ended.output, "reference"),
              error = rowOf(ended.output, "error");
   ASSERT_EQ(output.size(), 3u) << ended.output;
@@ -30,8 +30,8 @@ TEST_F(ViewerWindow, TellsTheErrorsOfAPixelInTheErrorView) {
   }
 }
 
-TEST_F(ViewerWindow, TellsTimesThatAddUp) {
-  const Ended ended = run("wait\ntimes\n", smallWindow({kColour, kAuxiliary}));
+TEST_F(ViewerDisplay, TellsTimesThatAddUp) {
+  const Ended ended = run("wait\ntimes\n", smallDisplay({kColour, kAuxiliary}));
   std::istringstream words(ended.output.substr(ended.output.find("times ") + 6));
   double steps = 0, parts = 0, network = 0, total = 0;
   for (std::string word; words >> word;) {
@@ -48,7 +48,7 @@ TEST_F(ViewerWindow, TellsTimesThatAddUp) {
   EXPECT_TRUE(has(ended.output, " read-files=")) << ended.output;
 }
 
-TEST_F(ViewerWindow, FoldsThePanelInSmallWindows) {
+TEST_F(ViewerDisplay, FoldsThePanelInSmallWindows) {
   // Unfolded by a click on its button, folded again, and hidden.
   run("wait\nscreenshot folded.png\nmove 290 18\nwait\npress\nwait\nrelease\nwait\nmove 20 200\nwait\n"
       "screenshot unfolded.png\nkey P\nwait\nscreenshot hidden.png\nwait\n",
@@ -56,12 +56,12 @@ TEST_F(ViewerWindow, FoldsThePanelInSmallWindows) {
   const Image folded = readPng(folder / "folded.png"), unfolded = readPng(folder / "unfolded.png"),
               hidden = readPng(folder / "hidden.png");
   const auto rest = [](const Image& shot) { return cropped(shot, 0, 40, 320, 200); };
-  EXPECT_EQ(meanDifference(rest(folded), rest(hidden)), 0) << "the picture has the whole window";
+  EXPECT_EQ(meanDifference(rest(folded), rest(hidden)), 0) << "the picture has the whole display";
   EXPECT_GT(meanDifference(cropped(folded, 260, 0, 60, 30), cropped(hidden, 260, 0, 60, 30)), 1) << "but for a button";
   EXPECT_GT(meanDifference(cropped(unfolded, 60, 40, 240, 160), cropped(hidden, 60, 40, 240, 160)), 10);
 }
 
-TEST_F(ViewerWindow, LaysOutSmallWindowsAsItDid) {
+TEST_F(ViewerDisplay, LaysOutSmallWindowsAsItDid) {
   const std::string name = "a_shot_of_the_outdoor_scene_with_a_name_that_is_far_too_long_for_any_panel.0001.exr";
   copy(kColour, name);
   for (const auto& [size, file] : {std::pair{"320x240", "small_320.png"}, {"480x300", "small_480.png"}}) {

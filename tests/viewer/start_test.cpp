@@ -1,5 +1,5 @@
-// Starts that can show nothing end with their exit code; later failures are told in the window.
-#include "tests/viewer/viewer_window.h"
+// Starts that can show nothing end with their exit code; later failures are told on the display.
+#include "tests/viewer/viewer_display.h"
 
 namespace xrds::test {
 namespace {
@@ -11,7 +11,7 @@ void expectRefused(const Ended& ended, int exitCode, const std::string& named) {
   EXPECT_EQ(occurrences(ended.error, "\n"), 1u) << ended.error;
 }
 
-TEST_F(ViewerWindow, EndsWhereNothingCanBeShown) {
+TEST_F(ViewerDisplay, EndsWhereNothingCanBeShown) {
   const auto view = [&](const std::vector<std::string>& arguments) {
     return runViewer(desktop, folder, "wait\n", arguments);
   };
@@ -33,8 +33,8 @@ TEST(HeadlessFailure, HasTheSameExitCodes) {
   EXPECT_EQ(runXrds({"view", "--headless", "--live", "room", "--frames", "1", "--model", "x"}, nowhere).exitCode, 4);
 }
 
-TEST_F(ViewerWindow, StaysWhereTheUserIsAtIt) {
-  const Ended ended = run("drop none.exr\nwait\nprint\nscreenshot failed.png\nwait\n", smallWindow({}));
+TEST_F(ViewerDisplay, StaysWhereTheUserIsAtIt) {
+  const Ended ended = run("drop none.exr\nwait\nprint\nscreenshot failed.png\nwait\n", smallDisplay({}));
   EXPECT_TRUE(has(ended.output, "error=\"")) << ended.output;
   const Image shot = readPng(folder / "failed.png");
   double reddest = 0;

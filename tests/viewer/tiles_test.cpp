@@ -1,12 +1,12 @@
 // Frames that do not fit the memory of the device.
-#include "tests/viewer/viewer_window.h"
+#include "tests/viewer/viewer_display.h"
 
 namespace xrds::test {
 namespace {
 
-TEST_F(ViewerWindow, ShowsFramesInTilesAsTheyAreFinished) {
+TEST_F(ViewerDisplay, ShowsFramesInTilesAsTheyAreFinished) {
   const std::vector<std::string> memory{"--memory", "8M"};
-  std::vector<std::string> arguments = smallWindow({kColour, kAuxiliary});
+  std::vector<std::string> arguments = smallDisplay({kColour, kAuxiliary});
   arguments.insert(arguments.end(), memory.begin(), memory.end());
   const Ended ended = run("wait\nprint\nsave saved.exr\nwait\n", arguments);
   const std::vector<double> tiles = valuesOf(ended.output, "tiles");
@@ -23,8 +23,8 @@ TEST_F(ViewerWindow, ShowsFramesInTilesAsTheyAreFinished) {
 }
 
 // What makes it useless stops it: of two runs one is finished.
-TEST_F(ViewerWindow, CancelsARunInTiles) {
-  std::vector<std::string> arguments = smallWindow({kColour, kAuxiliary});
+TEST_F(ViewerDisplay, CancelsARunInTiles) {
+  std::vector<std::string> arguments = smallDisplay({kColour, kAuxiliary});
   arguments.insert(arguments.end(), {"--memory", "8M"});
   const Ended ended = run("!key C\nwait\nprint\n", arguments);
   EXPECT_TRUE(has(ended.output, "pictures=1 ")) << ended.output;

@@ -12,8 +12,8 @@ inline const std::string kSamples = XRDS_SAMPLE_FOLDER;
 inline const std::string kColour = kSamples + "/outdoor_lr64.exr", kAuxiliary = kSamples + "/outdoor_aux16.exr",
                          kReference = kSamples + "/outdoor_gt.exr";  // 80 x 60 to 320 x 240
 
-/// The arguments of a run in a window that the picture just fills, with a fast model.
-inline std::vector<std::string> smallWindow(std::vector<std::string> files) {
+/// The arguments of a run on a display that the picture just fills, with a fast model.
+inline std::vector<std::string> smallDisplay(std::vector<std::string> files) {
   files.insert(files.end(), {"--size", "400x340", "--model", "xrds-x4-nano"});
   return files;
 }
@@ -35,8 +35,8 @@ inline std::vector<double> valuesOf(const std::string& text, const std::string& 
   return values;
 }
 
-/// A window on a desktop of its own, driven by scripts.
-struct ViewerWindow : testing::Test {
+/// A display on a desktop of its own, driven by scripts.
+struct ViewerDisplay : testing::Test {
   VirtualDesktop desktop;
   TemporaryFolder folder;
 
