@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/exit_code.h"
+#include "app/listed.h"
 #include "xrds/device.h"
 
 namespace xrds {
@@ -14,9 +15,8 @@ void checkKernelFamilyVariable() {
   const std::string wanted = text ? text : "";
   const auto families = Device::kernelFamilies();
   if (wanted.empty() || std::find(families.begin(), families.end(), wanted) != families.end()) return;
-  std::string list;
-  for (const std::string& family : families) list += (list.empty() ? "" : ", ") + family;
-  throw Failure{ExitCode::usage, "XRDS_KERNEL_FAMILY is '" + wanted + "', expected one of " + list + "; or unset it."};
+  throw Failure{ExitCode::usage,
+                "XRDS_KERNEL_FAMILY is '" + wanted + "', expected one of " + listed(families) + "; or unset it."};
 }
 
 }  // namespace xrds

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "app/listed.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -11,12 +12,6 @@ namespace {
 
 constexpr const char* kSuffix = ".safetensors";
 constexpr int kScaleOfColourAlone = 4;  // no image tells another
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
 
 // Where no model is found at all.
 std::string noModels() {

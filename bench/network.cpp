@@ -18,7 +18,7 @@ namespace {
 struct BenchOptions {
   NetworkConfig config;
   uint32_t bandRows = 0;
-  std::string model, writeModel, device, family, precision = "fp32";
+  std::string model, writeModel, device, family, precision = kFp32;
   uint32_t size = 1024;  // side of the output in pixels
   int runs = 5;
 };
@@ -70,7 +70,7 @@ void run(const BenchOptions& options) {
   FrameInput input{{colour.data(), side, side}};
   for (const auto& image : auxiliary) input.auxiliary.push_back({image.data(), options.size, options.size});
 
-  const Precision precision = options.precision == "fp16" ? Precision::fp16 : Precision::fp32;
+  const Precision precision = options.precision == kFp16 ? Precision::fp16 : Precision::fp32;
   std::unique_ptr<Session> session;
   const double preparation = seconds([&] {
     session = std::make_unique<Session>(
@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
   app.add_flag("--aux-skip", options.config.auxSkip, "Feed H_N to the output convolution");
   app.add_option("--size", options.size, "Side of the output in pixels")->capture_default_str();
   app.add_option("--precision", options.precision, "fp32 or fp16")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({xrds::kFp32, xrds::kFp16}))
       ->capture_default_str();
   app.add_option("--runs", options.runs, "Steady runs")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--device", options.device, "As xrds --device");

@@ -49,11 +49,11 @@ std::vector<OperatorCase> distinctOperators(const std::string& network, const Ne
     const Dispatch first = lower(one, device).front().dispatch;
     const auto [at, added] = known.try_emplace(signatureOf(one, first), cases.size());
     if (added)
-      cases.push_back({.name = operatorName(first.program) + "/" + network +
-                               (precision == Precision::fp16 ? "/fp16/" : "/fp32/") + full.nodes[i].name,
-                       .shapes = shapesText(viewsOf(full.nodes[i])),
-                       .graph = std::move(one),
-                       .smallGraph = single(small, small.nodes[i])});
+      cases.push_back(
+          {.name = operatorName(first.program) + "/" + network + "/" + nameOf(precision) + "/" + full.nodes[i].name,
+           .shapes = shapesText(viewsOf(full.nodes[i])),
+           .graph = std::move(one),
+           .smallGraph = single(small, small.nodes[i])});
     ++cases[at->second].nodesPerFrame;
   }
   return cases;

@@ -20,7 +20,7 @@ namespace xrds::bench {
 namespace {
 
 struct OperatorsOptions {
-  std::vector<std::string> networks{"paper", "compact", "bicubic"}, precisions{"fp32", "fp16"};
+  std::vector<std::string> networks{"paper", "compact", "bicubic"}, precisions{kFp32, kFp16};
   std::string device, family;
   uint32_t side = 1024;
 };
@@ -119,7 +119,7 @@ int run(const OperatorsOptions& options) {
     for (const std::string& precision : options.precisions)
       for (auto& operatorCase :
            distinctOperators(nameOf(network), models.back(), options.side,
-                             precision == "fp16" ? Precision::fp16 : Precision::fp32, bench.gpu.traits()))
+                             precision == kFp16 ? Precision::fp16 : Precision::fp32, bench.gpu.traits()))
         benchmark::RegisterBenchmark(
             operatorCase.name.c_str(),
             [&bench, operatorCase](benchmark::State& state) { runOrSkip(state, bench, operatorCase); })
@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--precision", options.precisions, "Storage of activations and weights")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({xrds::kFp32, xrds::kFp16}))
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--size", options.side, "Side of the output in pixels")

@@ -15,7 +15,7 @@ namespace xrds {
 namespace {
 
 struct BenchNetworkOptions {
-  std::vector<std::string> devices, models, precisions{"fp32", "fp16"}, families;
+  std::vector<std::string> devices, models, precisions{kFp32, kFp16}, families;
   std::vector<uint32_t> sides{256, 512, 1024};
   std::string scenes, json;
   int runs = 5, colour = 64, aux = 16;
@@ -151,7 +151,7 @@ void addCases(CLI::App& verb, BenchNetworkOptions& options) {
       ->type_name("N");
   verb.add_option("--precision", options.precisions, "Storage of activations and weights, with commas")
       ->delimiter(',')
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
   verb.add_option("--family", options.families, "Kernels to compare, with commas (default: those that suit the device)")
       ->delimiter(',')

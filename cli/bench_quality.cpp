@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchQualityOptions {
-  std::string folder, aux = "16", precision = "fp32", device, json, markdown, write;
+  std::string folder, aux = "16", precision = kFp32, device, json, markdown, write;
   std::optional<int> colour;
   int scale = 4;
   uint32_t ensemble = 1;
@@ -134,7 +134,7 @@ void measureScene(const BenchQualityOptions& options, Contest& contest, const Sc
   for (EngineMethod& method : contest.engine) {
     FrameSeconds seconds;
     const Image image = failingWith(
-        ExitCode::device, [&] { return method.run(device, scene.frame, options.precision == "fp16", seconds); });
+        ExitCode::device, [&] { return method.run(device, scene.frame, options.precision == kFp16, seconds); });
     (row++)->scenes.push_back({measure(image, scene.reference), seconds});
     if (!options.write.empty()) writeImage(options, files.name, scene.frame, method, image);
   }
@@ -229,7 +229,7 @@ void addBenchQuality(CLI::App& group) {
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");

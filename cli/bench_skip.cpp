@@ -20,11 +20,11 @@ namespace xrds {
 namespace {
 
 struct BenchSkipOptions {
-  std::string folder, model, device, markdown, skip = "safe", precision = "fp32";
+  std::string folder, model, device, markdown, skip = "safe", precision = kFp32;
   int scale = 4, runs = 5, colour = 64, aux = 16;
   bool cpuTime = false, quiet = false;
 
-  Upscaler::Options upscaler(float bound) const { return {.fp16 = precision == "fp16", .skip = {.bound = bound}}; }
+  Upscaler::Options upscaler(float bound) const { return {.fp16 = precision == kFp16, .skip = {.bound = bound}}; }
 };
 
 /// The largest change of a window, root mean square of log(1 + exposure radiance).
@@ -189,7 +189,7 @@ void addBenchSkip(CLI::App& group) {
   verb->add_flag("--cpu-time", options->cpuTime,
                  "Time what the process takes of the cores: for CPU devices, busy machines");
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");

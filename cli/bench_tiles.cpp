@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchTilesOptions {
-  std::string folder, model, device, heatMap, precision = "fp32";
+  std::string folder, model, device, heatMap, precision = kFp32;
   std::vector<uint32_t> halos{0, 8, 16, 24, 32, 48};
   bool halosAsked = false;  // else those that fit every scene
   uint32_t columns = 2, rows = 1;
@@ -87,7 +87,7 @@ class Runner {
     const int scale = static_cast<int>(model_.scale());
     Image result(frame_.colour().width * scale, frame_.colour().height * scale, 3);
     Upscaler upscaler(device_, model_, frame_.width(), frame_.height(),
-                      {.fp16 = options_.precision == "fp16", .tiles = tiles});
+                      {.fp16 = options_.precision == kFp16, .tiles = tiles});
     const auto auxiliary = inputsOf(model_, frame_);
     upscaler.run(viewOf(frame_.colour()), auxiliary, result.pixels, [](double) { return !interrupted(); });
     stopIfInterrupted();
@@ -201,7 +201,7 @@ void addBenchTiles(CLI::App& group) {
       ->capture_default_str()
       ->type_name("K");
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");

@@ -41,7 +41,7 @@ std::string kernelTable(const Findings& findings) {
       rows.push_back({program, std::to_string(sum.kernels), text("%.2g", sum.rms), text("%.0e", sum.bound),
                       text("%.0f", sum.microseconds), resultText(sum.right, sum.repeatable)});
     const FrameExamination& frame = precision.frame;
-    rows.push_back({std::string("known frame, ") + (precision.fp16 ? "fp16" : "fp32"),
+    rows.push_back({std::string("known frame, ") + precisionName(precision.fp16),
                     std::to_string(frame.width) + "x" + std::to_string(frame.height), text("%.2g", frame.rms),
                     text("%.0e", frame.rmsBound), text("%.0f", frame.microseconds),
                     resultText(frame.withinBound(), frame.repeatable)});
@@ -58,7 +58,7 @@ std::string listed(const char* title, const std::vector<std::string>& sentences)
 
 Json jsonOf(const KernelExamination& kernel, bool fp16) {
   return {{"program", kernel.program},
-          {"precision", fp16 ? "fp16" : "fp32"},
+          {"precision", precisionName(fp16)},
           {"node", kernel.node},
           {"shapes", kernel.shapes},
           {"relativeRms", kernel.rms},
@@ -72,7 +72,7 @@ Json jsonOf(const KernelExamination& kernel, bool fp16) {
 }
 
 Json jsonOf(const FrameExamination& frame, bool fp16) {
-  return {{"precision", fp16 ? "fp16" : "fp32"},
+  return {{"precision", precisionName(fp16)},
           {"width", frame.width},
           {"height", frame.height},
           {"relativeRms", frame.rms},

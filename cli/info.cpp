@@ -75,7 +75,7 @@ void printCosts(const Answer& answer) {
   printMultiplyAdds("MACs of the network", fp32.networkMultiplyAdds);
   printMultiplyAdds("MACs executed", fp32.multiplyAdds + fp32.attentionMultiplyAdds);
   printMultiplyAdds("  of these, attention", fp32.attentionMultiplyAdds);
-  std::printf("%-26s %10s %10s\n", "device memory in MB", "fp32", "fp16");
+  std::printf("%-26s %10s %10s\n", "device memory in MB", kFp32, kFp16);
   const auto row = [](const char* name, uint64_t a, uint64_t b) {
     std::printf("%-26s %10.1f %10.1f\n", name, static_cast<double>(a) / 1e6, static_cast<double>(b) / 1e6);
   };
@@ -100,8 +100,8 @@ void printTiling(const char* precision, const Tiling& tiling) {
 
 void printTilings(const Answer& answer, const std::string& memory) {
   std::printf("\nIn %s of device memory:\n", memory.c_str());
-  printTiling("fp32", *answer.fp32Tiling);
-  printTiling("fp16", *answer.fp16Tiling);
+  printTiling(kFp32, *answer.fp32Tiling);
+  printTiling(kFp16, *answer.fp16Tiling);
 }
 
 Json jsonOf(const char* precision, const Model::Cost& cost, const std::optional<Tiling>& tiling) {
@@ -135,7 +135,7 @@ Json jsonOf(const Model& model, const std::string& name, const Answer& answer) {
             {"kernelFamily", answer.kernelFamily},
             {"parameters", answer.fp32.parameters},
             {"networkMultiplyAdds", answer.fp32.networkMultiplyAdds}};
-  json["precisions"] = {jsonOf("fp32", answer.fp32, answer.fp32Tiling), jsonOf("fp16", answer.fp16, answer.fp16Tiling)};
+  json["precisions"] = {jsonOf(kFp32, answer.fp32, answer.fp32Tiling), jsonOf(kFp16, answer.fp16, answer.fp16Tiling)};
   return json;
 }
 

@@ -34,7 +34,7 @@ struct NetworkCase {
   std::string device, precision, family;  // no family: the one that suits the device
   const NamedModel* model = nullptr;
   uint32_t side = 0;
-  bool fp16() const { return precision == "fp16"; }
+  bool fp16() const { return precision == kFp16; }
 };
 
 /// What a case takes, or why it does not run.

@@ -88,7 +88,7 @@ std::vector<Row> modelTable(const StressReport& report) {
     std::string degraded;
     for (const StressRow& row : report.rows) {
       if (row.model != key[0] || row.weights != report.rows.front().weights) continue;
-      double& error = row.precision == "fp32" ? fp32 : fp16;
+      double& error = row.precision == kFp32 ? fp32 : fp16;
       error = std::max(error, row.worstError);
       if (degraded.empty()) degraded = row.firstDegraded;
     }

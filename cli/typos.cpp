@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "app/listed.h"
 #include "app/nearest.h"
 
 namespace xrds {
@@ -44,10 +45,9 @@ std::string unknownOption(const CLI::App& verb, const std::string& command, cons
 std::string unknownCommand(const CLI::App& app, const std::string& command, const std::string& typed) {
   const std::vector<std::string> names = commandsOf(app);
   const std::string meant = nearest(typed, names);
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
   return "There is no command '" + command + " " + typed + "'; " +
-         (meant.empty() ? "there are " + all : "the nearest is '" + meant + "'") + "; see " + command + " --help";
+         (meant.empty() ? "there are " + listed(names) : "the nearest is '" + meant + "'") + "; see " + command +
+         " --help";
 }
 
 }  // namespace

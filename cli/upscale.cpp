@@ -56,7 +56,7 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
   if (result.brokenPixels > 0)
     printWarnings({"the network gave " + std::to_string(result.brokenPixels) +
                    " pixels that were not finite: they show the base image without it" +
-                   (options.precision == "fp16" ? "; --precision fp32 has a larger range." : ".")});
+                   (options.precision == kFp16 ? "; --precision fp32 has a larger range." : ".")});
   return result;
 }
 

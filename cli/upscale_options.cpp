@@ -40,7 +40,7 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
                   "A shipped model's name or a .safetensors file (default: the compact one of the scale)")
       ->type_name("MODEL");
   verb.add_option("--precision", options.precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
   verb.add_option("--ensemble", options.ensemble,
                   "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways; 8, also on the "
@@ -94,7 +94,7 @@ void addReports(CLI::App& verb, UpscaleOptions& options) {
 }  // namespace
 
 Upscaler::Options UpscaleOptions::upscaler() const {
-  Upscaler::Options options{.fp16 = precision == "fp16", .profile = profile};
+  Upscaler::Options options{.fp16 = precision == kFp16, .profile = profile};
   if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
   options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
   options.skip.bound = parseSkip(skip);

@@ -11,7 +11,7 @@ namespace xrds {
 /// What `xrds upscale` was asked for.
 struct UpscaleOptions {
   std::string color, aux, output, model, device, reference, preview, sideBySide, json,
-      precision = "fp32", exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap;
+      precision = kFp32, exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap;
   AovRequest layers;
   uint32_t ensemble = 1;
   bool half = false, profile = false, check = false, quiet = false, wrap = false;

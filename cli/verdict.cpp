@@ -11,8 +11,6 @@ constexpr const char* kTriedDrivers[] = {"llvmpipe Mesa 22.3", "llvmpipe Mesa 25
                                          "SwiftShader driver"};
 constexpr uint64_t kUsualTensorTexels = uint64_t{1} << 26;  // what GPUs of computers offer at the least
 
-const char* nameOf(const PrecisionExamination& precision) { return precision.fp16 ? "fp16" : "fp32"; }
-
 std::string mebibytes(uint64_t byteSize) { return std::to_string(byteSize >> 20) + " MiB"; }
 
 // What is wrong with a kernel or frame; empty if nothing is.
@@ -30,7 +28,7 @@ std::vector<std::string> failuresOf(const PrecisionExamination& precision) {
     if (const std::string found = fault(kernel); !found.empty())
       failures.push_back("Kernel " + kernel.program + " (" + kernel.node + ", " + kernel.shapes + "): " + found + ".");
   if (const std::string found = fault(precision.frame); !found.empty())
-    failures.push_back(std::string("The known frame in ") + nameOf(precision) + ": " + found + ".");
+    failures.push_back(std::string("The known frame in ") + precisionName(precision.fp16) + ": " + found + ".");
   return failures;
 }
 

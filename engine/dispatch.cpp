@@ -7,6 +7,14 @@
 namespace xrds {
 namespace {
 constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix", "fused"};
+
+// "plain, lane or tile", of all.
+std::string choiceOfFamilies() {
+  std::string text = kFamilies[0];
+  for (size_t i = 1; i < std::size(kFamilies); ++i)
+    text += (i + 1 < std::size(kFamilies) ? ", " : " or ") + std::string(kFamilies[i]);
+  return text;
+}
 }  // namespace
 
 const char* nameOf(KernelFamily family) { return kFamilies[static_cast<size_t>(family)]; }
@@ -21,7 +29,7 @@ const char* nameOf(MatrixUnits units) {
 KernelFamily kernelFamilyOf(std::string_view name) {
   const auto found = std::find(std::begin(kFamilies), std::end(kFamilies), name);
   if (found == std::end(kFamilies))
-    throw Error("There is no kernel family '" + std::string(name) + "'; choose plain, lane, tile, matrix or fused.");
+    throw Error("There is no kernel family '" + std::string(name) + "'; choose " + choiceOfFamilies() + ".");
   return static_cast<KernelFamily>(found - std::begin(kFamilies));
 }
 

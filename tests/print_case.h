@@ -16,9 +16,7 @@ namespace xrds {
 
 inline void PrintTo(KernelFamily family, std::ostream* out) { *out << nameOf(family); }
 inline void PrintTo(DataType type, std::ostream* out) { *out << (type == DataType::f32 ? "f32" : "f16"); }
-inline void PrintTo(Precision precision, std::ostream* out) {
-  *out << (precision == Precision::fp32 ? "fp32" : "fp16");
-}
+inline void PrintTo(Precision precision, std::ostream* out) { *out << nameOf(precision); }
 inline void PrintTo(Transfer transfer, std::ostream* out) { *out << (transfer == Transfer::none ? "none" : "log1p"); }
 inline void PrintTo(BlockKind block, std::ostream* out) {
   constexpr const char* kNames[] = {"rdst", "rstb", "rdb"};

@@ -32,7 +32,7 @@ class Signal {
 
 void print(const Report& report, uint64_t pictures, double seconds) {
   std::printf("%s, %s %s: %u x %u to %u x %u\n", report.device.c_str(), report.model.c_str(),
-              report.fp16 ? "fp16" : "fp32", report.width, report.height, report.scale * report.width,
+              precisionName(report.fp16), report.width, report.height, report.scale * report.width,
               report.scale * report.height);
   for (const StageTime& stage : report.stages)
     std::printf("  %-24s %9.2f ms\n", ((stage.isPart ? "  " : "") + stage.name).c_str(), stage.milliseconds);

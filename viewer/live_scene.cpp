@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/failing_with.h"
+#include "app/listed.h"
 
 namespace xrds {
 namespace {
@@ -41,10 +42,7 @@ std::vector<std::string> LiveScene::names() { return builtInSceneNames(); }
 void LiveScene::requireExisting(const std::string& scene) {
   const auto known = names();
   if (std::find(known.begin(), known.end(), scene) != known.end() || std::filesystem::exists(scene)) return;
-  std::string list;
-  for (const std::string& name : known) list += name + ", ";
-  throw Error("There is no scene '" + scene + "': give a glTF or OBJ file or a built-in scene, " +
-              list.substr(0, list.size() - 2) + ".");
+  throw Error("There is no scene '" + scene + "': give a glTF or OBJ file or a built-in scene, " + listed(known) + ".");
 }
 
 bool LiveScene::isOf(const LiveWanted& wanted, uint32_t scale) const {

@@ -33,7 +33,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("--model", options.model, "A shipped model's name or a .safetensors file (default: by the scale)")
       ->type_name("MODEL");
   app.add_option("--precision", options.precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->check(CLI::IsMember({xrds::kFp32, xrds::kFp16}))
       ->capture_default_str();
   app.add_option("--skip", options.skip, "Leave out windows that need no network: off, safe, or N as in xrds upscale")
       ->check(CLI::Validator(xrds::validSkip, "off|safe|N"))

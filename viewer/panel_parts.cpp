@@ -119,9 +119,9 @@ void drawModel(PanelModel& model) {
       if (ImGui::Selectable(name.c_str(), name == current)) model.wanted.model = name;
     ImGui::EndCombo();
   }
-  if (ImGui::RadioButton("fp32", !model.wanted.fp16)) model.wanted.fp16 = false;
+  if (ImGui::RadioButton(kFp32, !model.wanted.fp16)) model.wanted.fp16 = false;
   ImGui::SameLine();
-  if (ImGui::RadioButton("fp16", model.wanted.fp16)) model.wanted.fp16 = true;
+  if (ImGui::RadioButton(kFp16, model.wanted.fp16)) model.wanted.fp16 = true;
   if (report.share < 1) {
     ImGui::SameLine();
     ImGui::ProgressBar(static_cast<float>(report.share), {-1, 0});

@@ -54,7 +54,7 @@ Wanted wantedOf(const ViewerOptions& options) {
   Wanted wanted;
   wanted.layers = options.layers;
   wanted.model = options.model;
-  wanted.fp16 = options.precision == "fp16";
+  wanted.fp16 = options.precision == kFp16;
   wanted.skip = skipChoice(options.skip);
   wanted.memoryBytes = parseBytes(options.memory);
   const auto [width, height] = sizeOf(options.liveSize, "--live-size");

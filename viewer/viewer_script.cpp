@@ -26,7 +26,7 @@ void Viewer::printReport() {
   readProbe();
   std::printf("pictures=%llu files=%s model=%s precision=%s frame=%zu zoom=%g window=%ux%u swapchains=%u compared=%zu",
               static_cast<unsigned long long>(report_.pictures), report_.files.c_str(), report_.model.c_str(),
-              report_.fp16 ? "fp16" : "fp32", playback_.index, view_.viewport.zoom, swapchain_.extent().width,
+              precisionName(report_.fp16), playback_.index, view_.viewport.zoom, swapchain_.extent().width,
               swapchain_.extent().height, swapchain_.timesMade(), report_.compared.size());
   if (!report_.onDevice)
     std::printf(" tiles=%u partial=%llu interpolated=%.2f kept=%.2f", report_.tiles,

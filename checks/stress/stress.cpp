@@ -18,8 +18,6 @@ constexpr size_t kFewReferences = 2;
 constexpr float kScales[] = {1e-12f, 1e6f};  // of the colour, in turn
 constexpr double kScalingBound = 1e-3;       // in fp32; in fp16 two results are as far apart as rounding makes them
 
-const char* nameOf(Precision precision) { return precision == Precision::fp32 ? "fp32" : "fp16"; }
-
 /// What double precision makes of a frame.
 struct Reference {
   double exposure = 1;
@@ -292,7 +290,7 @@ std::vector<std::string> StressReport::exceptions() const {
   std::vector<std::string> found;
   for (const StressRow& row : rows) {
     const std::string what = row.model + ", weights " + row.weights + ", " + row.precision + ", " + row.family + ": ";
-    const double bound = row.precision == "fp32" ? fp32Bound : fp16Bound;
+    const double bound = row.precision == kFp32 ? fp32Bound : fp16Bound;
     if (row.nonFiniteOutputs > 0)
       found.push_back(what + std::to_string(row.nonFiniteOutputs) + " of " + std::to_string(row.cases) +
                       " outputs are not finite.");
@@ -302,7 +300,7 @@ std::vector<std::string> StressReport::exceptions() const {
     if (row.litFromBlack > 0)
       found.push_back(what + std::to_string(row.litFromBlack) + " pixels of black frames are lit.");
     if (!row.bounded) continue;
-    const double scalingBound = row.precision == "fp32" ? fp32ScalingBound : fp16ScalingBound;
+    const double scalingBound = row.precision == kFp32 ? fp32ScalingBound : fp16ScalingBound;
     if (!(row.worstScaling <= scalingBound))
       found.push_back(what + "scaling the colour changes the result by " + number(row.worstScaling) + ", more than " +
                       number(scalingBound) + ".");

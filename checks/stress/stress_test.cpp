@@ -45,7 +45,7 @@ std::set<std::pair<std::string, std::string>> operatorsOf(const DeviceTraits& de
   for (const NetworkModel& model : allModels())
     for (const Precision precision : {Precision::fp32, Precision::fp16})
       for (const Node& node : graphOf(model, device, precision, kWholeFrame).nodes)
-        found.emplace(factsOf(node).name, precision == Precision::fp32 ? "fp32" : "fp16");
+        found.emplace(factsOf(node).name, nameOf(precision));
   return found;
 }
 

@@ -12,6 +12,7 @@
 #include "xrds/export.h"
 #include "xrds/model.h"
 #include "xrds/pixel_view.h"
+#include "xrds/precision.h"
 #include "xrds/skip.h"
 #include "xrds/tiling.h"
 

@@ -5,6 +5,7 @@
 #include "xrds/error.h"
 #include "xrds/model.h"
 #include "xrds/pixel_view.h"
+#include "xrds/precision.h"
 #include "xrds/preparation.h"
 #include "xrds/relative_depth.h"
 #include "xrds/skip.h"
