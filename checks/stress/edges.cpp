@@ -61,15 +61,19 @@ TensorFile scaleOutput(TensorFile file, float factor) {
 
 const std::vector<WeightEdge>& weightEdges() {
   static const std::vector<WeightEdge> edges = {
-      {"as they are", true, true, unchanged},
-      {"logits x 64", false, false, [](TensorFile f) { return scaleLogits(std::move(f), 8); }},
-      {"logits x 1e6", false, false, [](TensorFile f) { return scaleLogits(std::move(f), 1024); }},
-      {"features x 2^-12", true, false, [](TensorFile f) { return scaleFeatures(std::move(f), 0x1p-12f); }},
-      {"features x 2^10", false, false, [](TensorFile f) { return scaleFeatures(std::move(f), 0x1p10f); }},
-      {"inside x 2^20", true, true, [](TensorFile f) { return scaleInside(std::move(f), 0x1p20f); }},
-      {"inside x 2^-24", true, false, [](TensorFile f) { return scaleInside(std::move(f), 0x1p-24f); }},
-      {"output x 2^40", false, false, [](TensorFile f) { return scaleOutput(std::move(f), 0x1p40f); }},
-      {"output x 2^120", false, true, [](TensorFile f) { return scaleOutput(std::move(f), 0x1p120f); }},
+      {"as they are", true, true, Parts::exactTiles, unchanged},
+      {"logits x 64", false, false, Parts::boundedTiles, [](TensorFile f) { return scaleLogits(std::move(f), 8); }},
+      {"logits x 1e6", false, false, Parts::skip, [](TensorFile f) { return scaleLogits(std::move(f), 1024); }},
+      {"features x 2^-12", true, false, Parts::exactTiles,
+       [](TensorFile f) { return scaleFeatures(std::move(f), 0x1p-12f); }},
+      {"features x 2^10", false, false, Parts::boundedTiles,
+       [](TensorFile f) { return scaleFeatures(std::move(f), 0x1p10f); }},
+      {"inside x 2^20", true, true, Parts::boundedTiles,
+       [](TensorFile f) { return scaleInside(std::move(f), 0x1p20f); }},
+      {"inside x 2^-24", true, false, Parts::skip, [](TensorFile f) { return scaleInside(std::move(f), 0x1p-24f); }},
+      {"output x 2^40", false, false, Parts::exactTiles,
+       [](TensorFile f) { return scaleOutput(std::move(f), 0x1p40f); }},
+      {"output x 2^120", false, true, Parts::skip, [](TensorFile f) { return scaleOutput(std::move(f), 0x1p120f); }},
   };
   return edges;
 }

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "network/network_model.h"
+#include "checks/stress/parts.h"
 
 namespace xrds {
 
@@ -12,6 +12,7 @@ struct WeightEdge {
   std::string name;
   bool bounded = false;  // the network stays as well conditioned as it was: the bounds on its error still hold
   bool inShortForm = false;
+  Parts parts = Parts::exactTiles;  // where frames are cut in one way of all: that of plain kernels in fp32
   TensorFile (*apply)(TensorFile file);
 };
 

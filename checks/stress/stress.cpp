@@ -15,7 +15,7 @@ namespace {
 
 constexpr FrameShape kFrame{9, 7};  // more than one window of any model, and padding
 constexpr size_t kFewReferences = 2;
-constexpr float kScales[] = {1e-12f, 1e6f};  // of the colour, in turn
+constexpr float kScales[] = {1e-12f, 1e6f};  // of the colour, for two rows that share
 constexpr double kScalingBound = 1e-3;       // in fp32; in fp16 two results are as far apart as rounding makes them
 
 /// What double precision makes of a frame.
@@ -57,6 +57,15 @@ uint64_t countLit(const std::vector<float>& output) {
 /// One way to make a session of a model.
 struct Mode {
   bool autoExposure = true, banded = false, checksOperators = false;
+  float colourScale = 1;  // with which the first frame is run once more
+};
+
+/// What a row tries. Where that is not all, two rows share it that differ in one thing alone: the second tries what the
+/// first leaves out.
+struct Scope {
+  bool changed = false, large = false;  // the weights; the model
+  bool second = false;
+  Parts parts = Parts::exactTiles;  // how frames are cut where that is in one way
 };
 
 class StressRun {
@@ -112,7 +121,7 @@ class StressRun {
         for (const KernelFamily family : families()) {
           if (!runs(model, edge, family)) continue;
           StressRow row{model.name, edge.name, nameOf(precision), nameOf(family), edge.bounded};
-          const Scope scope{isChange(edge), model.large};
+          const Scope scope = scopeOf(model, edge, precision, family);
           runRow(weights, precision, family, scope, row);
           runParts(weights, precision, scope, row);
           report_.rows.push_back(std::move(row));
@@ -123,23 +132,32 @@ class StressRun {
     return true;
   }
 
-  struct Scope {
-    bool changed = false, large = false;
-  };
+  // The rows that share are those of two kernel families, or where one family runs, those of the precisions.
+  Scope scopeOf(const StressModel& model, const WeightEdge& edge, Precision precision, KernelFamily family) const {
+    const bool half = precision == Precision::fp16, devices = family == traits_.family && families().size() > 1;
+    const bool sharedByFamilies = families().size() > 1 && runs(model, edge, KernelFamily::plain);
+    const size_t parts = static_cast<size_t>(edge.parts) + 2 * half + devices;
+    return {.changed = isChange(edge),
+            .large = model.large,
+            .second = sharedByFamilies ? devices : half,
+            .parts = kAllParts[parts % std::size(kAllParts)]};
+  }
 
   void runRow(const NetworkModel& weights, Precision precision, KernelFamily family, Scope scope, StressRow& row) {
     DeviceTraits traits = traits_;
     traits.family = family;
     gpu_.setTraits(traits);
     const bool devices = family == traits_.family, fewer = scope.changed && (scope.large || options_.shortForm);
-    // Given exposures and bands take turns where not all is tried.
-    std::vector<Mode> modes{{true, false}, {false, false}, {true, true}};
-    if (scope.changed || options_.shortForm) modes.erase(modes.begin() + 1 + static_cast<int>(report_.rows.size() % 2));
-    if (fewer || (scope.large && !devices)) modes.resize(1);
-    modes[0].checksOperators = !fewer && (devices || !(scope.large || options_.shortForm));
+    const bool shared = scope.changed || options_.shortForm;
+    std::vector<Mode> modes{{.checksOperators = !fewer && (devices || !(scope.large || options_.shortForm)),
+                             .colourScale = kScales[scope.second]}};
+    if (!fewer && (devices || !scope.large)) {
+      if (!shared || scope.second) modes.push_back({.autoExposure = false});
+      if (!shared || !scope.second) modes.push_back({.banded = true});
+    }
     std::vector<size_t> which;
     for (size_t i = 0; i < frames_.size(); ++i)
-      if (!fewer || (frames_[i].natural ? i < kFewReferences : (i + report_.rows.size()) % 2 == 0)) which.push_back(i);
+      if (!fewer || (frames_[i].natural ? i < kFewReferences : i % 2 == scope.second)) which.push_back(i);
     expected_.assign(frames_.size(), {});
     for (const Mode mode : modes) runMode(weights, precision, mode, which, row);
   }
@@ -170,17 +188,16 @@ class StressRun {
     }
     session.run(frames_.front().input(mode.autoExposure), output);
     row.replaysExactly = row.replaysExactly && output == first;
-    if (mode.autoExposure && !mode.banded) scaleColour(session, output, config.transfer, row);
+    if (mode.autoExposure && !mode.banded) scaleColour(session, output, mode.colourScale, config.transfer, row);
   }
 
-  // Frames in tiles and with windows skipped; one way in turn where not all is tried.
+  // Frames in tiles and with windows skipped.
   void runParts(const NetworkModel& weights, Precision precision, Scope scope, StressRow& row) {
     if (row.family != nameOf(traits_.family) && (scope.large || options_.shortForm)) return;
     const bool fewer = scope.changed || options_.shortForm;
-    const size_t turn = report_.rows.size();
     std::vector<std::unique_ptr<PartRunner>> runners;
     for (const Parts parts : kAllParts) {
-      if (fewer && turn % std::size(kAllParts) != static_cast<size_t>(parts)) continue;
+      if (fewer && parts != scope.parts) continue;
       if (parts == Parts::skip && !whyNeverQuiet(weights.config()).empty()) continue;
       runners.push_back(std::make_unique<PartRunner>(gpu_, weights, precision, parts));
     }
@@ -188,7 +205,7 @@ class StressRun {
     Session session(gpu_, weights, partedFrame(weights.config()), {.precision = precision, .bandRows = kWholeFrame});
     std::vector<float> whole(3 * session.graph().output.pixelCount());
     for (size_t i = 0; i < partedFrames_.size(); ++i) {
-      if (fewer && (i + turn) % 4 != 0) continue;
+      if (fewer && i % 2 != scope.second) continue;
       session.run(partedFrames_[i].input(true), whole);
       count(partedFrames_[i], whole, session.lostPixels().size(), row);
       for (const auto& runner : runners) runInParts(*runner, partedFrames_[i], whole, row);
@@ -230,11 +247,10 @@ class StressRun {
   }
 
   // The first frame, whose result is `output`, once more with another unit of the colour.
-  void scaleColour(Session& session, const std::vector<float>& output, Transfer transfer, StressRow& row) {
+  void scaleColour(Session& session, const std::vector<float>& output, float scale, Transfer transfer, StressRow& row) {
     StressFrame frame = frames_.front();
     Reference unscaled{session.exposure(), std::vector<double>(output.size() / 3 * 4)};
     for (size_t i = 0; i < output.size(); ++i) unscaled.output[i / 3 * 4 + i % 3] = output[i];
-    const float scale = kScales[report_.rows.size() % std::size(kScales)];
     for (float& value : frame.colour.pixels) value *= scale;
     std::vector<float> scaled(output.size());
     session.run(frame.input(true), scaled);
