@@ -29,10 +29,12 @@ fs::path modelFile(const UpscaleOptions& options) {
       failingWith(ExitCode::input, [&] { return readExrHeader(options.aux.empty() ? options.color : options.aux); });
   int scale = 0;
   try {
-    scale =
-        failingWith(ExitCode::input, [&] { return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)}).scale(); });
+    scale = failingWith(ExitCode::input, [&] {
+      return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)}).scale();
+    });
   } catch (Failure& failure) {
-    if (options.layers.nameOf(AovRole::kAlbedo).empty() && !hasAov(file, AovRole::kAlbedo)) failure.message += colourAloneHint(options);
+    if (options.layers.nameOf(AovRole::kAlbedo).empty() && !hasAov(file, AovRole::kAlbedo))
+      failure.message += colourAloneHint(options);
     throw;
   }
   const bool hasNormal = !options.layers.nameOf(AovRole::kNormal).empty() || hasAov(file, AovRole::kNormal);
