@@ -41,6 +41,7 @@ FrameFiles sortHeaders(const std::vector<ExrFile>& headers) {
 
 FrameFiles sortFiles(const std::vector<fs::path>& files) {
   std::vector<ExrFile> headers;
+  headers.reserve(files.size());
   for (const fs::path& file : files) headers.push_back(readExrHeader(file));
   return sortHeaders(headers);
 }
