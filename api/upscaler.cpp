@@ -205,6 +205,7 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
   const FiniteImage finiteColour(colour, repairs.colour);
   std::vector<FiniteImage> finiteImages;
   std::vector<PixelView> views;
+  views.reserve(auxiliary.size());
   for (const PixelView& image : auxiliary) finiteImages.emplace_back(image, repairs.auxiliary);
   for (const FiniteImage& image : finiteImages) views.push_back(image.view());
   if (!state_->run(finiteColour.view(), views, output, progress)) return false;

@@ -42,8 +42,8 @@ struct SessionOptions {
 /// Names packed weights: the program that reads them, and the weights that they are made of as the model has them.
 struct PackedKey {
   std::string program;
-  const float *weight = nullptr, *first = nullptr;  // first: of a map joined to the layer's own
-  auto operator<=>(const PackedKey&) const = default;
+  const float *weight = nullptr, *first = nullptr;     // first: of a map joined to the layer's own
+  auto operator<=>(const PackedKey&) const = default;  // NOLINT(modernize-use-nullptr): no null pointer is written
 };
 
 struct DispatchTime {

@@ -21,12 +21,15 @@ FrameShape frameOf(const std::vector<Tile>& grid) {
   return {last.y + last.height, static_cast<uint32_t>(last.x) + last.width};
 }
 
+// To the bit, so that a NaN equals itself.
+// NOLINTBEGIN(bugprone-suspicious-memory-comparison)
 bool sameRow(const float* a, uint32_t strideA, const float* b, uint32_t count) {
   if (strideA == 3) return std::memcmp(a, b, sizeof(float) * 3 * count) == 0;
   for (uint32_t i = 0; i < count; ++i)
     if (std::memcmp(a + size_t{i} * strideA, b + size_t{3} * i, 3 * sizeof(float)) != 0) return false;
   return true;
 }
+// NOLINTEND(bugprone-suspicious-memory-comparison)
 
 // Marks the windows in which the image differs from the packed one; `side` is theirs in its pixels.
 void markDifferences(const PixelView& image, const std::vector<float>& before, uint32_t side, WindowMask& changed) {

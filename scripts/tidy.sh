@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Runs clang-tidy with the checks of .clang-tidy over every room, or over those named: scripts/tidy.sh [ROOM ...]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+command -v run-clang-tidy >/dev/null || { echo "This needs clang-tidy: install the package of that name." >&2; exit 1; }
+build=${XRDS_BUILD:-build/release}
+[ -f "$build/build.ninja" ] || { echo "There is no $build, whose generated headers are read: build it first." >&2; exit 1; }
+rooms=("$@")
+[ $# -gt 0 ] || rooms=(engine shaders graph network frames checks api image app cli viewer bench tests)
+pattern=$(IFS='|'; echo "${rooms[*]}")
+run-clang-tidy -quiet -p "$build" "^$PWD/($pattern)/" 2>&1 | grep -vE '^clang-tidy|^$|warnings generated' | tee "$build/tidy.txt" || true
+! grep -qE 'warning:|error:' "$build/tidy.txt"
