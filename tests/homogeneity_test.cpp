@@ -90,7 +90,9 @@ TEST_P(Homogeneity, NothingIsDrawnWhereNothingAroundIsLit) {
     for (uint32_t x = 0; x < width; ++x)
       for (uint32_t c = 0; c < 3; ++c) {
         const float value = output[3 * (size_t{y} * width + x) + c];
-        if (x >= s * (kLit + kReach) || c == 2) ASSERT_EQ(value, 0) << x << " " << y << " " << c;
+        if (x >= s * (kLit + kReach) || c == 2) {
+          ASSERT_EQ(value, 0) << x << " " << y << " " << c;
+        }
         brightest = std::max(brightest, value);
       }
   EXPECT_GT(brightest, 0.1f);
