@@ -174,7 +174,7 @@ int tryWithoutDriver() {
 
 TEST(DeviceDeathTest, WithoutADriverTheErrorSaysWhatToInstall) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";
-  EXPECT_EXIT(std::exit(tryWithoutDriver()), testing::ExitedWithCode(1), "Error: no Vulkan 1.2 device .* install");
+  EXPECT_EXIT(std::exit(tryWithoutDriver()), testing::ExitedWithCode(1), "Error: No Vulkan 1.2 device .* install");
 }
 
 }  // namespace
