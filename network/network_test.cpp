@@ -180,13 +180,14 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(refused("output_side", "2"));
   EXPECT_TRUE(refused("output_side", "5"));
   for (const auto& [key, text] : good) {
-    const std::set<std::string> optional{"block", "cross", "kernels", "aux_skip", "aux_kernels", "output_side"};
+    const std::set<std::string> required{"format", "version", "scale",  "channels",      "aux_channels", "aux_inputs",
+                                         "groups", "blocks",  "window", "head_channels", "transfer",     "base"};
     Metadata missing = good;
     missing.erase(key);
-    if (optional.contains(key))
-      EXPECT_EQ(describe(parseConfig(missing)), good) << key;
-    else
+    if (required.contains(key))
       EXPECT_THROW(parseConfig(missing), Error) << key;
+    else
+      EXPECT_EQ(describe(parseConfig(missing)), good) << key;
   }
 }
 
