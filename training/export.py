@@ -10,6 +10,7 @@ import pathlib
 import torch
 
 import evaluate
+import train
 import weights
 from cost import multiply_accumulates
 from network import Network
@@ -84,8 +85,8 @@ def precision_of(told):
 
 def command_of(told, start):
     """The trainer's command line; what is at its default is named too."""
-    keys = ("scale", "channels", "aux_channels", "head_channels", "groups", "blocks", "aux", "base", "kernels", "aux_kernels", "colour_kernels", "aux_skip",
-            "output_side", "crop", "batch", "rate", "warm_up", "tone", "ratio", "aux_loss", "colour_shares", "aux_shares", "seed", "minutes")
+    keys = (*(field.name for field in train.MODEL_FIELDS), "aux", "crop", "batch", "rate", "warm_up", "tone", "ratio", "aux_loss",
+            "colour_shares", "aux_shares", "seed", "minutes")
     flags = " ".join(f"--{key.replace('_', '-')} {told[key] or repr('')}" for key in keys if told.get(key, "None") != "None")
     flags += f" --precision {precision_of(told)}"
     return f"python training/train.py SHARD_FOLDER --output RUN_FOLDER {flags}" + (" --start CHECKPOINT" if start else "")

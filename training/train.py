@@ -7,6 +7,7 @@ file. The learning rate is a cosine over --minutes, or over --steps. Shards that
 """
 import argparse
 import copy
+import dataclasses
 import math
 import os
 import pathlib
@@ -22,6 +23,8 @@ import pipeline
 from network import Network, NetworkConfig
 from start import initialise, start_from
 
+MODEL_FIELDS = [field for field in dataclasses.fields(NetworkConfig) if field.name != "aux_inputs"]    # that is --aux
+USUAL = dict(channels=32, aux_channels=16, blocks=1, kernels=5, aux_skip=1)      # defaults of the trainer, not of the file
 ROBUST_BETA = 0.1
 VALIDATION_SPP = {1: (4, 4), 2: (16, 16), 4: (64, 16), 8: (64, 16)}     # scale: colour, auxiliary images
 FULL_VALIDATION_SPP = {2: ((16, 4), (4, 1)), 4: ((64, 16), (64, 4), (16, 1)), 8: ((64, 16), (64, 4), (64, 1))}     # of models that take the colour of both
@@ -34,22 +37,10 @@ def arguments_of_command_line():
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--minutes", type=float, default=75)
     parser.add_argument("--steps", type=int, help="end after so many steps, whatever the time")
-    model = parser.add_argument_group("model")
-    model.add_argument("--scale", type=int, default=4)
-    model.add_argument("--channels", type=int, default=32)
-    model.add_argument("--aux-channels", type=int, default=16)
-    model.add_argument("--head-channels", type=int, default=32)
-    model.add_argument("--groups", type=int, default=3)
-    model.add_argument("--blocks", type=int, default=1)
+    model = parser.add_argument_group("model (network.NetworkConfig tells what each field means)")
     model.add_argument("--aux", default="albedo,normal", help="auxiliary inputs of albedo, normal, depth, colour; empty for none")
-    model.add_argument("--base", default="guided")
-    model.add_argument("--block", default="rdst")
-    model.add_argument("--cross", default="attention")
-    model.add_argument("--kernels", type=int, default=5)
-    model.add_argument("--aux-kernels", type=int, default=0)
-    model.add_argument("--colour-kernels", type=int, default=0, help="3 or 5: of the full-resolution colour, with --aux albedo,normal,colour")
-    model.add_argument("--aux-skip", type=int, default=1)
-    model.add_argument("--output-side", type=int, default=3, help="3 or 1: of the output convolution")
+    for field in MODEL_FIELDS:
+        model.add_argument("--" + field.name.replace("_", "-"), type=field.type, default=USUAL.get(field.name, field.default))
     model.add_argument("--start", type=pathlib.Path, help="model file or checkpoint whose fitting weights to start from")
     parser.add_argument("--crop", type=int, default=32, help="low-resolution pixels a side, a multiple of the window")
     parser.add_argument("--batch", type=int, default=4)
@@ -71,11 +62,8 @@ def arguments_of_command_line():
 
 
 def config_of(options):
-    return NetworkConfig(scale=options.scale, channels=options.channels, aux_channels=options.aux_channels,
-                         aux_inputs=tuple(options.aux.split(",")) if options.aux else (), groups=options.groups, blocks=options.blocks,
-                         head_channels=options.head_channels, base=options.base, block=options.block, cross=options.cross,
-                         kernels=options.kernels, aux_skip=options.aux_skip, aux_kernels=options.aux_kernels, colour_kernels=options.colour_kernels,
-                         output_side=options.output_side)
+    return NetworkConfig(aux_inputs=tuple(options.aux.split(",")) if options.aux else (),
+                         **{field.name: getattr(options, field.name) for field in MODEL_FIELDS})
 
 
 def forward(network, batch, device, precision):

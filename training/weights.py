@@ -7,6 +7,8 @@ from safetensors.torch import save_file
 
 from network import Network, NetworkConfig
 
+# The fields that every file states; the others take their defaults where a file is older than they are.
+REQUIRED = ("scale", "channels", "aux_channels", "aux_inputs", "groups", "blocks", "window", "head_channels", "transfer", "base")
 
 def metadata_of(config):
     """The configuration as the string-to-string metadata of the file."""
@@ -19,10 +21,9 @@ def config_of(metadata):
     """NetworkConfig from file metadata; absent optional fields take the paper's plain form."""
     if metadata.get("format") != "xrds" or metadata.get("version") != "1":
         raise ValueError(f"not a version 1 xrds model: {metadata.get('format')!r} {metadata.get('version')!r}")
-    plain = {"block": "rdst", "kernels": "0", "aux_skip": "0", "aux_kernels": "0", "colour_kernels": "0", "output_side": "3", "cross": "attention"}
     values = {}
     for field in dataclasses.fields(NetworkConfig):
-        text = {**plain, **metadata}[field.name]
+        text = metadata[field.name] if field.name in REQUIRED else metadata.get(field.name, str(field.default))
         if field.name == "aux_inputs":
             values[field.name] = tuple(text.split(",")) if text else ()
         else:
