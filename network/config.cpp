@@ -115,7 +115,6 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   config.kernels = numberOr(metadata, "kernels", 0, 5);
   config.auxSkip = numberOr(metadata, "aux_skip", 0, 1) == 1;
   config.auxKernels = numberOr(metadata, "aux_kernels", 0, 5);
-  config.bodySkip = numberOr(metadata, "body_skip", 1, 1) == 1;
   config.outputSide = numberOr(metadata, "output_side", 3, 3);
   checkCombination(config);
   return config;
@@ -141,7 +140,6 @@ Metadata describe(const NetworkConfig& config) {
           {"kernels", std::to_string(config.kernels)},
           {"aux_skip", config.auxSkip ? "1" : "0"},
           {"aux_kernels", std::to_string(config.auxKernels)},
-          {"body_skip", config.bodySkip ? "1" : "0"},
           {"output_side", std::to_string(config.outputSide)}};
 }
 

@@ -37,7 +37,6 @@ struct NetworkConfig {
   uint32_t kernels = 0;     // side of the learned kernels, 0 or 5
   bool auxSkip = false;     // H_N is fed to the output convolution
   uint32_t auxKernels = 0;  // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
-  bool bodySkip = true;     // F_0 is added behind the fusion
   uint32_t outputSide = 3;  // of the output convolution, 3 or 1
 
   uint32_t auxWidth() const { return 3 * static_cast<uint32_t>(auxInputs.size()); }  // A

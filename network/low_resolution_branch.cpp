@@ -21,7 +21,7 @@ class LowResolutionBranch {
     const TensorView u = layers_.conv("fuse", fused, c);
     // F_0 is made again where memory counts: of all the network's work that is a few thousandths.
     if (layers_.bands(x, false, kSelfAttentionTensors).size() > 1) f0 = layers_.conv("lr_conv", x, 3, c, {});
-    return layers_.conv("body_conv", u, c, c, {.residual = config_.bodySkip ? f0 : TensorView{}});
+    return layers_.conv("body_conv", u, c, c, {.residual = f0});
   }
 
  private:

@@ -85,7 +85,6 @@ CASES = {
     "s2_output1": ((7, 10), dict(scale=2, kernels=5, aux_skip=1, aux_kernels=3, output_side=1)),
     "s4_compact_output1": ((9, 12), dict(channels=32, aux_channels=16, head_channels=32, window=8, groups=1, kernels=5,
                                          aux_skip=1, aux_kernels=5, output_side=1)),
-    "s2_no_body_skip": ((7, 9), dict(scale=2, body_skip=0)),
     "s1_output1_noaux": ((10, 7), dict(scale=1, base="none", aux_inputs=NONE, output_side=1)),
     "s4_depth": ((8, 9), dict(kernels=5, aux_skip=1, aux_kernels=5, output_side=1, aux_inputs=("albedo", "normal", "depth"))),
 }

@@ -20,7 +20,7 @@ class NetworkConfig:
     `aux_kernels` = 3 or 5 adds that many squared logits of a kernel that filters the auxiliary images for the base image and the output.
     `colour` in `aux_inputs` is the full-resolution noisy colour; `colour_kernels` = 3 or 5 adds that many squared logits of a kernel that
     filters it, and the logit of its share in the base image.
-    `output_side` = 1 makes the output convolution 1 x 1; `body_skip` = 0 leaves F_0 out behind the fusion.
+    `output_side` = 1 makes the output convolution 1 x 1.
     `cross` = "concat" puts a 1x1 convolution of [f, e] in the place of the cross module XM.
     """
     scale: int = 4
@@ -39,7 +39,6 @@ class NetworkConfig:
     aux_kernels: int = 0
     colour_kernels: int = 0
     output_side: int = 3
-    body_skip: int = 1
     cross: str = "attention"
 
     def __post_init__(self):
@@ -376,7 +375,7 @@ class Network(nn.Module):
                 h = self.aux_blocks[i](h)
                 d = self.deshuffled(i + 1, h)
         u = self.fuse(f if d is None else torch.cat([f, d], 1))
-        u = self.body_conv(u) + f0 if self.config.body_skip else self.body_conv(u)
+        u = self.body_conv(u) + f0
         u = F.leaky_relu(self.up_pre(u), 0.01)
         for conv in self.up:
             u = F.pixel_shuffle(conv(u), 2)
