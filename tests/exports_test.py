@@ -3,7 +3,8 @@ import re
 import subprocess
 import sys
 
-PUBLIC = {"Cancelled", "Device", "DeviceLost", "Error", "Examination", "Model", "OutOfMemory", "Upscaler", "relativeDepth"}
+PUBLIC = {"Cancelled", "Device", "DeviceLost", "Error", "Examination", "Model", "OutOfMemory", "Upscaler",
+          "colourDifference", "estimatedFullShare", "fullShare", "mergedColour", "relativeDepth"}
 NAME = re.compile(r"^(?:typeinfo for |typeinfo name for |vtable for )?xrds::(\w+)(?!::State::)")
 
 

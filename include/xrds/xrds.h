@@ -3,6 +3,7 @@
 #include "xrds/auxiliary_input.h"
 #include "xrds/device.h"
 #include "xrds/error.h"
+#include "xrds/merged_colour.h"
 #include "xrds/model.h"
 #include "xrds/pixel_view.h"
 #include "xrds/precision.h"

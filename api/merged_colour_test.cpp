@@ -1,0 +1,99 @@
+#include "xrds/merged_colour.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+/// Two renders of a smooth image: samples whose noise has a standard deviation of half the value.
+struct Renders {
+  Renders(uint32_t side, uint32_t scale, RenderSamples samples, float light = 1) : side(side), scale(scale) {
+    std::mt19937 bits(7);
+    std::normal_distribution<float> normal;
+    const auto fill = [&](uint32_t extent, double count, float level) {
+      std::vector<float> pixels;
+      for (uint32_t y = 0; y < extent; ++y)
+        for (uint32_t x = 0; x < extent; ++x)
+          for (int c = 0; c < 3; ++c) {
+            const float value =
+                level * (1 + std::sin(3.F * static_cast<float>(x + y) / static_cast<float>(extent)) / 2);
+            pixels.push_back(std::max(0.F, value * (1 + 0.5F * normal(bits) / static_cast<float>(std::sqrt(count)))));
+          }
+      return pixels;
+    };
+    low = fill(side, samples.low, 1);
+    full = fill(side * scale, samples.full, light);
+  }
+  PixelView lowView() const { return {low.data(), side, side}; }
+  PixelView fullView() const { return {full.data(), side * scale, side * scale}; }
+
+  uint32_t side, scale;
+  std::vector<float> low, full;
+};
+
+TEST(MergedColour, WeighsBySamples) {
+  EXPECT_DOUBLE_EQ(fullShare({64, 16}, 4), 0.8);
+  EXPECT_DOUBLE_EQ(fullShare({16, 1}, 4), 0.5);
+  const float low[] = {1, 2, 3, 9}, full[] = {0, 0, 4, 8, 2, 4, 2, 6, 12, -4, 2, 0};  // 1 x 1 of stride 4, 2 x 2
+  const auto merged = mergedColour({low, 1, 1, 4}, {full, 2, 2}, 0.25);
+  EXPECT_FLOAT_EQ(merged[0], 0.75F * 1 + 0.25F * 2.5F);  // the mean of 0, 8, 2 and, in place of -4, 0
+  EXPECT_FLOAT_EQ(merged[1], 0.75F * 2 + 0.25F * (0 + 2 + 6 + 2) / 4);
+  EXPECT_FLOAT_EQ(merged[2], 0.75F * 3 + 0.25F * (4 + 4 + 12 + 0) / 4);
+}
+
+TEST(MergedColour, LeavesOutWhatIsNotFinite) {
+  const float low[] = {1, 1, 1, 5, 5, 5};
+  const float bad = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> full(size_t{3} * 8, bad);
+  full[0] = full[1] = full[2] = 3;
+  const auto merged = mergedColour({low, 2, 1}, {full.data(), 4, 2}, 0.5);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_FLOAT_EQ(merged[c], 2);
+    EXPECT_FLOAT_EQ(merged[3 + c], 5);  // none of its pixels is finite
+  }
+}
+
+TEST(MergedColour, EstimatesTheShareFromNoise) {
+  for (const uint32_t scale : {2u, 4u})
+    for (const RenderSamples samples : {RenderSamples{64, 16}, RenderSamples{16, 1}, RenderSamples{4, 4}}) {
+      const Renders renders(64, scale, samples);
+      const double known = fullShare(samples, scale),
+                   estimated = estimatedFullShare(renders.lowView(), renders.fullView());
+      const double ratio = estimated / (1 - estimated) / (known / (1 - known));
+      EXPECT_GT(ratio, 0.6) << scale << " " << samples.low;
+      EXPECT_LT(ratio, 1.6) << scale << " " << samples.low;
+    }
+}
+
+TEST(MergedColour, AFireflyChangesNoEstimate) {
+  Renders renders(32, 2, {16, 4});
+  const double before = estimatedFullShare(renders.lowView(), renders.fullView());
+  renders.full[3 * 1000] = renders.low[3 * 500] = 1e6F;
+  EXPECT_NEAR(estimatedFullShare(renders.lowView(), renders.fullView()), before, 0.01);
+}
+
+TEST(MergedColour, TellsOtherLight) {
+  const Renders same(32, 4, {16, 1}), darker(32, 4, {16, 1}, 0.7F);
+  EXPECT_LT(colourDifference(same.lowView(), same.fullView()), kMostColourDifference / 2);
+  EXPECT_GT(colourDifference(darker.lowView(), darker.fullView()), kMostColourDifference);
+  const Renders black(32, 4, {16, 1}, 0);
+  EXPECT_GT(colourDifference(black.lowView(), black.fullView()), 0.9);
+}
+
+TEST(MergedColour, RefusesWhatDoesNotFit) {
+  const std::vector<float> pixels(size_t{3} * 100);
+  EXPECT_THROW(mergedColour({pixels.data(), 3, 3}, {pixels.data(), 6, 5}, 0.5), Error);
+  EXPECT_THROW(mergedColour({pixels.data(), 4, 4}, {pixels.data(), 2, 2}, 0.5), Error);
+  EXPECT_THROW(estimatedFullShare({pixels.data(), 4, 4}, {pixels.data(), 4, 4}), Error);
+  EXPECT_THROW(fullShare({0, 4}, 2), Error);
+  EXPECT_THROW(fullShare({4, std::numeric_limits<double>::infinity()}, 2), Error);
+}
+
+}  // namespace
+}  // namespace xrds

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "xrds/export.h"
+#include "xrds/pixel_view.h"
+
+namespace xrds {
+
+/// Samples a pixel of the two renders of a frame: of the low-resolution colour, and of the full-resolution render whose
+/// albedo and normals are the auxiliary images.
+struct RenderSamples {
+  double low = 0, full = 0;
+};
+
+/// The share s^2 K / (k + s^2 K) that the colour of the full-resolution render has in the merged one, for k and K
+/// samples and the scale s. Throws Error unless both counts are positive and finite.
+XRDS_API double fullShare(RenderSamples samples, uint32_t scale);
+
+/// The share where no counts are known, from the noise of the two images, which are of one frame: [h, w, >= 3] and
+/// [s h, s w, >= 3] linear radiance, s at least 2. The noise of a mean of s x s pixels is read from the difference of
+/// its two halves, a chequerboard; that of the low-resolution colour is what else differs. Medians over the frame, so
+/// single bright pixels do not count. On renders the ratio of samples that it stands for is within a factor of two of
+/// the true one. One half where neither has noise.
+XRDS_API double estimatedFullShare(const PixelView& low, const PixelView& full);
+
+/// How much the two differ beside noise: |a - b| / (a + b) of the means of sixteen parts of the frame, their median.
+/// Renders of the same light have less than kMostColourDifference; a full-resolution render without indirect light,
+/// say, has more, and must not be merged.
+XRDS_API double colourDifference(const PixelView& low, const PixelView& full);
+inline constexpr double kMostColourDifference = 0.1;
+
+/// The merged colour [h, w, 3]: (1 - share) L + share B, with the low-resolution colour L [h, w, >= 3] and the means B
+/// of s x s pixels of the full-resolution render's colour [s h, s w, >= 3]. Pixels of the latter that are not finite do
+/// not count, negative ones are 0. Throws Error if the sizes are no whole multiple of each other.
+XRDS_API std::vector<float> mergedColour(const PixelView& low, const PixelView& full, double share);
+
+}  // namespace xrds
