@@ -1,6 +1,7 @@
 #include "app/frame.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "image/aux_check.h"
 #include "image/edge_check.h"
@@ -20,8 +21,11 @@ bool covers(const Box& outer, const Box& inner) {
 }  // namespace
 
 Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
-             const std::vector<std::string>& auxiliaryInputs)
-    : colorFile_(readExrHeader(colorPath)), inputs_(auxiliaryInputs) {
+             const std::vector<std::string>& auxiliaryInputs, const MergeRequest& merge)
+    : colorFile_(readExrHeader(colorPath)),
+      inputs_(auxiliaryInputs),
+      merge_(merge),
+      fullColourName_(request.nameOf(AovRole::kFullColor)) {
   const bool twoFiles = !auxPath.empty() && !inputs_.empty();
   auxFile_ = twoFiles ? readExrHeader(auxPath) : colorFile_;
   AovRequest needed = request;
@@ -75,6 +79,55 @@ void Frame::load() {
   for (size_t i = 0; i < inputs_.size(); ++i)
     if (!findAuxiliaryInput(inputs_[i])->isDistance) layers.push_back({inputs_[i], &auxiliary_[i]});
   if (!layers.empty()) addWarnings(checkEdges(colour_, layers));
+  mergeColour();
+}
+
+// The colour of the render that the auxiliary images are of; a named one must be there.
+std::optional<ExrSelection> Frame::fullColour() const {
+  if (merge_.never || !fit_ || fit_->scale < 2) return {};
+  const bool named = !fullColourName_.empty() || merge_.samples;
+  if (!named && !hasAov(auxFile_, AovRole::kFullColor)) return {};
+  try {
+    ExrSelection found = findAov(auxFile_, AovRole::kFullColor, fullColourName_);
+    if (fitFrame(colorPart(), auxFile_.parts[found.part]).scale == fit_->scale) return found;
+    if (named) throw Error("Layer '" + nameOf(found) + "' has not the size of the auxiliary images.");
+  } catch (const Error&) {
+    if (named) throw;
+  }
+  return {};
+}
+
+void Frame::mergeColour() {
+  const std::optional<ExrSelection> layer = fullColour();
+  if (!layer) return;
+  Image full = placedInBox(readLayer(auxFile_, *layer), auxFile_.parts[layer->part].dataWindow,
+                           scaledBox(colorPart().dataWindow, fit_->scale));
+  repairRadiance(full);
+  const double difference = colourDifference(viewOf(colour_), viewOf(full));
+  if (!merge_.samples && difference > kMostColourDifference) {
+    warnings_.push_back("The colour '" + nameOf(*layer) + "' of '" + auxFile_.path.string() +
+                        "' differs from the frame's by " + std::to_string(std::lround(100 * difference)) +
+                        " %: it is of other light, and is not used; --samples LOW,HIGH uses it.");
+    return;
+  }
+  chooseShare(*layer, full);
+  colour_.pixels = mergedColour(viewOf(colour_), viewOf(full), merged_->share);
+  colour_.channels = 3;
+}
+
+void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
+  const auto scale = static_cast<uint32_t>(fit_->scale);
+  merged_ = MergedColour{nameOf(layer), 0, merge_.samples, "given"};
+  if (!merged_->samples) {
+    merged_->source = "metadata";
+    merged_->samples = samplesOf(colorPart(), auxFile_.parts[layer.part]);
+  }
+  if (merged_->samples) {
+    merged_->share = fullShare(*merged_->samples, scale);
+    return;
+  }
+  merged_->source = "noise";
+  merged_->share = estimatedFullShare(viewOf(colour_), viewOf(full));
 }
 
 const Image* Frame::imageOf(std::string_view input) const {

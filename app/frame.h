@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/merge_request.h"
 #include "image/aov.h"
 #include "image/exr_write.h"
 #include "image/frame_fit.h"
@@ -20,7 +21,7 @@ class Frame {
   /// kAuxiliaryInputs; with none the auxiliary file is not looked at. Throws Error if the layers are not found or
   /// the sizes are no whole multiple of each other.
   Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
-        const std::vector<std::string>& auxiliaryInputs);
+        const std::vector<std::string>& auxiliaryInputs, const MergeRequest& merge = {});
 
   /// The size of the auxiliary images over the colour's; 0 without auxiliary images.
   int scale() const { return fit_ ? fit_->scale : 0; }
@@ -33,10 +34,14 @@ class Frame {
   /// Windows and attributes of the upscaled frame. Throws Error if the windows do not fit in 32 bits.
   ExrOutput output(int scale) const;
 
-  /// Reads and repairs the pixels; what was repaired or looks wrong is added to warnings(). Throws Error.
+  /// Reads and repairs the pixels, and merges the colour with that of the full-resolution render (mergedColour()) where
+  /// the auxiliary file has it and both are of the same light; what was repaired or looks wrong is added to warnings().
+  /// Throws Error.
   void load();
 
   const Image& colour() const { return colour_; }
+  /// What load() merged into the colour; nothing if there was nothing to merge.
+  const std::optional<MergedColour>& merged() const { return merged_; }
   const std::optional<Image>& alpha() const { return alpha_; }
   /// One for each of inputs(), of three channels; of depth the relative depth.
   const std::vector<Image>& auxiliary() const { return auxiliary_; }
@@ -49,15 +54,21 @@ class Frame {
   void fit(const std::string& input);
   const ExrSelection& layerOf(std::string_view input) const;
   Image loadAuxiliary(const std::string& input);
+  std::optional<ExrSelection> fullColour() const;
+  void mergeColour();
+  void chooseShare(const ExrSelection& layer, const Image& full);
   const Image* imageOf(std::string_view input) const;  // null if it is none of inputs()
   void addWarnings(const std::vector<std::string>& more);
   void addRepaired(size_t count, const ExrSelection& layer, const char* what);
 
   ExrFile colorFile_, auxFile_;
   std::vector<std::string> inputs_;
+  MergeRequest merge_;
+  std::string fullColourName_;
   Aovs aovs_;
   std::optional<FrameFit> fit_;
   Image colour_;
+  std::optional<MergedColour> merged_;
   std::optional<Image> alpha_;
   std::vector<Image> auxiliary_;
   std::vector<std::string> warnings_;

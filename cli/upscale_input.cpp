@@ -55,7 +55,9 @@ OpenedModel openModel(const UpscaleOptions& options) {
 
 Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
   Frame frame = failingWith(ExitCode::input, [&] {
-    return Frame(options.color, options.aux, options.layers, opened.model.auxiliaryInputs());
+    AovRequest layers = options.layers;
+    const MergeRequest merge = mergeRequest(options.auxColour, options.samples, layers);
+    return Frame(options.color, options.aux, layers, opened.model.auxiliaryInputs(), merge);
   });
   const int scale = static_cast<int>(opened.model.scale());
   if (frame.scale() != 0 && frame.scale() != scale)

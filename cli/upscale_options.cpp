@@ -4,6 +4,7 @@
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
+#include "app/merge_request.h"
 #include "app/skip_bound.h"
 #include "cli/output_file.h"
 #include "cli/quiet.h"
@@ -81,6 +82,16 @@ void addLayers(CLI::App& verb, UpscaleOptions& options) {
     verb.add_option("--" + std::string(input.name), options.layers.names[roleOf(input.name)],
                     "Layer to take as " + std::string(input.meaning))
         ->type_name("LAYER");
+  verb.add_option(
+          "--aux-colour", options.auxColour,
+          "Colour of the full-resolution render, which is merged into the low-resolution colour: auto (where the\n"
+          "auxiliary file has one of the same light), never, or a layer")
+      ->type_name("auto|never|LAYER")
+      ->capture_default_str();
+  verb.add_option("--samples", options.samples,
+                  "Samples a pixel of the low- and the full-resolution render, for the weights of the merged colour\n"
+                  "(default: the files' metadata, or an estimate from the noise)")
+      ->check(CLI::Validator(validSamples, "LOW,HIGH"));
 }
 
 void addReports(CLI::App& verb, UpscaleOptions& options) {

@@ -11,7 +11,8 @@ namespace xrds {
 /// What `xrds upscale` was asked for.
 struct UpscaleOptions {
   std::string color, aux, output, model, device, reference, preview, sideBySide, json,
-      precision = kFp32, exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap;
+      precision = kFp32, exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap, auxColour = "auto",
+      samples;
   AovRequest layers;
   uint32_t ensemble = 1;
   bool half = false, profile = false, check = false, quiet = false, wrap = false;

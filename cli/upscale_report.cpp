@@ -47,6 +47,13 @@ Json jsonOf(const Upscaler::ProfileRow& row) {
           {"microseconds", row.microseconds}};
 }
 
+Json jsonOf(const std::optional<MergedColour>& merged) {
+  if (!merged) return {};
+  Json json{{"layer", merged->layer}, {"share", merged->share}, {"source", merged->source}};
+  if (merged->samples) json["samples"] = {merged->samples->low, merged->samples->full};
+  return json;
+}
+
 Json jsonOf(const MeasuredImage& measured) {
   Json json{{"name", measured.name}};
   json.update(jsonOf(measured.metrics));
@@ -69,7 +76,8 @@ std::string upscaleText(const UpscaleOptions& options, const UpscaleInput& input
          options.precision + "), exposure " + text("%.4g", result.exposure) + ", on " + device.name + ": " +
          text("%.2f s of compute, ", result.seconds) +
          text("%.1f MB of device memory, ", static_cast<double>(result.deviceBytes) / 1e6) +
-         text("%.2f s in all", result.secondsInAll) + "\n";
+         text("%.2f s in all", result.secondsInAll) + "\n" +
+         (input.frame.merged() ? describe(*input.frame.merged()) + "\n" : "");
 }
 
 std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input, const Device::Description& device,
@@ -83,6 +91,7 @@ std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input
   json["precision"] = options.precision;
   json["ensemble"] = options.ensemble;
   json["exposure"] = result.exposure;
+  json["mergedColour"] = jsonOf(input.frame.merged());
   json["computeSeconds"] = result.seconds;
   json["seconds"] = result.secondsInAll;
   json["deviceBytes"] = result.deviceBytes;

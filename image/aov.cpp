@@ -12,7 +12,12 @@ namespace {
 
 using Candidates = std::vector<AovCandidate>;
 
-std::string optionName(AovRole role) { return role == AovRole::kColor ? "--color" : "--" + toString(role); }
+std::string optionName(AovRole role) {
+  if (role == AovRole::kFullColor) return "--aux-colour";
+  return role == AovRole::kColor ? "--color" : "--" + toString(role);
+}
+
+bool isColor(AovRole role) { return role == AovRole::kColor || role == AovRole::kFullColor; }
 
 void keepIf(Candidates& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
   std::erase_if(candidates, [&](const AovCandidate& candidate) { return !wanted(candidate); });
@@ -66,7 +71,7 @@ Candidates bestByName(const Candidates& all, AovRole role) {
     keepIf(result, [&](const AovCandidate& c) { return rankOf(c, role) == best; });
     keepIf(result, [&](const AovCandidate& c) { return !hasNoisyTwin(all, c); });
   } else {
-    keepIf(result, [&](const AovCandidate& c) { return role == AovRole::kColor && !servesAnotherRole(c); });
+    keepIf(result, [&](const AovCandidate& c) { return isColor(role) && !servesAnotherRole(c); });
   }
   return result;
 }

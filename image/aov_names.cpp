@@ -71,6 +71,7 @@ constexpr RankedName kDepthNames[] = {
 std::span<const RankedName> namesOf(AovRole role) {
   switch (role) {
     case AovRole::kColor:
+    case AovRole::kFullColor:
       return kColorNames;
     case AovRole::kAlbedo:
       return kAlbedoNames;
@@ -87,6 +88,8 @@ std::string toString(AovRole role) {
   switch (role) {
     case AovRole::kColor:
       return "colour";
+    case AovRole::kFullColor:
+      return "full-resolution colour";
     case AovRole::kAlbedo:
       return std::string(kAlbedo.name);
     case AovRole::kDepth:

@@ -7,9 +7,9 @@
 namespace xrds {
 
 /// What a layer is to the upscaler.
-enum class AovRole { kColor, kAlbedo, kNormal, kDepth };
+enum class AovRole { kColor, kAlbedo, kNormal, kDepth, kFullColor };
 
-/// The role in words: "colour", "albedo", "normal" or "depth".
+/// The role in words: "colour", "albedo", "normal", "depth" or "full-resolution colour".
 std::string toString(AovRole role);
 
 /// The role of a model's auxiliary input (AuxiliaryInput::name). Throws std::logic_error if no layer has it.

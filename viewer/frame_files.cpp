@@ -86,16 +86,17 @@ void addReference(LoadedFrame& frame) {
 
 }  // namespace
 
-LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers) {
+LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge) {
   LoadedFrame loaded;
   loaded.files = files;
   loaded.inputs = inputsOf(files, layers);
-  Frame frame(files.colour, files.auxiliary, layers, loaded.inputs);
+  Frame frame(files.colour, files.auxiliary, layers, loaded.inputs, merge);
   frame.load();
   loaded.colour = frame.colour();
   loaded.auxiliary = frame.auxiliary();
   loaded.scale = frame.scale();
   loaded.warnings = frame.warnings();
+  if (frame.merged()) loaded.warnings.push_back(describe(*frame.merged()));
   if (!files.reference.empty()) addReference(loaded);
   loaded.output = frame.output(std::max(loaded.scale, 1));
   return loaded;

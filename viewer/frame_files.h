@@ -24,7 +24,7 @@ struct LoadedFrame {
 };
 
 /// Reads a frame. Throws Error if a file cannot be read or they do not fit together.
-LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers);
+LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge = {});
 
 /// The frame that a renderer wrote last into a folder: its newest colour, auxiliary and reference file.
 /// Throws Error if the folder holds no EXR file.

@@ -52,6 +52,12 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
     app.add_option("--" + std::string(input.name), options.layers.names[xrds::roleOf(input.name)],
                    "Layer to take as " + std::string(input.meaning))
         ->type_name("LAYER");
+  app.add_option(
+         "--aux-colour", options.auxColour,
+         "Colour of the full-resolution render, which is merged into the low-resolution colour: auto, never, or a\n"
+         "layer")
+      ->type_name("auto|never|LAYER")
+      ->capture_default_str();
   app.add_option("--size", options.size, "Of the window (default: as it was left)")->type_name("WIDTHxHEIGHT");
   app.add_option("--frames", options.frames, "Leave after so many upscaled pictures")->type_name("N");
   app.add_option("--screenshot", options.screenshot, "PNG file of the window to write then")->type_name("PNG");

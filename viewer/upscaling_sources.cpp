@@ -60,7 +60,7 @@ bool Upscaling::loadWanted(const Wanted& wanted) {
     return false;
   }
   if (!frame_) tell([&](Report& report) { report.waiting = "Reading " + files.colour.filename().string() + " ..."; });
-  LoadedFrame loaded = failingWith(ExitCode::input, [&] { return loadFrame(files, wanted.layers); });
+  LoadedFrame loaded = failingWith(ExitCode::input, [&] { return loadFrame(files, wanted.layers, wanted.merge); });
   served_ = wanted;
   clock_.end("read files");
   takeFrame(std::move(loaded));

@@ -53,6 +53,7 @@ Wanted wantedOf(const ViewerOptions& options) {
   if (!options.scene.empty()) failingWith(ExitCode::input, [&] { LiveScene::requireExisting(options.scene); });
   Wanted wanted;
   wanted.layers = options.layers;
+  wanted.merge = mergeRequest(options.auxColour, "", wanted.layers);
   wanted.model = options.model;
   wanted.fp16 = options.precision == kFp16;
   wanted.skip = skipChoice(options.skip);

@@ -18,6 +18,7 @@ struct ViewerOptions {
   std::string reference;
   bool watch = false;
   AovRequest layers;
+  std::string auxColour = "auto";               // or "never", or a layer
   std::string scene;                            // live: built-in or a file; with a scene there are no files
   std::string liveSize = "128x128";             // of its colour
   uint32_t samples = LiveWanted{}.mostSamples;  // of a pixel of it

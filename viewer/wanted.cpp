@@ -6,16 +6,16 @@
 namespace xrds {
 
 bool samePixels(const AovRequest& a, const AovRequest& b) {
-  const AovRole roles[] = {AovRole::kColor, AovRole::kAlbedo, AovRole::kNormal, AovRole::kDepth};
+  const AovRole roles[] = {AovRole::kColor, AovRole::kAlbedo, AovRole::kNormal, AovRole::kDepth, AovRole::kFullColor};
   return std::all_of(std::begin(roles), std::end(roles),
                      [&](AovRole role) { return a.nameOf(role) == b.nameOf(role); });
 }
 
 bool Wanted::operator==(const Wanted& other) const {
   return files == other.files && watching == other.watching && inSequence == other.inSequence &&
-         folder == other.folder && samePixels(layers, other.layers) && live == other.live && model == other.model &&
-         fp16 == other.fp16 && skip.bound() == other.skip.bound() && memoryBytes == other.memoryBytes &&
-         slots == other.slots && metrics == other.metrics && reload == other.reload;
+         folder == other.folder && samePixels(layers, other.layers) && merge.never == other.merge.never &&
+         live == other.live && model == other.model && fp16 == other.fp16 && skip.bound() == other.skip.bound() &&
+         memoryBytes == other.memoryBytes && slots == other.slots && metrics == other.metrics && reload == other.reload;
 }
 
 }  // namespace xrds

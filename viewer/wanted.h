@@ -25,6 +25,7 @@ struct Wanted {
   bool inSequence = false;       // the next files are likely to look alike
   std::filesystem::path folder;  // watched for new files; empty: `files` are meant
   AovRequest layers;
+  MergeRequest merge;
   LiveWanted live;    // goes before files
   std::string model;  // a name or a file; empty: the default of the frame's scale, of a live view the fastest
   bool fp16 = false;

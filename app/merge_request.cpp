@@ -1,0 +1,66 @@
+#include "app/merge_request.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace xrds {
+namespace {
+
+// Two numbers and nothing behind them.
+std::optional<RenderSamples> parseSamples(const std::string& text) {
+  RenderSamples counts;
+  const char *end = text.data() + text.size(), *at = text.data();
+  for (double* count : {&counts.low, &counts.full}) {
+    const auto [rest, error] = std::from_chars(at, end, *count);
+    if (error != std::errc{} || !(*count > 0) || !std::isfinite(*count)) return {};
+    const bool last = count == &counts.full;
+    if (last ? rest != end : rest == end || *rest != ',') return {};
+    at = rest + 1;
+  }
+  return counts;
+}
+
+// Samples a pixel, as Cycles ("cycles.ViewLayer.samples") and pbrt write them.
+std::optional<double> samplesOf(const ExrPart& part) {
+  for (const std::string& name : part.attributes.names()) {
+    const bool known = (name.starts_with("cycles.") && name.ends_with(".samples")) || name == "samplesPerPixel";
+    const std::optional<std::string> text = known ? part.attributes.text(name) : std::nullopt;
+    if (!text) continue;
+    double samples = 0;
+    const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), samples);
+    if (error == std::errc{} && samples > 0 && std::isfinite(samples)) return samples;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full) {
+  const std::optional<double> lowSamples = samplesOf(low), fullSamples = samplesOf(full);
+  if (!lowSamples || !fullSamples) return {};
+  return RenderSamples{*lowSamples, *fullSamples};
+}
+
+std::string validSamples(const std::string& text) {
+  return parseSamples(text) ? "" : "expected two positive numbers such as 64,16, found '" + text + "'";
+}
+
+MergeRequest mergeRequest(const std::string& auxColour, const std::string& samples, AovRequest& layers) {
+  if (auxColour != "auto" && auxColour != "never") layers.names[AovRole::kFullColor] = auxColour;
+  return {.never = auxColour == "never", .samples = parseSamples(samples)};
+}
+
+std::string describe(const MergedColour& merged) {
+  char share[64], samples[64] = "";
+  std::snprintf(share, sizeof share, "%.0f %%", 100 * merged.share);
+  if (merged.samples)
+    std::snprintf(samples, sizeof samples, "%g and %g samples a pixel, ", merged.samples->low, merged.samples->full);
+  const char* source = merged.source == "given"      ? "as given"
+                       : merged.source == "metadata" ? "as the files say"
+                                                     : "estimated from the noise of both";
+  return "The colour is merged with '" + merged.layer + "' of the full-resolution render, which makes " + share +
+         " of it (" + samples + source + ").";
+}
+
+}  // namespace xrds

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "image/aov.h"
+#include "xrds/merged_colour.h"
+
+namespace xrds {
+
+/// What becomes of the colour of the full-resolution render, where there is one.
+struct MergeRequest {
+  bool never = false;
+  std::optional<RenderSamples> samples;  // of the two renders, if the user gives them
+};
+
+/// The colour that a frame merged into its own.
+struct MergedColour {
+  std::string layer;
+  double share = 0;                      // of the full-resolution render's
+  std::optional<RenderSamples> samples;  // where they are known
+  std::string source;                    // of the share: "given", "metadata" or "noise"
+};
+
+/// What was merged and how its share is known, as a sentence.
+std::string describe(const MergedColour& merged);
+
+/// What --aux-colour and --samples ask for: "auto", "never" or a layer's name, which goes into `layers`; "LOW,HIGH" or
+/// nothing.
+MergeRequest mergeRequest(const std::string& auxColour, const std::string& samples, AovRequest& layers);
+
+/// Empty if the text is two positive numbers with a comma between them, else what is wrong with it.
+std::string validSamples(const std::string& text);
+
+/// The samples a pixel that the two files' metadata give: Cycles' "cycles.LAYER.samples", pbrt's "samplesPerPixel".
+std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full);
+
+}  // namespace xrds

@@ -1,0 +1,80 @@
+// The colour of the full-resolution render in the auxiliary file, merged into the low-resolution colour.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/frames.h"
+#include "tests/cli/process.h"
+
+namespace xrds::test {
+namespace {
+
+using Json = nlohmann::json;
+
+// The frame's colour is 1 everywhere, that of the full-resolution render `full`.
+void writeColours(const SmallFrame& frame, float full) {
+  const auto flat = [](const char* name, float value) {
+    return Layer{name, "RGB", [value](int, int, int) { return value; }};
+  };
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {flat("", 1)}}});
+  writeParts(
+      frame.aux,
+      {{boxOf(40, 32), boxOf(40, 32), {flat("Combined", full), albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+}
+
+Json jsonOf(const SmallFrame& frame, const std::vector<std::string>& more) {
+  const std::string file = (frame.folder / "run.json").string();
+  std::vector<std::string> all{"--json", file};
+  all.insert(all.end(), more.begin(), more.end());
+  const Ended ended = runXrds(frame.arguments(all));
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  Json json = Json::parse(readBytes(file));
+  json["printed"] = ended.output;
+  json["warned"] = ended.error;
+  return json;
+}
+
+TEST(CliMerge, WeighsByTheSamplesThatAreGiven) {
+  const SmallFrame frame;
+  writeColours(frame, 1.1F);
+  const Json run = jsonOf(frame, {"--samples", "64,16"});
+  EXPECT_DOUBLE_EQ(run["mergedColour"]["share"], 0.8);
+  EXPECT_EQ(run["mergedColour"]["source"], "given");
+  EXPECT_EQ(run["mergedColour"]["samples"], Json({64, 16}));
+  EXPECT_NE(run["printed"].get<std::string>().find("merged with 'Combined'"), std::string::npos) << run["printed"];
+  const Json low = jsonOf(frame, {"--aux-colour", "never"});
+  EXPECT_TRUE(low["mergedColour"].is_null());
+  EXPECT_NEAR(low["exposure"].get<double>() / run["exposure"].get<double>(), 0.2 + 0.8 * 1.1, 1e-4);
+}
+
+TEST(CliMerge, EstimatesTheShareWhereNoSamplesAreKnown) {
+  const SmallFrame frame;
+  writeColours(frame, 1);
+  const Json run = jsonOf(frame, {});
+  EXPECT_EQ(run["mergedColour"]["source"], "noise");
+  EXPECT_FALSE(run["mergedColour"].contains("samples"));
+}
+
+TEST(CliMerge, LeavesTheColourOfOtherLightAlone) {
+  const SmallFrame frame;
+  writeColours(frame, 0.5F);
+  const Json run = jsonOf(frame, {});
+  EXPECT_TRUE(run["mergedColour"].is_null());
+  EXPECT_NE(run["warned"].get<std::string>().find("of other light"), std::string::npos) << run["warned"];
+  EXPECT_DOUBLE_EQ(jsonOf(frame, {"--samples", "16,1"})["mergedColour"]["share"], 0.5);
+}
+
+TEST(CliMerge, NeedsALayerThatIsNamed) {
+  const SmallFrame frame;
+  EXPECT_TRUE(jsonOf(frame, {})["mergedColour"].is_null());  // the auxiliary file has no colour
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--aux-colour", "beauty"}, {"--samples", "64,16"}}) {
+    const Ended ended = runXrds(frame.arguments(options));
+    EXPECT_EQ(ended.exitCode, 3) << ended.error;
+    EXPECT_NE(ended.error.find("--aux-colour"), std::string::npos) << ended.error;
+  }
+  EXPECT_EQ(runXrds(frame.arguments({"--samples", "64"})).exitCode, 2);
+}
+
+}  // namespace
+}  // namespace xrds::test
