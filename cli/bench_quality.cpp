@@ -22,7 +22,7 @@ struct BenchQualityOptions {
   std::optional<int> colour;
   int scale = 4;
   uint32_t ensemble = 1;
-  bool quiet = false;
+  bool quiet = false, merge = false;
   std::vector<std::string> models, also;
 };
 
@@ -53,6 +53,11 @@ QualitySetting settingOf(const BenchQualityOptions& options) {
                     "colour is taken: that of the references is what is looked for."};
     setting.colourSamples = *setting.auxSamples;
   }
+  setting.mergesColour = options.merge;
+  if (options.merge && (options.scale == 1 || !setting.auxSamples))
+    throw Failure{ExitCode::usage,
+                  "--merge needs a full-resolution render beside the low-resolution one: a --scale from "
+                  "2 on, and a number of samples for --aux."};
   return setting;
 }
 
@@ -225,6 +230,8 @@ void addBenchQuality(CLI::App& group) {
   verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal, or converged: those of the reference")
       ->check(CLI::Validator(validAux, "K|converged"))
       ->capture_default_str();
+  verb->add_flag("--merge", options->merge,
+                 "Every method gets the merged colour: that of the full-resolution render is in it, by samples");
   verb->add_option("--ensemble", options->ensemble, "Also measure each model as the mean of so many passes")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();

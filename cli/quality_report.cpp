@@ -39,7 +39,8 @@ std::string caption(const QualityReport& report) {
       if (scene.seconds && scene.seconds->device <= 0) deviceTime = false;
   const std::filesystem::path folder = report.folder;
   return "Scale " + std::to_string(setting.scale) + ", colour at " + std::to_string(setting.colourSamples) +
-         " samples a pixel, albedo and normal " +
+         " samples a pixel" + (setting.mergesColour ? ", merged with that of the full-resolution render" : "") +
+         ", albedo and normal " +
          (setting.auxSamples ? "at " + setting.auxText() + ": average samples " + text("%g", *average) : "converged") +
          ". " + std::to_string(report.sceneNames.size()) + " scenes of " +
          (folder.has_filename() ? folder : folder.parent_path()).filename().string() +
@@ -145,6 +146,7 @@ std::string jsonText(const QualityReport& report) {
                               {"folder", report.folder},
                               {"scale", setting.scale},
                               {"colourSamples", setting.colourSamples},
+                              {"mergedColour", setting.mergesColour},
                               {"auxSamples", nullptr},
                               {"averageSamples", nullptr},
                               {"precision", report.precision},

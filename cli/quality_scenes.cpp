@@ -105,7 +105,9 @@ SceneList findScenes(const fs::path& folder, const QualitySetting& setting,
 }
 
 Scene loadScene(const SceneFiles& files, const QualitySetting& setting) {
-  Scene scene{Frame(files.colour, files.aux, {}, setting.inputs), {}, {}};
+  MergeRequest merge{.never = !setting.mergesColour || !setting.auxSamples};  // never with the reference's own colour
+  if (!merge.never) merge.samples = {double(setting.colourSamples), double(*setting.auxSamples)};
+  Scene scene{Frame(files.colour, files.aux, {}, setting.inputs, merge), {}, {}};
   if (scene.frame.scale() != setting.scale)
     throw Error("'" + files.aux.string() + "' has " + std::to_string(scene.frame.scale()) + " times the size of '" +
                 files.colour.string() + "', expected " + std::to_string(setting.scale) + " times.");

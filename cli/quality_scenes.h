@@ -16,6 +16,7 @@ struct QualitySetting {
   int scale = 4;
   int colourSamples = 64;           // at scale 1 those of the full-resolution render whose colour is taken
   std::optional<int> auxSamples{};  // empty: converged, those of the reference
+  bool mergesColour = false;        // with that of the full-resolution render
   std::vector<std::string> inputs{"albedo", "normal"};  // the auxiliary images that are read
 
   /// Adds those that the model takes.
