@@ -35,9 +35,10 @@ model_options() {
   done
 }
 
-# table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json; false if it cannot.
+# table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged; false if it cannot.
 table() {
   fragment=$out/x$1_$2_aux$3
+  [ "${4:-}" != --merge ] || fragment+=_merged
   [ "$fragment.md" -nt "$out/started" ] && return  # by an earlier setting of this run
   echo "scale $1, colour $2 spp, aux $3" >&2
   rm -rf "$out/images"
@@ -91,6 +92,13 @@ table 8 256 16 || true
 # Scale 4: albedo and normal of growing quality.
 for aux in 1 4 16 converged; do
   table 4 64 "$aux" && gather "$out/auxiliary.md" "x4, 64 spp, aux $aux"
+done
+
+# The same renders, the colour merged with that of the full-resolution one.
+table 4 64 16 --merge || true
+for setting in "4 64 4" "4 16 1" "2 16 4" "2 4 1"; do
+  # shellcheck disable=SC2086 # three words
+  table $setting --merge || true
 done
 
 # Equal average samples: OIDN's full-resolution render of K spp; at scale s K = colour / s^2 + aux.

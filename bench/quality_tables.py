@@ -6,6 +6,8 @@ METRICS = ("psnr", "relMse", "relMseTrimmed", "flip")
 SCENES_OF = "x4_64_aux16"  # the setting whose scenes are kept
 AUXILIARY = (("1", "x4_64_aux1"), ("4", "x4_64_aux4"), ("16", "x4_64_aux16"), ("converged", "x4_64_auxconverged"))
 OTHERS = (("scale 2, 16 spp", "x2_16_aux16"), ("scale 8, 64 spp", "x8_64_aux16"), ("scale 8, 256 spp", "x8_256_aux16"))
+MERGED = (("scale 4, 64 and 16 spp", "x4_64_aux16"), ("scale 4, 64 and 4 spp", "x4_64_aux4"), ("scale 4, 16 and 1 spp", "x4_16_aux1"),
+          ("scale 2, 16 and 4 spp", "x2_16_aux4"), ("scale 2, 4 and 1 spp", "x2_4_aux1"))
 EQUAL = (("2", "x1_2_aux2", "x2_4_aux1", "x4_16_aux1"), ("4", "x1_4_aux4", "x2_8_aux2", "x4_32_aux2"),
          ("8", "x1_8_aux8", "x2_16_aux4", "x4_64_aux4"))
 
@@ -112,6 +114,20 @@ def matrix(report, columns):
 def auxiliary(report):
     """Scale 4 with albedo and normal of growing quality."""
     return markdown(report, ["PSNR dB / RelMSE / LPIPS", *(title for title, _ in AUXILIARY)], matrix(report, AUXILIARY))
+
+
+def merged(report):
+    """The colour as it is, and merged with that of the full-resolution render."""
+    rows = []
+    for setting, key in MERGED:
+        with_merge = {found["name"]: found for found in report["settings"].get(key + "_merged", [])}
+        rows += [[setting, found["name"], trimmed_cell(found), trimmed_cell(with_merge[found["name"]])]
+                 for found in report["settings"].get(key, []) if found["name"] in with_merge and found["name"] != "demodulated"]
+    return markdown(report, ["samples of the two renders", "method", "as it is: PSNR dB / trimmed RelMSE", "merged"], rows)
+
+
+def trimmed_cell(found):
+    return f"{found['psnr']:.2f} / {found['relMseTrimmed']:.4f}"
 
 
 def equal(report):

@@ -90,7 +90,8 @@ def network_table(report):
 # By the name of the table: the file of bench/results, and what makes Markdown of it.
 TABLES = {"network": ("network", network_table), "quality_means": ("quality", quality_tables.means),
           "quality_scenes": ("quality", quality_tables.scenes), "quality_others": ("quality", quality_tables.others),
-          "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_equal": ("quality", quality_tables.equal)}
+          "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_merged": ("quality", quality_tables.merged),
+          "quality_equal": ("quality", quality_tables.equal)}
 
 
 def updated(text, results=RESULTS):
