@@ -301,6 +301,14 @@ TEST(Aov, OtherViewsAreLeftAlone) {
   EXPECT_EQ(findAov(parts, AovRole::kColor).part, 0U);
 }
 
+TEST(Aov, FullColorIsThatOfTheLargestPart) {
+  const ExrFile file = fileWith({partWith(kCycles, kLow, "low"), partWith(kCycles, kHigh, "high")});
+  EXPECT_EQ(findAov(file, AovRole::kColor).part, 0U);
+  EXPECT_EQ(findAov(file, AovRole::kFullColor).part, 1U);
+  EXPECT_EQ(findAov(file, AovRole::kFullColor).channelNames, findAov(file, AovRole::kColor).channelNames);
+  EXPECT_FALSE(hasAov(fileWith({partWith(triple("albedo", "RGB"))}), AovRole::kFullColor));
+}
+
 TEST(Aov, TwoViewLayersAreAmbiguous) {
   const Names both = kCycles + triple("Hero.Combined", "RGB") + triple("Hero.Denoising Albedo", "RGB") +
                      triple("Hero.Denoising Normal", "XYZ");
