@@ -86,9 +86,11 @@ TEST(CliBenchQuality, WritesImagesWithTheNumbersOfUpscaleAndCompare) {
   const SceneFolder scenes;
   const TemporaryFolder out;
   const std::string upscaled = (out / "up.exr").string(), json = (out / "x4.json").string();
-  ASSERT_EQ(scenes.run({"--model", scenes.model, "--write", (out / "images").string(), "--json", json}).exitCode, 0);
+  ASSERT_EQ(
+      scenes.run({"--model", scenes.model, "--merge", "--write", (out / "images").string(), "--json", json}).exitCode,
+      0);
   ASSERT_EQ(runXrds({"upscale", (scenes.folder / "s2_lr64.exr").string(), (scenes.folder / "s2_aux16.exr").string(),
-                     "-o", upscaled, "--model", scenes.model})
+                     "-o", upscaled, "--model", scenes.model, "--samples", "64,16"})
                 .exitCode,
             0);
   EXPECT_EQ(readColour((out / "images/s2_s4_guided.model.exr").string()), readColour(upscaled));
