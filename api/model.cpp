@@ -68,6 +68,7 @@ Model Model::untrained(uint32_t scale, const std::string& base, const std::strin
   metadata["transfer"] = transfer;
   TensorFile file;
   file.metadata = std::move(metadata);
+  // NOLINTNEXTLINE(modernize-make-unique): an aggregate
   return Model(std::unique_ptr<State>(new State{NetworkModel::fromTensors(std::move(file), "untrained model")}));
 }
 Model::~Model() = default;

@@ -18,9 +18,9 @@ std::vector<float> halves(size_t count) {
   return numbers;
 }
 
-bool isRight(Gpu& gpu, Operator op) {
+bool isRight(Gpu& gpu, const Operator& op) {
   Graph graph;
-  graph.nodes.push_back({"matrix_proof", std::move(op)});
+  graph.nodes.push_back({"matrix_proof", op});
   const TensorShape shape = outputOf(graph.nodes.front()).shape();
   for (const char* name : {"input", "output"}) graph.create(name, DataType::f16, shape);
   const PlacedOperator placed(gpu, graph);

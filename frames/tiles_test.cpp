@@ -13,7 +13,7 @@
 namespace xrds {
 namespace {
 
-using test::PrintTo;
+using test::PrintTo;  // NOLINT(misc-unused-using-decls): GoogleTest calls it
 
 struct Case {
   FrameShape frame;

@@ -18,6 +18,7 @@ std::vector<Promotion> findPromotions(const Graph& graph) {
   for (const auto& [value, reason] : moments.values()) found.try_emplace({graph.values[value].name, false}, reason);
   for (const auto& [node, reason] : moments.weights()) found.try_emplace({graph.nodes[node].name, true}, reason);
   std::vector<Promotion> promotions;
+  promotions.reserve(found.size());
   for (auto& [key, reason] : found) promotions.push_back({key.first, key.second, reason});
   return promotions;
 }

@@ -60,7 +60,7 @@ TensorFile scaleOutput(TensorFile file, float factor) {
 }  // namespace
 
 const std::vector<WeightEdge>& weightEdges() {
-  static const std::vector<WeightEdge> edges = {
+  static const std::vector<WeightEdge> kEdges = {
       {"as they are", true, true, Parts::exactTiles, unchanged},
       {"logits x 64", false, false, Parts::boundedTiles, [](TensorFile f) { return scaleLogits(std::move(f), 8); }},
       {"logits x 1e6", false, false, Parts::skip, [](TensorFile f) { return scaleLogits(std::move(f), 1024); }},
@@ -75,7 +75,7 @@ const std::vector<WeightEdge>& weightEdges() {
        [](TensorFile f) { return scaleOutput(std::move(f), 0x1p40f); }},
       {"output x 2^120", false, true, Parts::skip, [](TensorFile f) { return scaleOutput(std::move(f), 0x1p120f); }},
   };
-  return edges;
+  return kEdges;
 }
 
 std::vector<NetworkConfig> stressConfigs() {

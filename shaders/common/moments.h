@@ -3,7 +3,6 @@
 #include <map>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/tensor.h"
@@ -32,7 +31,7 @@ class Moments {
 
   /// The operator whose findings follow.
   void beginOperator(size_t node) { node_ = node; }
-  void storeInF32(const TensorView& view, std::string reason) { storeInF32(view.value, std::move(reason)); }
+  void storeInF32(const TensorView& view, const char* reason) { storeInF32(view.value, reason); }
   /// Notes the operator's weights if a half cannot hold them to half a unit in the last place.
   void checkWeights(std::span<const float> weights, size_t weightsPerOutput);
   /// Notes the value if its channels stay below the smallest normal half.
@@ -49,7 +48,7 @@ class Moments {
   const std::map<size_t, std::string>& weights() const { return foundWeights_; }
 
  private:
-  void storeInF32(ValueId value, std::string reason) { foundValues_.try_emplace(value, std::move(reason)); }
+  void storeInF32(ValueId value, const char* reason) { foundValues_.try_emplace(value, reason); }
   void checkSmall(ValueId value, double square);
 
   size_t node_ = 0;
