@@ -57,8 +57,7 @@ TEST(Examination, TrustsTheDevice) {
     }
     const KernelFamily family = test::gpu().traits().family;
     const bool layersFused = family == KernelFamily::fused && precision == Precision::fp16;
-    EXPECT_EQ(operators.size() + !layersFused, std::variant_size_v<Operator>)
-        << "a kind of operator is not examined";
+    EXPECT_EQ(operators.size() + !layersFused, std::variant_size_v<Operator>) << "a kind of operator is not examined";
     const FrameExamination frame = examineKnownFrame(test::gpu(), precision, 2);
     EXPECT_TRUE(frame.withinBound()) << frame.rms;
     EXPECT_TRUE(frame.repeatable);
