@@ -89,8 +89,11 @@ std::optional<ExrSelection> Frame::fullColour() const {
   if (!named && !hasAov(auxFile_, AovRole::kFullColor)) return {};
   try {
     ExrSelection found = findAov(auxFile_, AovRole::kFullColor, fullColourName_);
-    if (fitFrame(colorPart(), auxFile_.parts[found.part]).scale == fit_->scale) return found;
-    if (named) throw Error("Layer '" + nameOf(found) + "' has not the size of the auxiliary images.");
+    const ExrPart& part = auxFile_.parts[found.part];
+    const bool fits = fitFrame(colorPart(), part).scale == fit_->scale;
+    if (fits && covers(part.dataWindow, scaledBox(colorPart().dataWindow, fit_->scale))) return found;
+    if (named)
+      throw Error("Layer '" + nameOf(found) + "' does not cover the frame at the size of the auxiliary images.");
   } catch (const Error&) {
     if (named) throw;
   }
