@@ -1,6 +1,7 @@
 """Scenes in few compact files: a shard is a zip of LZMA arrays that numpy opens without unpacking it.
 
     python training/shards.py SCENE_FOLDER... --output SHARD_FOLDER [--megabytes 56] [--noisy-every 3] [--noisy-bits 3]
+    python training/shards.py SCENE_FOLDER... --complete OLD_SHARD_FOLDER --output SHARD_FOLDER [--noisy-bits 6]
 
 Packs the scenes of folders of OpenEXR files (layout in README.md) that no shard of SHARD_FOLDER holds yet into
 scenes-NNN.npz. A 256 x 256 scene with everything takes about half a megabyte:
@@ -8,6 +9,7 @@ colour as half floats with fewer bits, converged albedo and normal on a fine gri
 those on a coarser grid; of depth, where there is any, the relative depth. Every array is stored as the differences along its rows, low bytes before high bytes.
 """
 import argparse
+import itertools
 import pathlib
 import re
 import zipfile
@@ -66,34 +68,64 @@ def unpacked(planes):
 
 
 def encode(folder, scene, turn, noisy_every=3, noisy_bits=NOISY_BITS):
-    """{array name: uint8 array} of one scene. turn: every third (`noisy_every`th) keeps the full-resolution noisy colour of one sample
-    count, the next third the 4 spp colour of scale 2."""
+    """{array name: uint8 array} of one scene. turn: every third (`noisy_every`th; 0: every one, and of all counts) keeps the full-resolution
+    noisy colour of one sample count, the next third the 4 spp colour of scale 2."""
     kinds = kinds_of(folder, scene)
-    counts = [kind for kind in kinds if re.fullmatch(r"aux\d+", kind)]
-    auxiliary = {kind: images.read_auxiliary(kinds[kind]) for kind in counts + ["gt"]}
-    guides = {kind: torch.cat([image[:3].clamp(0, pipeline.ALBEDO_MAX), image[3:6]]) for kind, image in auxiliary.items()}
-    depths = {kind: image[7:8] for kind, image in auxiliary.items() if len(image) > 6}      # of the planes the middle one
-    converged = grid_codes(guides["gt"], CONVERGED_STEP)
-    arrays = {"target": half_codes(images.read_exr(kinds["gt"], "colour"), REFERENCE_BITS), "aux": converged}
+    reference = images.read_auxiliary(kinds["gt"])
+    auxiliary = auxiliary_of(kinds)
+    arrays = {"target": half_codes(images.read_exr(kinds["gt"], "colour"), REFERENCE_BITS), "aux": grid_codes(guides_of(reference), CONVERGED_STEP)}
+    depths = {int(kind[3:]): image[7:8] for kind, image in [*auxiliary.items(), ("aux0", reference)] if len(image) > 6}      # of the planes the middle one
     if depths:      # a reference without depth takes that of the most samples
-        best = max(depths, key=lambda kind: (kind == "gt", len(kind), kind))
-        arrays["depth"] = grid_codes(depths[best], DEPTH_STEP)
-    for kind in counts:
-        difference = guides[kind] - torch.from_numpy(converged).float() * CONVERGED_STEP
-        arrays[kind] = grid_codes(difference, noisy_step(int(kind[3:])))
-        if kind in depths:
-            difference = depths[kind] - torch.from_numpy(arrays["depth"]).float() * DEPTH_STEP
-            arrays[kind.replace("aux", "depth")] = grid_codes(difference, noisy_step(int(kind[3:])) / 4)
-    if turn % noisy_every == 0:
-        chosen = f"aux{NOISY_COLOUR_SPP[turn // noisy_every % 3]}"
-        chosen = chosen if chosen in counts else counts[0]
-        arrays[f"x1lr{chosen[3:]}"] = half_codes(images.read_exr(kinds[chosen], "colour"), noisy_bits)
-    if turn % 3 != 1:
+        arrays["depth"] = grid_codes(depths[0] if 0 in depths else depths[max(depths)], DEPTH_STEP)
+    arrays.update(noisy_arrays(auxiliary, arrays))
+    arrays.update((f"x1lr{spp}", half_codes(images.read_exr(kinds[f"aux{spp}"], "colour"), noisy_bits))
+                  for spp in noisy_colours_of(kinds, turn, noisy_every))
+    if noisy_every and turn % 3 != 1:
         kinds.pop("x2lr4", None)
     for kind, path in kinds.items():
         if "lr" in kind:
             arrays[kind] = half_codes(images.read_exr(path, "colour"), LOW_BITS if kind.startswith("x2") else REFERENCE_BITS)
     return {name: packed(codes) for name, codes in arrays.items()}
+
+
+def auxiliary_of(kinds):
+    """{"auxK": image [6 or 9, H, W]} of the noisy full-resolution renders among a scene's files."""
+    return {kind: images.read_auxiliary(path) for kind, path in kinds.items() if re.fullmatch(r"aux\d+", kind)}
+
+
+def guides_of(image):
+    """Albedo, clamped, and normal [6, H, W]."""
+    return torch.cat([image[:3].clamp(0, pipeline.ALBEDO_MAX), image[3:6]])
+
+
+def noisy_arrays(auxiliary, converged):
+    """Codes of the noisy images as their differences from the converged ones, the codes "aux" and, where there is depth, "depth"."""
+    arrays, clean = {}, torch.from_numpy(converged["aux"]).float() * CONVERGED_STEP
+    for kind, image in auxiliary.items():
+        step = noisy_step(int(kind[3:]))
+        arrays[kind] = grid_codes(guides_of(image) - clean, step)
+        if len(image) > 6 and "depth" in converged:
+            difference = image[7:8] - torch.from_numpy(converged["depth"]).float() * DEPTH_STEP
+            arrays[kind.replace("aux", "depth")] = grid_codes(difference, step / 4)
+    return arrays
+
+
+def noisy_colours_of(kinds, turn, noisy_every):
+    """The sample counts whose full-resolution colour a scene keeps."""
+    counts = [int(kind[3:]) for kind in kinds if re.fullmatch(r"aux\d+", kind)]
+    if not noisy_every:
+        return counts
+    chosen = NOISY_COLOUR_SPP[turn // noisy_every % 3]
+    return [chosen if chosen in counts else counts[0]] if turn % noisy_every == 0 else []
+
+
+def completed(packed_arrays, folder, scene, noisy_bits):
+    """The arrays of a packed scene {name: uint8 array} and those of the full-resolution renders of `folder`, colour included."""
+    kinds = kinds_of(folder, scene)
+    converged = {name: unpacked(packed_arrays[name]) for name in ("aux", "depth") if name in packed_arrays}
+    arrays = noisy_arrays(auxiliary_of(kinds), converged)
+    arrays.update((f"x1lr{spp}", half_codes(images.read_exr(kinds[f"aux{spp}"], "colour"), noisy_bits)) for spp in noisy_colours_of(kinds, 0, 0))
+    return {**packed_arrays, **{name: packed(codes) for name, codes in arrays.items()}}
 
 
 def with_depth(aux, relative):
@@ -122,13 +154,18 @@ def decode(arrays):
 
 def read_shard(path):
     """Yields (scene name, decoded scene)."""
+    for name, arrays in read_packed(path):
+        yield name, decode(arrays)
+
+
+def read_packed(path):
+    """Yields (scene name, {array name: uint8 array})."""
     with np.load(path) as shard:
         if shard.zip.comment != format_of_shards():
             raise ValueError(f"{path} was packed by another version of shards.py; pack its scenes again")
-        names = sorted({entry.split("/")[0] for entry in shard.files})
-        for name in names:
+        for name in sorted({entry.split("/")[0] for entry in shard.files}):
             prefix = name + "/"
-            yield name, decode({entry[len(prefix):]: shard[entry] for entry in shard.files if entry.startswith(prefix)})
+            yield name, {entry[len(prefix):]: shard[entry] for entry in shard.files if entry.startswith(prefix)}
 
 
 def scenes_in(path):
@@ -136,18 +173,39 @@ def scenes_in(path):
         return {entry.split("/")[0] for entry in shard.namelist()}
 
 
-def write_shard(path, scenes, byte_limit, noisy_every=3, noisy_bits=NOISY_BITS):
-    """Writes (folder, scene name) pairs until the list ends or the shard is full, whole or not at all; returns what is left."""
-    part, scenes = path.with_suffix(".part"), list(scenes)
+def write_shard(path, scenes, byte_limit):
+    """Writes (scene name, {array name: uint8 array}) pairs until the iterator ends or the shard is full, whole or not at all; returns their number."""
+    part, count = path.with_suffix(".part"), 0
     with zipfile.ZipFile(part, "w", zipfile.ZIP_LZMA) as shard:
         shard.comment = format_of_shards()
-        while scenes and shard.start_dir < byte_limit:
-            folder, name = scenes.pop(0)
-            for kind, array in encode(folder, name, int(name[1:]), noisy_every, noisy_bits).items():
+        for name, arrays in scenes:
+            for kind, array in arrays.items():
                 with shard.open(f"{name}/{kind}.npy", "w") as entry:
                     np.lib.format.write_array(entry, np.ascontiguousarray(array), allow_pickle=False)
+            count += 1
+            if shard.start_dir >= byte_limit:
+                break
     part.rename(path)
-    return scenes
+    return count
+
+
+def packed_anew(options, present):
+    """Yields the scenes of folders of renders that no shard holds yet."""
+    for folder in options.folders:
+        for path in sorted(folder.glob("*_gt.exr")):
+            name = path.name[:-len("_gt.exr")]
+            if name not in present:
+                present.add(name)
+                yield name, encode(folder, name, int(name[1:]), options.noisy_every, options.noisy_bits)
+
+
+def packed_completed(options, present):
+    """Yields the scenes of the shards `--complete` that have full-resolution renders in a folder, with these."""
+    for path in sorted(options.complete.glob("*.npz")):
+        for name, arrays in read_packed(path):
+            folder = next((folder for folder in options.folders if any(folder.glob(f"{name}_aux*.exr"))), None)
+            if folder and name not in present:
+                yield name, completed(arrays, folder, name, options.noisy_bits)
 
 
 def main():
@@ -155,20 +213,20 @@ def main():
     parser.add_argument("folders", type=pathlib.Path, nargs="+")
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--megabytes", type=float, default=56, help="size at which the next shard begins")
-    parser.add_argument("--noisy-every", type=int, default=3, help="every n-th scene keeps a full-resolution noisy colour (1: all, to train scale 1)")
+    parser.add_argument("--noisy-every", type=int, default=3, help="every n-th scene keeps a full-resolution noisy colour (1: all, to train scale 1; 0: all, and all sample counts)")
     parser.add_argument("--noisy-bits", type=int, default=NOISY_BITS, help="of half's ten that it keeps (6: to train models that take it too)")
+    parser.add_argument("--complete", type=pathlib.Path, metavar="SHARDS", help="folder of shards whose scenes get the full-resolution renders of "
+                        "the scene folders, of all counts, in new shards")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     shards = sorted(options.output.glob("scenes-*.npz"))
     present = set().union(*(scenes_in(path) for path in shards))
-    wanted = [(folder, path.name[:-len("_gt.exr")]) for folder in options.folders for path in sorted(folder.glob("*_gt.exr"))]
-    wanted = [scene for scene in wanted if scene[1] not in present]
-    while wanted:
+    scenes = (packed_completed if options.complete else packed_anew)(options, present)
+    for first in scenes:
         path = options.output / f"scenes-{len(shards):03}.npz"
-        left = write_shard(path, wanted, options.megabytes * 1e6, options.noisy_every, options.noisy_bits)
-        print(f"{path.name}: {len(wanted) - len(left)} scenes, {path.stat().st_size / 1e6:.1f} MB", flush=True)
+        count = write_shard(path, itertools.chain([first], scenes), options.megabytes * 1e6)
+        print(f"{path.name}: {count} scenes, {path.stat().st_size / 1e6:.1f} MB", flush=True)
         shards.append(path)
-        wanted = left
 
 
 if __name__ == "__main__":

@@ -201,8 +201,13 @@ def write_scene(folder, name, side=16, depth_of=()):
 
 
 def write(path, source, name, noisy_every, noisy_bits=3):
-    shards.write_shard(path, [(source, name)], 1e6, noisy_every, noisy_bits)
+    shards.write_shard(path, encoded(source, name, noisy_every=noisy_every, noisy_bits=noisy_bits), 1e6)
     return path
+
+
+def encoded(folder, *names, **options):
+    """What write_shard takes, of scenes of a folder."""
+    return ((name, shards.encode(folder, name, int(name[1:]), **options)) for name in names)
 
 
 def test_shards_give_back_scenes(tmp_path, monkeypatch):
@@ -211,8 +216,8 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
     output.mkdir()
     for name in ("s0000", "s0001"):
         write_scene(source, name)
-    left = shards.write_shard(output / "scenes-000.npz", [(source, "s0000"), (source, "s0001")], 1)
-    assert [name for _, name in left] == ["s0001"]                  # full after the first
+    left = encoded(source, "s0000", "s0001")
+    assert shards.write_shard(output / "scenes-000.npz", left, 1) == 1      # full after the first
     assert not list(output.glob("*.part"))
     assert shards.scenes_in(output / "scenes-000.npz") == {"s0000"}
     ((name, scene),) = shards.read_shard(output / "scenes-000.npz")
@@ -244,11 +249,35 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
     assert "full" in dataset.Crops(full, 2, seed=1).one()
 
 
+def test_packed_scenes_are_completed_by_renders(tmp_path, monkeypatch):
+    """A scene packed with one noisy colour gets those of all its renders; its other arrays stay."""
+    source, old, new = tmp_path / "scenes", tmp_path / "old", tmp_path / "new"
+    for folder in (source, old):
+        folder.mkdir()
+    write_scene(source, "s0000", depth_of=("gt", "aux1", "aux16"))
+    write_scene(source, "s0001")
+    shards.write_shard(old / "scenes-000.npz", encoded(source, "s0000", "s0001"), 1e6)
+    for path in source.glob("s0001_*"):
+        path.unlink()                                               # not rendered again: not in the new shards
+    monkeypatch.setattr("sys.argv", ["shards.py", str(source), "--complete", str(old), "--output", str(new), "--noisy-bits", "6"])
+    shards.main()
+    ((name, packed),) = shards.read_packed(new / "scenes-000.npz")
+    (_, before), _ = shards.read_packed(old / "scenes-000.npz")
+    assert name == "s0000" and set(packed) == {*before, "x1lr16"}
+    assert all(np.array_equal(packed[kind], before[kind]) for kind in before if kind != "x1lr1")      # which has more bits now
+    scene = shards.decode(packed)
+    for spp in (1, 16):
+        assert torch.allclose(scene["colour"][1, spp].float(), images.read_exr(source / f"s0000_aux{spp}.exr", "colour"), rtol=0.009, atol=1e-5)
+    assert shards.encode(source, "s0000", 0, 0, 6).keys() == packed.keys()      # packed so from the first
+    shards.main()
+    assert [path.name for path in new.iterdir()] == ["scenes-000.npz"]          # they are there
+
+
 @pytest.mark.parametrize("with_depth, converged", [(("gt", "aux1", "aux16"), "gt"), (("aux1", "aux16"), "aux16")])
 def test_shards_keep_depth(tmp_path, with_depth, converged):
     write_scene(tmp_path, "s0000", depth_of=with_depth)
     write_scene(tmp_path, "s0001")
-    shards.write_shard(tmp_path / "scenes-000.npz", [(tmp_path, "s0000"), (tmp_path, "s0001")], 1e6)
+    shards.write_shard(tmp_path / "scenes-000.npz", encoded(tmp_path, "s0000", "s0001"), 1e6)
     (_, deep), (_, flat) = shards.read_shard(tmp_path / "scenes-000.npz")
     assert all(len(aux) == 6 for aux in flat["aux"].values())
     for spp, kind, step in ((0, converged, shards.DEPTH_STEP), (1, "aux1", shards.noisy_step(1) / 4), (16, "aux16", shards.noisy_step(16) / 4)):

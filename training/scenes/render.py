@@ -30,7 +30,8 @@ def arguments():
     parser.add_argument("--family", choices=families.NAMES, help="only this one")
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--auxiliaries-again", action="store_true", help="of finished scenes the noisy full-resolution renders alone, anew")
+    parser.add_argument("--auxiliaries", metavar="SAMPLES", help="the noisy full-resolution renders alone, of these counts, as 1,2,8; "
+                        "those that there are not yet")
     parser.add_argument("--preview", type=int, default=0, metavar="SAMPLES", help="only sNNNN_preview.exr, always anew")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
@@ -75,15 +76,15 @@ def render(ask, seed, scene):
     for scale, samples in storage.LOW:
         low = passes.render(scene, full // scale, full // scale, samples, 7 * seed + 10 * scale + samples)
         total += storage.write(ask.out, seed, storage.low_kind(scale, samples), storage.colour(low))
-    total += render_auxiliaries(ask, seed, scene)
+    total += render_auxiliaries(ask, seed, scene, storage.AUX)
     reference = passes.render(scene, full, full, storage.REFERENCE, 7 * seed + 2000, threshold=0.03)
     return total + storage.write(ask.out, seed, "gt", storage.reference(reference))
 
 
-def render_auxiliaries(ask, seed, scene):
-    """The noisy full-resolution renders; returns their bytes."""
+def render_auxiliaries(ask, seed, scene, counts):
+    """The noisy full-resolution renders of these sample counts; returns their bytes."""
     total = 0
-    for samples in storage.AUX:
+    for samples in counts:
         aux = passes.render(scene, ask.size, ask.size, samples, 7 * seed + 1000 + samples)
         total += storage.write(ask.out, seed, f"aux{samples}", storage.noisy(aux))
     return total
@@ -92,8 +93,10 @@ def render_auxiliaries(ask, seed, scene):
 def main():
     ask = arguments()
     first, end = (int(part) for part in ask.seeds.split(":"))
+    wanted = [int(count) for count in ask.auxiliaries.split(",")] if ask.auxiliaries else []
     for seed in range(first, end, ask.stride):
-        if storage.finished(ask.out, seed) != ask.auxiliaries_again and not ask.preview:
+        counts = [count for count in wanted if not os.path.exists(storage.path(ask.out, seed, f"aux{count}"))]
+        if not ask.preview and (wanted and not counts or not wanted and storage.finished(ask.out, seed)):
             continue
         begin = time.monotonic()
         name = ask.family or families.NAMES[seed % len(families.NAMES)]
@@ -106,8 +109,8 @@ def main():
         if ask.preview:
             image = passes.render(scene, ask.size, ask.size, ask.preview, seed)
             byte_size = storage.write(ask.out, seed, "preview", storage.reference(image))
-        elif ask.auxiliaries_again:
-            byte_size = render_auxiliaries(ask, seed, scene)
+        elif counts:
+            byte_size = render_auxiliaries(ask, seed, scene, counts)
         else:
             byte_size = render(ask, seed, scene)
         print(f"s{seed} {name}: built in {built - begin:.0f} s, rendered in {time.monotonic() - built:.0f} s, "

@@ -4,8 +4,8 @@ import os
 import exr
 import passes
 
-LOW = ((4, 16), (4, 64), (2, 4), (2, 16), (8, 64), (8, 256))  # scale, samples
-AUX = (1, 4, 16)
+LOW = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4), (2, 16), (8, 64), (8, 256))  # scale, samples
+AUX = (1, 2, 4, 8, 16)
 REFERENCE = 256
 
 
