@@ -20,6 +20,7 @@ class NetworkConfig:
     `aux_kernels` = 3 or 5 adds that many squared logits of a kernel that filters the auxiliary images for the base image and the output.
     `colour` in `aux_inputs` is the full-resolution noisy colour; `colour_kernels` = 3 or 5 adds that many squared logits of a kernel that
     filters it, and the logit of its share in the base image.
+    `prefilter` = 1, 2 or 3 levels adds 25 logits a level at low resolution, of the kernels that filter the colour before the base image is made.
     `output_side` = 1 makes the output convolution 1 x 1.
     `cross` = "concat" puts a 1x1 convolution of [f, e] in the place of the cross module XM.
     """
@@ -38,6 +39,7 @@ class NetworkConfig:
     aux_skip: int = 0
     aux_kernels: int = 0
     colour_kernels: int = 0
+    prefilter: int = 0
     output_side: int = 3
     cross: str = "attention"
 
@@ -59,6 +61,8 @@ class NetworkConfig:
         require(self.aux_kernels == 0 or self.base in ("demodulated", "guided"), "aux_kernels needs a base that demodulates")
         require(self.colour_kernels in (0, 3, 5), f"colour_kernels must be 0, 3 or 5, found {self.colour_kernels}")
         require(self.colour_kernels == 0 or self.base == "guided" and self.full, "colour_kernels needs base=guided and colour in aux_inputs")
+        require(self.prefilter in (0, 1, 2, 3), f"prefilter must be 0, 1, 2 or 3, found {self.prefilter}")
+        require(self.prefilter == 0 or self.base == "guided", "prefilter needs base=guided")
         require(not self.full or self.scale > 1, "colour in aux_inputs needs a scale above 1: at scale 1 the colour has full resolution already")
         require(self.output_side in (1, 3), f"output_side must be 1 or 3, found {self.output_side}")
         require(self.aux_skip in (0, 1), f"aux_skip must be 0 or 1, found {self.aux_skip}")
@@ -349,6 +353,8 @@ class Network(nn.Module):
         self.fuse = conv3x3(2 * c if config.aux_inputs else c, c)
         self.body_conv, self.up_pre = conv3x3(c, c), conv3x3(c, c)
         self.up = nn.ModuleList(conv3x3(c, 4 * c) for _ in range(config.steps))
+        if config.prefilter:
+            self.prefilter = nn.Conv2d(c, 25 * config.prefilter, 1)
         side = config.output_side
         self.out = nn.Conv2d(c + (ca if config.aux_skip else 0), config.output_width, side, padding=side // 2)
 
@@ -360,7 +366,8 @@ class Network(nn.Module):
         return h
 
     def forward(self, x, aux=None):
-        """x: [b, 3, h, w'] transformed colour; aux: [b, A, s*h, s*w'] or None. Returns [b, output_width, s*h, s*w'].
+        """x: [b, 3, h, w'] transformed colour; aux: [b, A, s*h, s*w'] or None. Returns the raw output [b, output_width, s*h, s*w'] and the
+        logits of the prefilter [b, 25 * prefilter, h, w'], None without.
 
         h and w' must be multiples of the window (pipeline.pad_inputs).
         """
@@ -376,7 +383,8 @@ class Network(nn.Module):
                 d = self.deshuffled(i + 1, h)
         u = self.fuse(f if d is None else torch.cat([f, d], 1))
         u = self.body_conv(u) + f0
+        prefilter = self.prefilter(u) if self.config.prefilter else None
         u = F.leaky_relu(self.up_pre(u), 0.01)
         for conv in self.up:
             u = F.pixel_shuffle(conv(u), 2)
-        return self.out(torch.cat([u, h], 1) if self.config.aux_skip else u)
+        return self.out(torch.cat([u, h], 1) if self.config.aux_skip else u), prefilter

@@ -12,6 +12,8 @@ EPSILON = 0.02        # added to the albedo before dividing and multiplying
 ALBEDO_MAX = 4.0
 TRANSFORMED_MAX = 11.0
 SIGMA_SPACE, SIGMA_NORMAL, SIGMA_ALBEDO = 0.75, 0.2, 0.5
+SIGMA_PREFILTER = 1.8               # of the prefilter's spatial weights, in steps of a level
+PREFILTER_STEP = 3                  # a level's step over that of the one below
 LOGIT_MAX = 8.0
 CEILING_FACTOR, CEILING_SIDE = 4.0, 5    # of the result to the largest radiance around, low-resolution pixels
 DEPTH_SCALES = (0.25, 1.0, 4.0)     # distances, over the median, that become one half
@@ -133,20 +135,23 @@ def network_colour(exposed, albedo, config):
 
 def transformed_colour(exposed, albedo, config):
     """The same with an albedo of the colour's size."""
-    if config.base in ("demodulated", "guided"):
-        exposed = exposed / (albedo + EPSILON)
-    return transform(exposed, config.transfer)
+    return transform(demodulated(exposed, albedo, config), config.transfer)
 
 
-def neighbours(x, side=5):
-    """[b, c, h, w] -> [b, c, side^2, h, w]: the values around each pixel, row-major over (dy, dx), clamped at the border."""
-    return inner_neighbours(F.pad(x, (side // 2,) * 4, mode="replicate"), side)
+def demodulated(exposed, albedo, config):
+    """eI / (a + 0.02) for the bases that demodulate, eI for the others."""
+    return exposed / (albedo + EPSILON) if config.base in ("demodulated", "guided") else exposed
 
 
-def inner_neighbours(bordered, side=5):
-    """The same of an image that has its border of side // 2 pixels already."""
-    h, w = (extent - side + 1 for extent in bordered.shape[-2:])
-    return torch.stack([bordered[:, :, dy:dy + h, dx:dx + w] for dy in range(side) for dx in range(side)], 2)
+def neighbours(x, side=5, step=1):
+    """[b, c, h, w] -> [b, c, side^2, h, w]: the values around each pixel, `step` apart, row-major over (dy, dx), clamped at the border."""
+    return inner_neighbours(F.pad(x, (side // 2 * step,) * 4, mode="replicate"), side, step)
+
+
+def inner_neighbours(bordered, side=5, step=1):
+    """The same of an image that has its border of side // 2 * step pixels already."""
+    h, w = (extent - (side - 1) * step for extent in bordered.shape[-2:])
+    return torch.stack([bordered[:, :, dy * step:dy * step + h, dx * step:dx * step + w] for dy in range(side) for dx in range(side)], 2)
 
 
 def to_grid(x, scale):
@@ -193,6 +198,31 @@ def kernel_average(x_neighbours, log_weights):
     return from_grid(torch.bmm(weights, values).view(b, h, w, scale, scale, -1))
 
 
+def prefiltered(exposed, aux_mean, logits, config):
+    """The low-resolution colour without most of its noise [b, 3, h, w], transformed: T(mean(e I) / (mean(b) + 0.02)).
+
+    Both means have the same weights over the 25 taps of each level: 5 x 5 pixels, 3^k apart, of the images of level k, which is the mean of the
+    3 x 3 pixels of the level below, 3^(k - 1) apart; level 0 are the images themselves. What lies outside of an image is its border. The
+    logarithm of a weight is that of how alike the guides of the tap are to those of the pixel, as in the guided base, plus that of its distance
+    in steps, plus a clamped logit [b, 25 levels, h, w]. exposed: e I [b, 3, h, w]; aux_mean: box means of the auxiliary images [b, A, h, w].
+    """
+    offset = torch.arange(-2, 3, dtype=aux_mean.dtype, device=aux_mean.device).square() / (-2 * SIGMA_PREFILTER ** 2)
+    space = (offset[:, None] + offset[None, :]).view(1, 25, 1, 1)
+    here, colours, albedos, log_weights = guides_of(aux_mean, config), [], [], []
+    exposed = exposed.clamp(min=0)
+    for level, learned in enumerate(logits.split(25, 1)):
+        step = PREFILTER_STEP ** level
+        if level:
+            exposed, aux_mean = (neighbours(image, 3, step // PREFILTER_STEP).mean(2) for image in (exposed, aux_mean))
+        colours.append(neighbours(exposed, step=step))
+        albedos.append(neighbours(clamped_albedo(aux_mean, config), step=step))
+        unlike = (neighbours(guides_of(aux_mean, config), step=step) - here[:, :, None]).square().sum(1)
+        log_weights.append(torch.log(torch.exp(-0.5 * unlike) + 1e-6) + space + learned.clamp(-LOGIT_MAX, LOGIT_MAX))
+    weights = torch.softmax(torch.cat(log_weights, 1), 1)
+    colour, albedo = ((torch.cat(taps, 2) * weights[:, None]).sum(2) for taps in (colours, albedos))
+    return transformed_colour(colour, albedo, config)
+
+
 def base_image(x, aux, config, logits=None):
     """The base in the transformed domain [b, 3, H, W], or None for base=none. logits: [b, 25, H, W] learned kernels."""
     if config.base == "none":
@@ -220,11 +250,18 @@ def filtered(aux_neighbours, logits):
     return (weights[:, None] * aux_neighbours).sum(2) / weights.sum(1, keepdim=True)
 
 
-def blended(base, full_neighbours, logits):
-    """(1 - g) base + g Hf [b, 3, H, W]: Hf the filtered colour of the neighbours [b, 3, m^2, H, W] by the first m^2 logits [b, m^2 + 1, H, W],
-    g the sigmoid of the last."""
-    share = torch.sigmoid(logits[:, -1:])
-    return (1 - share) * base + share * filtered(full_neighbours, logits[:, :-1])
+def blended(base, exposed_full, albedo, logits, config):
+    """(1 - g) base + g Hf [b, 3, H, W]: g the sigmoid of the last of the logits [b, m^2 + 1, H, W], Hf = T(mean(e H) / (mean(a) + 0.02)) of the
+    m x m pixels around each, weighted by the softmax of the others. The colour e H [b, 3, H, W] and its own albedo share their noise."""
+    side = config.colour_kernels
+    return blended_neighbours(base, neighbours(exposed_full, side), neighbours(albedo, side), logits, config)
+
+
+def blended_neighbours(base, full_neighbours, albedo_neighbours, logits, config):
+    """The same of the neighbours of both [b, 3, m^2, H, W]."""
+    share, logits = torch.sigmoid(logits[:, -1:]), logits[:, :-1]
+    found = transformed_colour(filtered(full_neighbours, logits), filtered(albedo_neighbours, logits), config)
+    return (1 - share) * base + share * found
 
 
 def ceiling(x, config):
@@ -273,21 +310,34 @@ def baseline(colour, aux, config, exposure=None):
 def upscale(network, colour, aux=None, exposure=None, full=None):
     """Runs a model on one image: colour [1, 3, h, w], aux [1, 3 guides, s*h, s*w] and, for a model that takes it, the full-resolution
     colour [1, 3, s*h, s*w] -> (radiance [1, 3, H, W], raw output [1, output_width, H, W], exposure). Such a model expects a merged colour.
-
-    With aux_kernels, base image and output are made of the filtered auxiliary images, demodulation included; the network sees the unfiltered.
     """
     config = network.config
     exposure = auto_exposure(colour[0]) if exposure is None else exposure
-    aux, exposed_full = clamped_aux(aux, config), full * exposure if config.full else None
-    x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
-    height, width = (side * config.scale for side in x.shape[-2:])
-    raw = network(*pad_inputs(x, network_aux(aux, exposed_full, config), config))[:, :, :height, :width]
+    result, raw, _ = exposed_result(network, config, colour * exposure, aux, full * exposure if config.full else None)
+    return result / exposure, raw, exposure
+
+
+def exposed_result(network, config, exposed, aux, exposed_full):
+    """(exposed radiance [b, 3, H, W], raw output, filtered auxiliary images) of images times their exposure; network: (x, aux) -> (raw,
+    prefilter logits).
+
+    With aux_kernels, base image and output are made of the filtered auxiliary images, demodulation included; the network sees the unfiltered.
+    """
+    aux, exposed_full = clamped_aux(aux, config), finite(exposed_full) if config.full else None
+    noisy = aux
+    x = network_colour(exposed, clamped_albedo(aux, config), config)
+    height, width = x.shape[-2:]
+    raw, prefilter_logits = network(*pad_inputs(x, network_aux(aux, exposed_full, config), config))
+    raw = raw[:, :, :height * config.scale, :width * config.scale]
     residual, logits, aux_logits, colour_logits = split_output(raw, config)
+    most = None
+    if prefilter_logits is not None:
+        most = ceiling(x, config)
+        x = prefiltered(exposed, box_mean(aux, config.scale), prefilter_logits[:, :, :height, :width], config)
     if aux_logits is not None:
         aux = filtered(neighbours(aux, config.aux_kernels), aux_logits)
-        x = network_colour(colour * exposure, clamped_albedo(aux, config), config)
-    albedo = clamped_albedo(aux, config)
+        x = x if config.prefilter else network_colour(exposed, clamped_albedo(aux, config), config)
     base = base_image(x, aux, config, logits)
     if colour_logits is not None:
-        base = blended(base, neighbours(transformed_colour(exposed_full, albedo, config), config.colour_kernels), colour_logits)
-    return to_radiance(residual, base, ceiling(x, config), albedo, exposure, config), raw, exposure
+        base = blended(base, exposed_full, clamped_albedo(noisy, config), colour_logits, config)
+    return to_radiance(residual, base, ceiling(x, config) if most is None else most, clamped_albedo(aux, config), 1.0, config), raw, aux

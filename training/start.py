@@ -5,6 +5,7 @@ import torch
 import torch.nn as nn
 
 import weights
+from pipeline import PREFILTER_STEP
 
 AUX_CENTRE = 7.0     # first logit of the pixel itself in the kernel of the auxiliary images: nearly no filter
 BLEND_START = -3.0   # first logit of the share that the full-resolution colour has in the base image: a twentieth
@@ -28,6 +29,10 @@ def initialise(network, generator):
             aux_logits[len(aux_logits) // 2] = AUX_CENTRE
         if network.config.colour_kernels:
             colour_logits[-1] = BLEND_START
+        if network.config.prefilter:
+            network.prefilter.weight.zero_()
+            for level, bias in enumerate(network.prefilter.bias.split(25)):     # each tap counts as the pixels it is the mean of, half as much
+                bias.fill_(level * math.log(PREFILTER_STEP))
 
 
 def take_inputs(weight, found, inputs, other):

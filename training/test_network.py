@@ -1,4 +1,6 @@
 """Sizes of the network against the paper's tables 9 and 10, and properties of the pipeline."""
+import math
+
 import torch
 import pytest
 
@@ -162,8 +164,8 @@ def test_output_layer_of_zeros_blends_the_base_with_the_mean_around(scale):
     full[0, 0, 3, 3] = -1       # counts as 0
     radiance, raw, exposure = pipeline.upscale(network, colour, aux, full=full)
     albedo = aux[:, :3]
-    mean = torch.log1p(exposure * full.clamp(min=0) / (albedo + 0.02))
-    mean = torch.nn.functional.avg_pool2d(torch.nn.functional.pad(mean, (2,) * 4, mode="replicate"), 5, 1)
+    around = lambda image: torch.nn.functional.avg_pool2d(torch.nn.functional.pad(image, (2,) * 4, mode="replicate"), 5, 1)
+    mean = torch.log1p(exposure * around(full.clamp(min=0)) / (around(albedo) + 0.02))
     base = torch.log1p(exposure * pipeline.baseline(colour, aux, NetworkConfig(scale=scale, **SMALL)) / (albedo + 0.02))
     g = torch.sigmoid(torch.tensor(-3.0))
     expected = torch.expm1((1 - g) * base + g * mean) * (albedo + 0.02) / exposure
@@ -181,7 +183,7 @@ def test_the_network_sees_the_colour_at_its_place():
 
 
 def test_the_filter_of_the_auxiliary_images_leaves_the_colour():
-    """A filter that moves albedo and normal by a pixel, a share of nearly one: the result is H at its place over the moved albedo."""
+    """A filter that moves albedo and normal by a pixel, a share of nearly one: the result is H over its own albedo times the moved one."""
     config = NetworkConfig(**FULL)
     network = random_network(config, 0)
     with torch.no_grad():
@@ -191,7 +193,57 @@ def test_the_filter_of_the_auxiliary_images_leaves_the_colour():
         colour_logits[12], colour_logits[25] = 8.0, 30.0
         aux, full = torch.rand(1, 6, 32, 32), torch.rand(1, 3, 32, 32)
         radiance, _, _ = pipeline.upscale(network, torch.rand(1, 3, 8, 8), aux, 1.0, full)
-    assert torch.allclose(radiance, full, rtol=1e-3, atol=1e-3)             # demodulated and modulated by the same albedo
+    left = torch.arange(32).sub(1).clamp(min=0)
+    assert torch.allclose(radiance, full * (aux[:, :3, :, left] + 0.02) / (aux[:, :3] + 0.02), rtol=1e-3, atol=1e-3)
+
+
+PREFILTER = dict(kernels=5, aux_kernels=3, aux_skip=1, **SMALL)
+
+
+def test_prefilter_starts_at_the_guided_means():
+    config = NetworkConfig(prefilter=3, **PREFILTER)
+    network = Network(config)
+    initialise(network, torch.Generator().manual_seed(1))
+    assert network.prefilter.weight.shape == (75, config.channels, 1, 1) and not network.prefilter.weight.any()
+    assert [bias.unique().item() for bias in network.prefilter.bias.split(25)] == pytest.approx([0, math.log(3), 2 * math.log(3)])
+    aux, raw = torch.rand(1, 6, 32, 48), network(torch.rand(1, 3, 8, 16), torch.rand(1, 6, 32, 64))
+    assert raw[0].shape == (1, config.output_width, 32, 64) and raw[1].shape == (1, 75, 8, 16)
+    even = torch.full((1, 3, 8, 12), 0.7) * pipeline.box_mean(aux[:, :3], 4)            # lit evenly
+    found = pipeline.prefiltered(even, pipeline.box_mean(aux, 4), torch.zeros(1, 75, 8, 12), config)
+    assert (torch.expm1(found) / 0.7 - 1).abs().max() < 0.06                           # but for the 0.02
+
+
+@pytest.mark.parametrize("level, side", [(0, 1), (1, 3), (2, 9)])
+@pytest.mark.parametrize("tap", [0, 7, 12, 23])
+def test_prefilter_weighs_taps_of_all_levels(level, side, tap):
+    """Of one tap alone the mean of side x side pixels, tap (dy, dx) sides away; beyond the border of a level its border."""
+    torch.manual_seed(4)
+    config = NetworkConfig(prefilter=3, transfer="none", **PREFILTER)
+    colour, aux = torch.rand(1, 3, 60, 64).double(), torch.full((1, 6, 60, 64), 0.98).double()
+    logits = torch.full((1, 75, 60, 64), -1e3).double()
+    logits[:, 25 * level + tap] = 1e3
+    found = pipeline.prefiltered(colour, aux, logits, config)
+    y, x, half = 30 + (tap // 5 - 2) * side, 32 + (tap % 5 - 2) * side, side // 2
+    assert torch.allclose(found[..., 30, 32], colour[..., y - half:y + half + 1, x - half:x + half + 1].mean((2, 3)), atol=1e-4)
+    corner = colour
+    for step in (1, 3)[:level]:
+        corner = pipeline.neighbours(corner, 3, step).mean(2)
+    y, x = (max(0, (tap // 5 - 2) * side), max(0, (tap % 5 - 2) * side))
+    assert torch.allclose(found[..., 0, 0], corner[..., y, x], atol=1e-4)
+
+
+def test_prefilter_removes_noise():
+    torch.manual_seed(6)
+    config = NetworkConfig(prefilter=2, **PREFILTER)
+    network = Network(config).eval()
+    initialise(network, torch.Generator().manual_seed(1))
+    aux = torch.cat([torch.full((1, 3, 128, 128), 0.5), torch.zeros(1, 3, 128, 128)], 1)
+    colour = 1 + 0.3 * torch.randn(1, 3, 32, 32)
+    with torch.no_grad():
+        radiance, _, _ = pipeline.upscale(network, colour, aux, 1.0)
+        plain = pipeline.baseline(colour, aux, config, 1.0)
+    assert (radiance - 1).std() < 0.35 * (plain - 1).std()
+    assert abs(radiance.mean() - 1) < 0.02
 
 
 def test_merged_colour_weighs_by_samples():

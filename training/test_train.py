@@ -11,7 +11,7 @@ import pipeline
 import shards
 import train
 import weights
-from test_dataset import write_scene
+from test_dataset import encoded, write_scene
 
 TINY = ["--channels", "8", "--aux-channels", "4", "--head-channels", "8", "--groups", "1", "--crop", "8", "--batch", "1", "--warm-up", "1",
         "--device", "cpu", "--precision", "bfloat16", "--aux-kernels", "3"]
@@ -25,7 +25,7 @@ def folders(tmp_path):
     packed.mkdir()
     for name in ("s0000", "s0003"):
         write_scene(scenes, name, side=64)
-    assert not shards.write_shard(packed / "scenes-000.npz", [(scenes, "s0000"), (scenes, "s0003")], 1e9)
+    shards.write_shard(packed / "scenes-000.npz", encoded(scenes, "s0000", "s0003"), 1e9)
     return scenes, packed, tmp_path / "run"
 
 
@@ -108,7 +108,7 @@ def test_export_writes_a_model_and_its_card(folders, monkeypatch, tmp_path):
 def test_full_model_trains_evaluates_and_exports(folders, monkeypatch, tmp_path, capsys):
     scenes, packed, output = folders
     assert train.shares_of("1:0.3,4:0.7") == {1: 0.3, 4: 0.7} and train.shares_of("16") == {16: 1} and train.shares_of(None) is None
-    monkeypatch.setattr(train, "FULL_VALIDATION_SPP", {4: ((64, 16), (64, 1))})
+    monkeypatch.setattr(train, "FULL_VALIDATION_SPP", {4: "64-16,64-1"})
     run(monkeypatch, train, packed, "--output", output, "--steps", 2, "--validation", scenes, "--aux", "albedo,normal,colour",
         "--colour-kernels", 3, "--colour-shares", "64", "--aux-shares", "1:0.5,4:0.5", *TINY)
     assert "2 scenes" in (output / "log.txt").read_text() and "  64-1 " in (output / "log.txt").read_text()

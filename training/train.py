@@ -26,14 +26,16 @@ from start import initialise, start_from
 MODEL_FIELDS = [field for field in dataclasses.fields(NetworkConfig) if field.name != "aux_inputs"]    # that is --aux
 USUAL = dict(channels=32, aux_channels=16, blocks=1, kernels=5, aux_skip=1)      # defaults of the trainer, not of the file
 ROBUST_BETA = 0.1
-VALIDATION_SPP = {1: (4, 4), 2: (16, 16), 4: (64, 16), 8: (64, 16)}     # scale: colour, auxiliary images
-FULL_VALIDATION_SPP = {2: ((16, 4), (4, 1)), 4: ((64, 16), (64, 4), (16, 1)), 8: ((64, 16), (64, 4), (64, 1))}     # of models that take the colour of both
+# What the report measures: sample counts of the colour and of the auxiliary images (0: converged), by scale; of full models the second.
+VALIDATION_SPP = {1: "4-4", 2: "16-16,16-1", 4: "64-16,64-1", 8: "64-16,64-1"}
+FULL_VALIDATION_SPP = {2: "16-4,4-1", 4: "64-16,64-4,16-1", 8: "64-16,64-4,64-1"}
 
 
 def arguments_of_command_line():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("train", type=pathlib.Path, nargs="+", help="folders of shards (shards.py)")
     parser.add_argument("--validation", type=pathlib.Path, help="folder of OpenEXR scenes")
+    parser.add_argument("--validation-spp", help="what is measured on it, as 64-16,16-1: samples of the colour and of the auxiliary images (0: converged)")
     parser.add_argument("--output", type=pathlib.Path, required=True)
     parser.add_argument("--minutes", type=float, default=75)
     parser.add_argument("--steps", type=int, help="end after so many steps, whatever the time")
@@ -70,6 +72,8 @@ def forward(network, batch, device, precision):
     """(result, target, aux) of a batch: exposed linear radiance [b, 3, H, W], and the auxiliary images but for the colour that it was made
     of [b, A, H, W], None without. The network runs in the precision, the rest in float32."""
     config, exposure = network.config, batch["exposure"].view(-1, 1, 1, 1)
+    if config.prefilter:
+        return whole_image_forward(network, batch, device, precision)
     inner, high = slice(dataset.BORDER, -dataset.BORDER), slice(config.scale * dataset.BORDER, -config.scale * dataset.BORDER)
     exposed, exposed_full = exposure * batch["colour"], exposure * batch["full"] if config.full else None
     aux = pipeline.clamped_aux(batch.get("aux"), config)
@@ -77,20 +81,39 @@ def forward(network, batch, device, precision):
     seen = pipeline.network_aux(aux, exposed_full, config)
     channels_last = lambda image: None if image is None else image.contiguous(memory_format=torch.channels_last)
     with arithmetic.autocast(device, precision):
-        raw = network(channels_last(bordered[:, :, inner, inner]), channels_last(None if seen is None else seen[:, :, high, high]))
+        raw, _ = network(channels_last(bordered[:, :, inner, inner]), channels_last(None if seen is None else seen[:, :, high, high]))
     residual, logits, aux_logits, colour_logits = pipeline.split_output(raw.float(), config)
+    noisy = aux
     if aux_logits is not None:      # the border keeps its noise: only crops have one
-        noisy, aux = aux, aux.clone()
+        aux = aux.clone()
         aux[:, :, high, high] = pipeline.filtered(crop_neighbours(noisy, config.aux_kernels, high), aux_logits)
         bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
     albedo = pipeline.clamped_albedo(aux, config)
     base = crop_base(bordered, aux, logits, config)
     if colour_logits is not None:
-        full = pipeline.transformed_colour(exposed_full, albedo, config)
-        base = pipeline.blended(base, crop_neighbours(full, config.colour_kernels, high), colour_logits)
+        around = (crop_neighbours(image, config.colour_kernels, high) for image in (exposed_full, pipeline.clamped_albedo(noisy, config)))
+        base = pipeline.blended_neighbours(base, *around, colour_logits, config)
     ceiling = pipeline.inner_ceiling(bordered, config)
     albedo, aux = (None if image is None else image[:, :, high, high] for image in (albedo, aux))
     result = pipeline.to_radiance(residual, base, ceiling, albedo, 1.0, config)
+    return result, exposure * batch["target"], aux
+
+
+def whole_image_forward(network, batch, device, precision):
+    """forward() of models whose kernels reach further than the border of a crop: a crop without its border is an image of its own."""
+    config, exposure = network.config, batch["exposure"].view(-1, 1, 1, 1)
+
+    def inner(key, border):
+        return batch[key][:, :, border:-border, border:-border] if key in batch else None
+
+    def run(*inputs):
+        with arithmetic.autocast(device, precision):
+            raw, prefilter = network(*(image.contiguous(memory_format=torch.channels_last) for image in inputs))
+        return raw.float(), prefilter.float()
+
+    high = config.scale * dataset.BORDER
+    full = exposure * inner("full", high) if config.full else None
+    result, _, aux = pipeline.exposed_result(run, config, exposure * inner("colour", dataset.BORDER), inner("aux", high), full)
     return result, exposure * batch["target"], aux
 
 
@@ -219,25 +242,22 @@ def train(training, scenes, options, report):
 
 
 def validation_line(network, options):
-    """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene; then PSNR with aux of 1 spp, or of
-    models that take the colour of both with the further counts of FULL_VALIDATION_SPP."""
+    """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene at the first of the sample counts that
+    are measured; PSNR at the others."""
     config = network.config
-    settings = FULL_VALIDATION_SPP[config.scale] if config.full else (VALIDATION_SPP[config.scale],)
+    settings = options.validation_spp or (FULL_VALIDATION_SPP if config.full else VALIDATION_SPP)[config.scale]
+    counts = [tuple(int(spp) for spp in pair.split("-")) for pair in settings.split(",")]
 
     def rows_of(colour_spp, aux_spp):
         return [metrics.all_metrics(evaluate.result_of(network, case, device=options.device), case.reference)
                 for case in evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp)]
 
-    mean = lambda rows, key: sum(row[key] for row in rows) / len(rows)
+    mean = lambda rows, key: sum(row[key] for row in rows) / len(rows) if rows else math.nan
     with torch.no_grad():
-        rows = rows_of(*settings[0])
-        line = (f"  validation  PSNR {mean(rows, 'psnr'):.3f}  RelMSE {mean(rows, 'relmse'):.4f}  "
-                + " ".join(f"{row['psnr']:.2f}" for row in rows))
-        if config.full:
-            line += "".join(f"  {colour_spp}-{aux_spp} {mean(rows_of(colour_spp, aux_spp), 'psnr'):.3f}" for colour_spp, aux_spp in settings[1:])
-        elif config.scale > 1 and config.aux_inputs:
-            line += f"  aux 1 spp {mean(rows_of(settings[0][0], 1), 'psnr'):.3f}"
-    return line
+        rows = rows_of(*counts[0])
+        others = [f"  {colour_spp}-{aux_spp} {mean(rows_of(colour_spp, aux_spp), 'psnr'):.3f}" for colour_spp, aux_spp in counts[1:]]
+    return (f"  validation  PSNR {mean(rows, 'psnr'):.3f}  RelMSE {mean(rows, 'relmse'):.4f}  "
+            + " ".join(f"{row['psnr']:.2f}" for row in rows) + "".join(others))
 
 
 def main():
