@@ -77,7 +77,8 @@ void Frame::load() {
     addWarnings(checkAlbedo({nameOf(layerOf(kAlbedo.name)), albedo}, imageOf(kNormal.name)));
   std::vector<NamedLayer> layers;
   for (size_t i = 0; i < inputs_.size(); ++i)
-    if (!findAuxiliaryInput(inputs_[i])->isDistance) layers.push_back({inputs_[i], &auxiliary_[i]});
+    if (const AuxiliaryInput& kind = *findAuxiliaryInput(inputs_[i]); !kind.isDistance && !kind.isRadiance)
+      layers.push_back({inputs_[i], &auxiliary_[i]});
   if (!layers.empty()) addWarnings(checkEdges(colour_, layers));
   mergeColour();
 }
@@ -151,7 +152,10 @@ Image Frame::loadAuxiliary(const std::string& input) {
                         toString(wanted) + "; the rest is taken as 0.");
   Image image = placedInBox(readLayer(auxFile_, layer), stored, wanted);
   const AuxiliaryInput& kind = *findAuxiliaryInput(input);
-  if (!kind.isDistance) addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
+  if (kind.isRadiance)
+    repairRadiance(image);  // as where it is merged
+  else if (!kind.isDistance)
+    addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
   if (kind.isDirection) addWarnings(checkNormal({nameOf(layer), &image}));
   if (kind.isDistance) {
     addWarnings(checkDepth({nameOf(layer), &image}));
@@ -185,6 +189,11 @@ std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::strin
 }
 
 std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
+  const auto& inputs = model.auxiliaryInputs();
+  if (!frame.merged() && std::find(inputs.begin(), inputs.end(), kFullColour.name) != inputs.end())
+    throw Error(
+        "The model takes the colour of the full-resolution render, which is not merged into the colour here: "
+        "give --samples LOW,HIGH, or take a model of albedo and normal.");
   return inputsOf(model, frame.inputs(), frame.auxiliary());
 }
 

@@ -86,7 +86,7 @@ std::vector<PixelView> viewsOf(const std::vector<Image>& images);
 /// if one is not among them.
 std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::string>& inputs,
                                 const std::vector<Image>& images);
-/// The same of a frame.
+/// The same of a frame. Throws Error also if the model takes the full-resolution colour and that was not merged.
 std::vector<PixelView> inputsOf(const Model& model, const Frame& frame);
 
 }  // namespace xrds

@@ -79,9 +79,10 @@ void addLayers(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("--color,--colour", options.layers.names[AovRole::kColor], "Layer to take as colour")
       ->type_name("LAYER");
   for (const AuxiliaryInput& input : kAuxiliaryInputs)
-    verb.add_option("--" + std::string(input.name), options.layers.names[roleOf(input.name)],
-                    "Layer to take as " + std::string(input.meaning))
-        ->type_name("LAYER");
+    if (!input.isRadiance)
+      verb.add_option("--" + std::string(input.name), options.layers.names[roleOf(input.name)],
+                      "Layer to take as " + std::string(input.meaning))
+          ->type_name("LAYER");
   verb.add_option(
           "--aux-colour", options.auxColour,
           "Colour of the full-resolution render, which is merged into the low-resolution colour: auto (where the\n"

@@ -100,6 +100,7 @@ std::string toString(AovRole role) {
 }
 
 AovRole roleOf(std::string_view auxiliaryInput) {
+  if (auxiliaryInput == kFullColour.name) return AovRole::kFullColor;  // its words are not the input's name
   for (const AovRole role : {AovRole::kAlbedo, AovRole::kNormal, AovRole::kDepth}) {
     if (toString(role) == auxiliaryInput) {
       return role;

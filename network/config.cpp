@@ -81,6 +81,14 @@ void checkCombination(const NetworkConfig& config) {
           "gives output_side " + std::to_string(config.outputSide) + ", expected 1 or 3");
   require(config.auxKernels == 0 || config.demodulates(),
           "has learned kernels for its auxiliary images, which need a base image that demodulates");
+  require(config.colourKernels == 0 || config.colourKernels == 3 || config.colourKernels == 5,
+          "gives colour_kernels " + std::to_string(config.colourKernels) + ", expected 0, 3 or 5");
+  const bool full = config.auxOffset(kFullColour.name) >= 0;
+  require(config.colourKernels == 0 || (full && config.base == BaseImage::guided),
+          "has learned kernels for the full-resolution colour, which need the input colour and the guided base");
+  require(!full || config.scale > 1, "takes the full-resolution colour at scale 1, where there is no other");
+  require(config.prefilter == 0 || config.base == BaseImage::guided, "has a prefilter, which needs the guided base");
+  require(config.groups > 0 || config.prefilter == 0, "has a prefilter but no network");
   require(config.groups > 0 || (config.base != BaseImage::none && config.outputWidth() == 3),
           "has neither a network nor a base image");
   require(!config.auxSkip || !config.auxInputs.empty(), "has an auxiliary skip but no auxiliary input");
@@ -115,6 +123,8 @@ NetworkConfig parseConfig(const Metadata& metadata) {
   config.kernels = numberOr(metadata, "kernels", 0, 5);
   config.auxSkip = numberOr(metadata, "aux_skip", 0, 1) == 1;
   config.auxKernels = numberOr(metadata, "aux_kernels", 0, 5);
+  config.colourKernels = numberOr(metadata, "colour_kernels", 0, 5);
+  config.prefilter = numberOr(metadata, "prefilter", 0, 3);
   config.outputSide = numberOr(metadata, "output_side", 3, 3);
   checkCombination(config);
   return config;
@@ -140,6 +150,8 @@ Metadata describe(const NetworkConfig& config) {
           {"kernels", std::to_string(config.kernels)},
           {"aux_skip", config.auxSkip ? "1" : "0"},
           {"aux_kernels", std::to_string(config.auxKernels)},
+          {"colour_kernels", std::to_string(config.colourKernels)},
+          {"prefilter", std::to_string(config.prefilter)},
           {"output_side", std::to_string(config.outputSide)}};
 }
 

@@ -34,15 +34,22 @@ struct NetworkConfig {
   BaseImage base = BaseImage::guided;
   BlockKind block = BlockKind::rdst;
   CrossKind cross = CrossKind::attention;
-  uint32_t kernels = 0;     // side of the learned kernels, 0 or 5
-  bool auxSkip = false;     // H_N is fed to the output convolution
-  uint32_t auxKernels = 0;  // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
-  uint32_t outputSide = 3;  // of the output convolution, 3 or 1
+  uint32_t kernels = 0;        // side of the learned kernels, 0 or 5
+  bool auxSkip = false;        // H_N is fed to the output convolution
+  uint32_t auxKernels = 0;     // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
+  uint32_t colourKernels = 0;  // the same of those that filter the full-resolution colour
+  uint32_t prefilter = 0;      // levels of the filter of the low-resolution colour, 0 to 3
+  uint32_t outputSide = 3;     // of the output convolution, 3 or 1
 
   uint32_t auxWidth() const { return 3 * static_cast<uint32_t>(auxInputs.size()); }  // A
-  /// Channels of the raw output: the residual, the logits of the kernels, those of the auxiliary images' kernels.
-  uint32_t outputWidth() const { return firstAuxLogit() + auxKernels * auxKernels; }
+  /// Channels of the raw output: the residual, the logits of the kernels, those of the auxiliary images' kernels, those
+  /// of the full-resolution colour's kernels and, last, of its share.
+  uint32_t outputWidth() const {
+    return firstColourLogit() + colourKernels * colourKernels + (colourKernels > 0 ? 1 : 0);
+  }
   uint32_t firstAuxLogit() const { return 3 + kernels * kernels; }
+  uint32_t firstColourLogit() const { return firstAuxLogit() + auxKernels * auxKernels; }
+  uint32_t prefilterLogits() const { return 25 * prefilter; }
   uint32_t steps() const;                      // n = log2 s
   int auxOffset(std::string_view name) const;  // first channel of that input; -1: the model has none
   bool demodulates() const { return base == BaseImage::demodulated || base == BaseImage::guided; }

@@ -5,6 +5,25 @@
 namespace xrds {
 namespace {
 
+TensorView blendedRows(const NetworkConfig& config, Graph& graph, const TensorView& base, const TensorView& noisyAux,
+                       const TensorView& network, RowRange rows) {
+  BlendColour op;
+  op.base = base;
+  op.images = graph.auxiliary;
+  op.aux = noisyAux;
+  op.network = network;
+  op.exposure = graph.exposure;
+  op.output = graph.createRows("blended", DataType::f32, graph.output.shape(), rows);
+  op.colourOffset = config.auxOffset(kFullColour.name);
+  op.albedoOffset = config.auxOffset(kAlbedo.name);
+  op.kernelSide = config.colourKernels;
+  op.firstLogit = config.firstColourLogit();
+  op.transfer = config.transfer;
+  op.rows = rows;
+  graph.nodes.push_back({"blend_colour", op});
+  return op.output;
+}
+
 TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
                     RowRange rows) {
   if (config.base == BaseImage::none) return {};
@@ -29,11 +48,11 @@ TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& p
 }
 
 // The most that the network may make of its surroundings, so that it draws nothing where they are black.
-TensorView ceilingRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, RowRange rows) {
+TensorView ceilingRows(const NetworkConfig& config, Graph& graph, const TensorView& x, RowRange rows) {
   const TensorShape shape{graph.output.height / config.scale, graph.output.width / config.scale, 4};
   const RowRange low{rows.begin / config.scale, ceilDivide(rows.end, config.scale)};
   const TensorView ceiling = graph.createRows("ceiling", DataType::f32, shape, low);
-  graph.nodes.push_back({"radiance_ceiling", RadianceCeiling{prepared.x, ceiling, config.transfer, low}});
+  graph.nodes.push_back({"radiance_ceiling", RadianceCeiling{x, ceiling, config.transfer, low}});
   return ceiling;
 }
 
@@ -54,6 +73,12 @@ Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const Grap
     pack.input = graph.auxiliary;
     pack.output = prepared.aux;
     pack.albedoOffset = config.auxOffset(kAlbedo.name);
+    pack.colourOffset = config.auxOffset(kFullColour.name);
+    if (pack.colourOffset >= 0) {
+      pack.exposure = graph.exposure;
+      pack.demodulates = config.demodulates();
+      pack.transfer = config.transfer;
+    }
     graph.nodes.push_back({"pack_auxiliary", pack});
   }
   createEncoded(config, "", height, width, graph, prepared);
@@ -65,14 +90,20 @@ void createEncoded(const NetworkConfig& config, const std::string& prefix, uint3
                    Graph& graph, Prepared& prepared) {
   if (config.demodulates())
     prepared.auxMean = graph.create(prefix + "auxiliary_mean", DataType::f32, {height, width, prepared.aux.channels});
-  prepared.x = graph.create(prefix + "x", DataType::f32, {height, width, 4});
+  if (!prepared.x.exists()) prepared.x = graph.create(prefix + "x", DataType::f32, {height, width, 4});
+}
+
+void meanRows(const NetworkConfig& config, const std::string& prefix, Graph& graph, const Prepared& prepared,
+              RowRange rows) {
+  if (config.demodulates())
+    graph.nodes.push_back({prefix + "box_mean", BoxMean{prepared.aux, prepared.auxMean, config.scale, rows}});
 }
 
 void encodeRows(const NetworkConfig& config, const std::string& prefix, Graph& graph, const Prepared& prepared,
                 RowRange rows) {
+  meanRows(config, prefix, graph, prepared, rows);
   EncodeRadiance op;
   if (config.demodulates()) {
-    graph.nodes.push_back({prefix + "box_mean", BoxMean{prepared.aux, prepared.auxMean, config.scale, rows}});
     op.auxMean = prepared.auxMean;
     op.albedoOffset = config.auxOffset(kAlbedo.name);
   }
@@ -84,19 +115,47 @@ void encodeRows(const NetworkConfig& config, const std::string& prefix, Graph& g
   graph.nodes.push_back({prefix + "encode_radiance", op});
 }
 
-void decodeRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
+TensorView prefilteredColour(const NetworkConfig& config, Graph& graph, const Prepared& prepared,
+                             const TensorView& logits) {
+  const TensorShape shape = graph.colour.shape();
+  const uint32_t width = 4 + prepared.auxMean.channels;  // of a level
+  Prefilter op;
+  if (config.prefilter > 1) {
+    op.coarser = graph.create("coarser", DataType::f32, {shape.height, shape.width, (config.prefilter - 1) * width});
+    graph.nodes.push_back({"coarser.colour", DilatedMean{graph.colour, slice(op.coarser, 0, 4)}});
+    graph.nodes.push_back({"coarser.auxiliary", DilatedMean{prepared.auxMean, slice(op.coarser, 4, width - 4)}});
+  }
+  for (uint32_t level = 2, step = shader::kPrefilterStep; level < config.prefilter; ++level, step *= 3)
+    graph.nodes.push_back(
+        {"coarser." + std::to_string(level), DilatedMean{slice(op.coarser, (level - 2) * width, width),
+                                                         slice(op.coarser, (level - 1) * width, width), step}});
+  op.colour = graph.colour;
+  op.auxMean = prepared.auxMean;
+  op.logits = logits;
+  op.exposure = graph.exposure;
+  op.output = graph.create("prefiltered", DataType::f32, shape);
+  op.levels = config.prefilter;
+  op.albedoOffset = config.auxOffset(kAlbedo.name);
+  op.normalOffset = config.auxOffset(kNormal.name);
+  op.transfer = config.transfer;
+  graph.nodes.push_back({"prefilter_colour", op});
+  return op.output;
+}
+
+void decodeRows(const NetworkConfig& config, Graph& graph, const Decoded& decoded, const TensorView& network,
                 RowRange rows) {
   DecodeRadiance decode;
   decode.network = network;
-  decode.base = baseRows(config, graph, prepared, network, rows);
-  if (decode.base.exists() && network.exists()) decode.ceiling = ceilingRows(config, graph, prepared, rows);
+  decode.base = baseRows(config, graph, decoded.base, network, rows);
+  if (config.colourKernels > 0) decode.base = blendedRows(config, graph, decode.base, decoded.noisyAux, network, rows);
+  if (decode.base.exists() && network.exists()) decode.ceiling = ceilingRows(config, graph, decoded.x, rows);
   decode.scale = config.scale;
   decode.exposure = graph.exposure;
   decode.output = graph.output;
   decode.transfer = config.transfer;
   decode.rows = rows;
   if (config.demodulates()) {
-    decode.aux = prepared.aux;
+    decode.aux = decoded.base.aux;
     decode.albedoOffset = config.auxOffset(kAlbedo.name);
   }
   graph.nodes.push_back({"decode_radiance", decode});

@@ -29,13 +29,18 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
   Layers layers(config, weights, graph, options);
   const Prepared prepared = prepareInputs(config, frame, options, graph);
   graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});
-  TensorView u, h;
+  TensorView u, h, prefiltered;
   if (config.groups > 0) {
     const AuxiliaryFeatures aux = prepared.aux.exists() ? auxiliaryBranch(layers, prepared.aux) : AuxiliaryFeatures{};
     u = lowResolutionBranch(layers, prepared.x, aux.d);
     h = aux.h;
   }
-  upsample(layers, u, h, prepared);
+  if (config.prefilter > 0) {
+    const uint32_t logits = config.prefilterLogits();
+    const TensorView into = layers.create("prefilter", u, alignUp(logits, 4));
+    prefiltered = prefilteredColour(config, graph, prepared, layers.conv1x1("prefilter", u, logits, into));
+  }
+  upsample(layers, u, h, prepared, prefiltered);
   return graph;
 }
 

@@ -11,8 +11,10 @@ namespace {
 /// With a 1x1 one, stage n makes the output; with a 3x3 one, it makes patches of it, at half the resolution.
 class Upsampling {
  public:
-  Upsampling(Layers& layers, TensorView u, TensorView h, const Prepared& prepared)
+  Upsampling(Layers& layers, TensorView u, TensorView h, const Prepared& prepared, TensorView prefiltered)
       : layers_(layers), graph_(layers.graph), config_(layers.config), u_(u), h_(h), prepared_(prepared) {
+    decoded_ = {prepared, prepared.x, prepared.aux};
+    if (prefiltered.exists()) decoded_.base.x = prefiltered;
     const TensorView& output = graph_.output;
     tail_ = tailOf(layers);
     sweep_ = layers.sweep(u.exists() ? config_.scale * u.height : output.height, output.width);
@@ -31,8 +33,9 @@ class Upsampling {
     filtered_ = {"filtered.auxiliary",
                  layers.stored("filtered.auxiliary"),
                  {output.height, output.width, prepared.aux.channels}};
-    encoded_.aux = prepared.aux;
-    createEncoded(config_, "filtered.", graph_.colour.height, graph_.colour.width, graph_, encoded_);
+    decoded_.base.x = prefiltered;
+    createEncoded(config_, "filtered.", graph_.colour.height, graph_.colour.width, graph_, decoded_.base);
+    if (!prefiltered.exists()) decoded_.x = decoded_.base.x;
   }
 
   void build() {
@@ -41,7 +44,7 @@ class Upsampling {
       for (uint32_t j = 0; u_.exists() && j < outputStage(); ++j) makeDoubling(step, j);
       if (u_.exists()) makeOutput(step);
       const RowRange rows = real(sweep_.rows(step, decodeDistance()));
-      if (rows.begin < rows.end) decodeRows(config_, graph_, decoded(), out_.view(), rows);
+      if (rows.begin < rows.end) decodeRows(config_, graph_, decoded_, out_.view(), rows);
     }
     if (steps == 1) graph_.network = out_.view();
   }
@@ -113,21 +116,25 @@ class Upsampling {
                    {.into = out, .rows = made, .inFours = true});
     const RowRange filtered = real(made);
     if (config_.auxKernels == 0 || filtered.begin == filtered.end) return;
-    encoded_.aux = filtered_.advance(graph_, filtered, std::min(keep, filtered.begin));
+    Prepared& base = decoded_.base;
+    base.aux = filtered_.advance(graph_, filtered, std::min(keep, filtered.begin));
     graph_.nodes.push_back(
-        {"filter_auxiliary", FilterAuxiliary{prepared_.aux, out_.view(), encoded_.aux, config_.auxKernels,
-                                             config_.firstAuxLogit(), filtered}});
-    encodeRows(config_, "filtered.", graph_, encoded_, {filtered.begin / config_.scale, filtered.end / config_.scale});
+        {"filter_auxiliary",
+         FilterAuxiliary{prepared_.aux, out_.view(), base.aux, config_.auxKernels, config_.firstAuxLogit(), filtered}});
+    const RowRange low{filtered.begin / config_.scale, filtered.end / config_.scale};
+    if (config_.prefilter > 0)
+      meanRows(config_, "filtered.", graph_, base, low);
+    else
+      encodeRows(config_, "filtered.", graph_, base, low);
   }
-
-  const Prepared& decoded() const { return config_.auxKernels > 0 ? encoded_ : prepared_; }
 
   Layers& layers_;
   Graph& graph_;
   const NetworkConfig& config_;
   TensorView u_, h_;
   Tail tail_ = Tail::convolved;
-  Prepared prepared_, encoded_;  // the images as given, and filtered
+  Prepared prepared_;  // the images as given
+  Decoded decoded_;    // with them filtered
   Sweep sweep_;
   std::vector<RollingTensor> doublings_;
   RollingTensor out_, filtered_;
@@ -135,8 +142,8 @@ class Upsampling {
 
 }  // namespace
 
-void upsample(Layers& layers, TensorView u, TensorView h, const Prepared& prepared) {
-  Upsampling(layers, u, h, prepared).build();
+void upsample(Layers& layers, TensorView u, TensorView h, const Prepared& prepared, TensorView prefiltered) {
+  Upsampling(layers, u, h, prepared, prefiltered).build();
 }
 
 }  // namespace xrds

@@ -3,7 +3,8 @@
     python training/golden.py tests/golden
 
 NAME.model.safetensors is a model file; NAME.io.safetensors holds float32 images, channels last:
-colour [h, w, 3] linear radiance, albedo, normal [H, W, 3] and aux [H, W, 3k] (further inputs) where the model has them,
+colour [h, w, 3] linear radiance, albedo, normal, full (the full-resolution colour) [H, W, 3] and aux [H, W, 3k] (further inputs) where the model
+has them,
 exposure [1], network [H, W, 3 (+ logits)] the raw cropped output, output [H, W, 3] linear radiance.
 """
 import argparse
@@ -20,7 +21,8 @@ import weights
 from network import Network, NetworkConfig
 
 SMALL = dict(channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1, window=4)
-BOTH, ALBEDO, NORMAL, NONE = ("albedo", "normal"), ("albedo",), ("normal",), ()
+ALBEDO, NORMAL, NONE = ("albedo",), ("normal",), ()
+KEYS = {"albedo": "albedo", "normal": "normal", "colour": "full"}      # of auxiliary inputs, in the file of images
 
 # name: ((h, w) of the low-resolution colour, fields that differ from SMALL)
 CASES = {
@@ -87,6 +89,16 @@ CASES = {
                                          aux_skip=1, aux_kernels=5, output_side=1)),
     "s1_output1_noaux": ((10, 7), dict(scale=1, base="none", aux_inputs=NONE, output_side=1)),
     "s4_depth": ((8, 9), dict(kernels=5, aux_skip=1, aux_kernels=5, output_side=1, aux_inputs=("albedo", "normal", "depth"))),
+    "s4_full": ((7, 9), dict(kernels=5, aux_skip=1, aux_kernels=5, colour_kernels=5, output_side=1, aux_inputs=("albedo", "normal", "colour"))),
+    "s2_full_colour_first": ((9, 6), dict(scale=2, colour_kernels=3, transfer="none", aux_inputs=("colour", "albedo"))),
+    "s2_full_input_alone": ((6, 7), dict(scale=2, base="bicubic", aux_inputs=("colour", "normal"))),
+    "s2_prefilter1": ((13, 9), dict(scale=2, block="rstb", kernels=5, aux_skip=1, aux_kernels=5, prefilter=1, output_side=1)),
+    "s2_prefilter3": ((33, 29), dict(scale=2, kernels=5, prefilter=3, aux_inputs=ALBEDO)),
+    "s1_prefilter2": ((15, 17), dict(scale=1, kernels=5, aux_skip=1, aux_kernels=3, prefilter=2, transfer="none")),
+    "s4_full_prefilter2": ((11, 9), dict(kernels=5, aux_skip=1, aux_kernels=5, colour_kernels=5, prefilter=2, output_side=1,
+                                         aux_inputs=("albedo", "normal", "colour"))),
+    "s2_one_pixel_full_prefilter": ((1, 1), dict(scale=2, kernels=5, aux_kernels=3, colour_kernels=3, prefilter=3,
+                                                 aux_inputs=("colour", "normal", "albedo"))),
 }
 
 
@@ -108,8 +120,8 @@ def randomise(network, generator):
             normal(module.relative_position_bias_table, 0, 0.5)
 
 
-def random_inputs(size, config, generator):
-    """Radiance with a wide dynamic range (zeros, values above 50), blocky albedo and unit normals with noise, float32 [1, c, y, x]."""
+def random_radiance(size, generator):
+    """[1, 3, y, x] with a wide dynamic range: zeros, values above 50."""
     h, w = size
     normal = lambda *shape: torch.randn(shape, generator=generator)
     colour = torch.exp(1.5 * normal(1, 1, h, w) + 0.4 * normal(1, 3, h, w))
@@ -119,6 +131,14 @@ def random_inputs(size, config, generator):
         flat[:, picks[0]] = 0
         flat[0, picks[1]] = 0
         flat[:, picks[2]] = torch.tensor([55.0, 80.0, 61.0])
+    return colour
+
+
+def random_inputs(size, config, generator):
+    """Radiance, blocky albedo and unit normals with noise, float32: colour [1, 3, y, x] and the auxiliary inputs of the model in its order."""
+    h, w = size
+    normal = lambda *shape: torch.randn(shape, generator=generator)
+    colour = random_radiance(size, generator)
     height, width = h * config.scale, w * config.scale
     patches = lambda: nn.functional.interpolate(normal(1, 3, 2 * h, 2 * w), size=(height, width), mode="nearest")
     aux = []
@@ -129,10 +149,20 @@ def random_inputs(size, config, generator):
         elif kind == "normal":
             image = patches() * 0.3 + torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1)
             image = nn.functional.normalize(image, dim=1) + 0.05 * normal(1, 3, height, width)
+        elif kind == "colour":
+            image = random_radiance((height, width), generator)
+            image[0, 1, 0, 0] = -1.0     # counts as 0
         else:
             image = patches()
         aux.append(image)
     return colour, aux
+
+
+def given(config, images):
+    """What pipeline.upscale takes of the auxiliary inputs [1, 3, H, W] in the model's order: (aux, full), None for what there is not."""
+    guides = [image for kind, image in zip(config.aux_inputs, images) if kind != "colour"]
+    full = [image for kind, image in zip(config.aux_inputs, images) if kind == "colour"]
+    return torch.cat(guides, 1) if guides else None, full[0] if full else None
 
 
 def channels_last(image):
@@ -147,12 +177,12 @@ def write_case(folder, name, size, fields, seed):
     randomise(network, generator)
     colour, aux = random_inputs(size, config, generator)
     exposure = float(torch.tensor(pipeline.auto_exposure(colour[0])))
-    stacked = torch.cat(aux, 1).double() if aux else None
+    guides, full = given(config, [image.double() for image in aux])
 
     # One pass sets the scale of the output layer (residual of 0.4, logits of 1.2 RMS), the second is recorded. The scale
     # is bounded: where a pixel's output is small by cancellation, a large one would amplify the rounding errors too.
     with torch.no_grad():
-        _, raw, _ = pipeline.upscale(network.double(), colour.double(), stacked, exposure)
+        _, raw, _ = pipeline.upscale(network.double(), colour.double(), guides, exposure, full)
         rms = raw.square().mean((0, 2, 3)).sqrt()
         wanted = torch.tensor([0.4] * 3 + [1.2] * (raw.shape[1] - 3))
         gain = (wanted / rms).clamp(max=2)
@@ -161,11 +191,11 @@ def write_case(folder, name, size, fields, seed):
         path = folder / f"{name}.model.safetensors"
         weights.save_model(path, network, {"license": "MIT", "data": "random parameters", "seed": str(seed)})
         network, _ = weights.load_model(path, torch.float64)
-        output, raw, _ = pipeline.upscale(network, colour.double(), stacked, exposure)
+        output, raw, _ = pipeline.upscale(network, colour.double(), guides, exposure, full)
     tensors = {"colour": channels_last(colour), "exposure": torch.tensor([exposure]),
                "network": channels_last(raw), "output": channels_last(output)}
-    extra = [image for kind, image in zip(config.aux_inputs, aux) if kind not in BOTH]
-    tensors.update({kind: channels_last(image) for kind, image in zip(config.aux_inputs, aux) if kind in BOTH})
+    extra = [image for kind, image in zip(config.aux_inputs, aux) if kind not in KEYS]
+    tensors.update({KEYS[kind]: channels_last(image) for kind, image in zip(config.aux_inputs, aux) if kind in KEYS})
     if extra:
         tensors["aux"] = channels_last(torch.cat(extra, 1))
     if not all(torch.isfinite(value).all() for value in tensors.values()):

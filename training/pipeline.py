@@ -15,6 +15,7 @@ SIGMA_SPACE, SIGMA_NORMAL, SIGMA_ALBEDO = 0.75, 0.2, 0.5
 SIGMA_PREFILTER = 1.8               # of the prefilter's spatial weights, in steps of a level
 PREFILTER_STEP = 3                  # a level's step over that of the one below
 LOGIT_MAX = 8.0
+SHARE_LOGIT_MAX = 20.0               # the same of a share's
 CEILING_FACTOR, CEILING_SIDE = 4.0, 5    # of the result to the largest radiance around, low-resolution pixels
 DEPTH_SCALES = (0.25, 1.0, 4.0)     # distances, over the median, that become one half
 DEPTH_MAX = 1e8                     # what is as far is background
@@ -209,12 +210,11 @@ def prefiltered(exposed, aux_mean, logits, config):
     offset = torch.arange(-2, 3, dtype=aux_mean.dtype, device=aux_mean.device).square() / (-2 * SIGMA_PREFILTER ** 2)
     space = (offset[:, None] + offset[None, :]).view(1, 25, 1, 1)
     here, colours, albedos, log_weights = guides_of(aux_mean, config), [], [], []
-    exposed = exposed.clamp(min=0)
     for level, learned in enumerate(logits.split(25, 1)):
         step = PREFILTER_STEP ** level
         if level:
             exposed, aux_mean = (neighbours(image, 3, step // PREFILTER_STEP).mean(2) for image in (exposed, aux_mean))
-        colours.append(neighbours(exposed, step=step))
+        colours.append(neighbours(exposed.clamp(min=0), step=step))
         albedos.append(neighbours(clamped_albedo(aux_mean, config), step=step))
         unlike = (neighbours(guides_of(aux_mean, config), step=step) - here[:, :, None]).square().sum(1)
         log_weights.append(torch.log(torch.exp(-0.5 * unlike) + 1e-6) + space + learned.clamp(-LOGIT_MAX, LOGIT_MAX))
@@ -259,7 +259,7 @@ def blended(base, exposed_full, albedo, logits, config):
 
 def blended_neighbours(base, full_neighbours, albedo_neighbours, logits, config):
     """The same of the neighbours of both [b, 3, m^2, H, W]."""
-    share, logits = torch.sigmoid(logits[:, -1:]), logits[:, :-1]
+    share, logits = torch.sigmoid(logits[:, -1:].clamp(-SHARE_LOGIT_MAX, SHARE_LOGIT_MAX)), logits[:, :-1]
     found = transformed_colour(filtered(full_neighbours, logits), filtered(albedo_neighbours, logits), config)
     return (1 - share) * base + share * found
 

@@ -17,9 +17,8 @@ def test_golden_file_is_reproduced(name):
     network, _ = weights.load_model(FOLDER / f"{name}.model.safetensors", torch.float64)
     tensors = {key: value.double() for key, value in load_file(FOLDER / f"{name}.io.safetensors").items()}
     image = lambda key: tensors[key].permute(2, 0, 1)[None]
-    kinds = list(network.config.aux_inputs)
-    aux = torch.cat([image(kind if kind in tensors else "aux") for kind in kinds], 1) if kinds else None
+    aux, full = golden.given(network.config, [image(golden.KEYS.get(kind, "aux")) for kind in network.config.aux_inputs])
     with torch.no_grad():
-        output, raw, _ = pipeline.upscale(network, image("colour"), aux, tensors["exposure"].item())
+        output, raw, _ = pipeline.upscale(network, image("colour"), aux, tensors["exposure"].item(), full)
     assert torch.allclose(raw, image("network"), rtol=1e-6, atol=1e-6)
     assert torch.allclose(output, image("output"), rtol=1e-6, atol=1e-6)

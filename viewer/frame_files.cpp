@@ -54,13 +54,25 @@ bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
   }
 }
 
+// Whether the files hold a colour at more than the colour's resolution.
+bool hasFullColour(const FrameFiles& files, const AovRequest& layers) {
+  try {
+    const std::vector<std::string> inputs{std::string(kAlbedo.name), std::string(kFullColour.name)};
+    return Frame(files.colour, files.auxiliary, layers, inputs).scale() > 1;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 // The auxiliary inputs that the files have, of those that a model may want: models change while a frame is shown.
 std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& layers) {
   const ExrFile file = readExrHeader(files.auxiliary.empty() ? files.colour : files.auxiliary);
   std::vector<std::string> inputs;
   for (const AuxiliaryInput& input : kAuxiliaryInputs) {
     const AovRole role = roleOf(input.name);
-    const bool there = input.isDistance ? hasDepth(files, layers) : !layers.nameOf(role).empty() || hasAov(file, role);
+    const bool there = input.isDistance   ? hasDepth(files, layers)
+                       : input.isRadiance ? hasFullColour(files, layers)
+                                          : !layers.nameOf(role).empty() || hasAov(file, role);
     if (there) inputs.emplace_back(input.name);
   }
   return inputs;
@@ -94,6 +106,10 @@ LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const M
   frame.load();
   loaded.colour = frame.colour();
   loaded.auxiliary = frame.auxiliary();
+  if (!frame.merged() && !loaded.inputs.empty() && loaded.inputs.back() == kFullColour.name) {
+    loaded.inputs.pop_back();  // models that take it expect the merged colour
+    loaded.auxiliary.pop_back();
+  }
   loaded.scale = frame.scale();
   loaded.warnings = frame.warnings();
   if (frame.merged()) loaded.warnings.push_back(describe(*frame.merged()));

@@ -49,9 +49,10 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->type_name("DEVICE");
   app.add_option("--color", options.layers.names[xrds::AovRole::kColor], "Layer to take as colour")->type_name("LAYER");
   for (const xrds::AuxiliaryInput& input : xrds::kAuxiliaryInputs)
-    app.add_option("--" + std::string(input.name), options.layers.names[xrds::roleOf(input.name)],
-                   "Layer to take as " + std::string(input.meaning))
-        ->type_name("LAYER");
+    if (!input.isRadiance)
+      app.add_option("--" + std::string(input.name), options.layers.names[xrds::roleOf(input.name)],
+                     "Layer to take as " + std::string(input.meaning))
+          ->type_name("LAYER");
   app.add_option(
          "--aux-colour", options.auxColour,
          "Colour of the full-resolution render, which is merged into the low-resolution colour: auto, never, or a\n"

@@ -12,13 +12,16 @@ struct AuxiliaryInput {
   bool isReflectance = false;  // clamped to [0, 4]; base images may divide the colour by it
   bool isDirection = false;    // unit vectors in the camera's axes, which turn along when the image is mirrored
   bool isDistance = false;     // one channel of distances in files, of which relativeDepth() makes three
+  bool isRadiance = false;     // the noisy colour of the render that the others are of
 };
 
 inline constexpr AuxiliaryInput kAlbedo{.name = "albedo", .meaning = "albedo", .isReflectance = true};
 inline constexpr AuxiliaryInput kNormal{.name = "normal", .meaning = "normal", .isDirection = true};
 inline constexpr AuxiliaryInput kDepth{.name = "depth", .meaning = "depth, distances in any unit", .isDistance = true};
+/// A model that takes it expects mergedColour() of both in the place of the low-resolution colour.
+inline constexpr AuxiliaryInput kFullColour{.name = "colour", .meaning = "full-resolution colour", .isRadiance = true};
 /// Every kind.
-inline constexpr AuxiliaryInput kAuxiliaryInputs[] = {kAlbedo, kNormal, kDepth};
+inline constexpr AuxiliaryInput kAuxiliaryInputs[] = {kAlbedo, kNormal, kDepth, kFullColour};
 
 /// The input of that name; nullptr if there is none.
 constexpr const AuxiliaryInput* findAuxiliaryInput(std::string_view name) {

@@ -7,11 +7,15 @@ int texelAt(Image image, ivec2 position) {
   return (position.y * image.width + position.x) * image.stride + image.offset;
 }
 
-// A learned logit of a kernel, clamped; NaN counts as the least one. Comparisons: cheaper than clamp() on CPU devices.
-float boundedLogit(float logit) {
-  const float raised = logit > -kLogitMax ? logit : -kLogitMax;
-  return raised < kLogitMax ? raised : kLogitMax;
+// Clamped to +- limit; NaN counts as the least. Comparisons: cheaper than clamp() on CPU devices.
+float bounded(float logit, float limit) {
+  const float raised = logit > -limit ? logit : -limit;
+  return raised < limit ? raised : limit;
 }
+
+// A learned logit of a kernel, and of a share.
+float boundedLogit(float logit) { return bounded(logit, kLogitMax); }
+float boundedShare(float logit) { return bounded(logit, kShareLogitMax); }
 
 // The pixel of an image of that size nearest to the position.
 ivec2 replicated(ivec2 position, ivec2 size) { return clamp(position, ivec2(0), size - 1); }

@@ -23,6 +23,7 @@ const uint kImageGroupWidth = 32;
 const uint kImageGroupHeight = 8;
 const uint kImageLaneSubgroups = 8;  // of a workgroup of a lane kernel, side by side
 const float kLogitMax = 8.0f;        // learned logits of kernels are clamped to +- this
+const float kShareLogitMax = 20.0f;  // and those of shares to +- this
 XRDS_SHARED_END
 
 #ifdef __cplusplus

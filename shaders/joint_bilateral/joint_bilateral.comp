@@ -20,32 +20,8 @@ layout(binding = 3) uniform samplerBuffer network;
 #define TARGET_BINDING 4
 #define RUN kRun
 #define LANE_ID 5
+#include "shaders/common/guides.glsl"
 #include "shaders/common/image_kernel.glsl"
-
-// What a pixel looks like, scaled so that two of them compare as 2^-|difference|^2.
-struct Guide {
-  vec3 albedo, normal;
-};
-
-const float kScaleOfSquares = sqrt(0.5 * kLog2E);
-
-Guide guideAt(samplerBuffer image, int texel) {
-  Guide guide;
-  guide.albedo = fetchThree(image, texel, kAlbedoOffset) * (kScaleOfSquares / kSigmaAlbedo);
-  guide.normal = vec3(0);
-  if (kNormalOffset >= 0) guide.normal = fetchThree(image, texel, kNormalOffset) * (kScaleOfSquares / kSigmaNormal);
-  return guide;
-}
-
-float likeness(Guide a, Guide b) {
-  const vec3 albedo = a.albedo - b.albedo;
-  float square = dot(albedo, albedo);
-  if (kNormalOffset >= 0) {
-    const vec3 normal = a.normal - b.normal;
-    square += dot(normal, normal);
-  }
-  return power2(-square);
-}
 
 // exp(-(q - i)^2 / (2 sigma^2)) along one axis, for the pixel `inside` of its low-resolution pixel and i = step - 2.
 float nearness(int inside, int step) {

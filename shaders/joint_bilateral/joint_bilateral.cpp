@@ -9,16 +9,6 @@
 namespace xrds {
 namespace {
 
-// exp(-|d|^2 / (2 sigma^2)) for the distance of three channels of two pixels.
-double likeness(const HostMemory& memory, int offset, double sigma, const TensorView& aux, uint32_t y, uint32_t x,
-                const TensorView& auxMean, uint32_t meanY, uint32_t meanX) {
-  if (offset < 0) return 1;
-  double square = 0;
-  for (uint32_t c = offset; c < offset + 3u; ++c)
-    square += std::pow(memory.at(aux, y, x, c) - memory.at(auxMean, meanY, meanX, c), 2);
-  return std::exp(-square / (2 * sigma * sigma));
-}
-
 // How many pixels of a column share the loads of their neighbours.
 uint32_t runLength(const JointBilateral& op) { return std::min(op.scale, 4u); }
 
@@ -31,9 +21,9 @@ void referencePixel(const JointBilateral& op, HostMemory& memory, uint32_t y, ui
     const int iy = static_cast<int>(y / op.scale) + j / 5 - 2, ix = static_cast<int>(x / op.scale) + j % 5 - 2;
     const uint32_t ny = std::clamp(iy, 0, h - 1), nx = std::clamp(ix, 0, w - 1);
     const double space = std::exp(-((qy - iy) * (qy - iy) + (qx - ix) * (qx - ix)) / (2 * 0.75 * 0.75));
-    double weight = space * (likeness(memory, op.normalOffset, 0.2, op.aux, y, x, op.auxMean, ny, nx) *
-                                 likeness(memory, op.albedoOffset, 0.5, op.aux, y, x, op.auxMean, ny, nx) +
-                             1e-6);
+    const auto own = [&](uint32_t c) { return memory.at(op.aux, y, x, c); };
+    const auto neighbours = [&](uint32_t c) { return memory.at(op.auxMean, ny, nx, c); };
+    double weight = space * (likeness(op.albedoOffset, op.normalOffset, own, neighbours) + 1e-6);
     if (op.network.exists())
       weight *= std::exp(std::clamp(memory.at(op.network, y, x, shader::kFirstLogit + j), -8.0, 8.0));
     for (uint32_t c = 0; c < 3; ++c) sum[c] += weight * memory.at(op.input, ny, nx, c);

@@ -1,5 +1,6 @@
 #ifndef XRDS_SHADERS_JOINT_BILATERAL_H
 #define XRDS_SHADERS_JOINT_BILATERAL_H
+#include "shaders/common/guides.h"
 #include "shaders/common/image.h"
 
 XRDS_SHARED_BEGIN
@@ -9,10 +10,7 @@ struct JointBilateralParams {
 };
 
 const float kSigmaSpace = 0.75f;  // in low-resolution pixels
-const float kSigmaNormal = 0.2f;
-const float kSigmaAlbedo = 0.5f;
-const float kBilateralFloor = 1e-6f;  // keeps the weights of pixels that resemble no neighbour
-const int kFirstLogit = 3;            // channel of the network's output
+const int kFirstLogit = 3;        // channel of the network's output
 XRDS_SHARED_END
 
 #ifdef __cplusplus

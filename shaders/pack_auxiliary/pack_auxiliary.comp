@@ -1,25 +1,46 @@
-// out[y, x] = in[min(y, H - 1), min(x, W - 1)], the albedo's three channels clamped to [0, 4], others to +-65504.
+// out[y, x] = in[min(y, H - 1), min(x, W - 1)], the albedo's three channels a clamped to [0, 4], those of the colour as
+// T(e max(H, 0) / (a + 0.02)) or, where it is not demodulated, T(e max(H, 0)), all but the albedo clamped to +-65504.
 // in: [H, W, c], out: [Hp, Wp, c] slices. One pixel an invocation, a vec4 at a time.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shaders/common/transfer.h"
+#include "shaders/common/transfer.glsl"
 #include "shaders/pack_auxiliary/pack_auxiliary.h"
 layout(constant_id = 0) const int kChannels = 4;
 layout(constant_id = 1) const int kAlbedoOffset = -1;
+layout(constant_id = 2) const int kColourOffset = -1;
+layout(constant_id = 3) const bool kDemodulates = false;
+layout(constant_id = 4) const uint kTransfer = 0;
 layout(binding = 0) uniform samplerBuffer source;
+layout(binding = 1) uniform samplerBuffer exposure;
 #define PARAMS PackAuxiliaryParams
-#define TARGET_BINDING 1
+#define TARGET_BINDING 2
 #define RUN 1
-#define LANE_ID 2
+#define LANE_ID 5
 #include "shaders/common/image_kernel.glsl"
+
+// The colour as the network sees it.
+vec3 colourAt(int texel) {
+  vec3 divisor = vec3(1);
+  if (kDemodulates) divisor = clamp(fetchThree(source, texel, kAlbedoOffset), 0.0, kAlbedoMax) + kAlbedoEpsilon;
+  const vec3 radiance = max(fetchThree(source, texel, kColourOffset), 0.0);
+  return encoded(kTransfer, radiance, texelFetch(exposure, p.exposure).x, divisor);
+}
 
 void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   const int from = texelAt(p.source, replicated(at, ivec2(p.source.width, p.source.height)));
+  vec3 colour = vec3(0);
+  if (kColourOffset >= 0) colour = colourAt(from);
   [[unroll]] for (int q = 0; q < kChannels / 4; q++) {
-    const vec4 value = texelFetch(source, from + q);
+    vec4 value = texelFetch(source, from + q);
+    if (kColourOffset >= 0) {
+      [[unroll]] for (int k = 0; k < 4; k++) {
+        const int channel = 4 * q + k - kColourOffset;
+        if (channel >= 0 && channel < 3) value[k] = colour[channel];
+      }
+    }
     vec4 least = vec4(-kAuxiliaryMax), most = vec4(kAuxiliaryMax);
     if (kAlbedoOffset >= 0) {
       const ivec4 channel = 4 * q + ivec4(0, 1, 2, 3) - kAlbedoOffset;

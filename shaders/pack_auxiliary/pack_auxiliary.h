@@ -1,11 +1,13 @@
 #ifndef XRDS_SHADERS_PACK_AUXILIARY_H
 #define XRDS_SHADERS_PACK_AUXILIARY_H
 #include "shaders/common/image.h"
+#include "shaders/common/transfer.h"
 
 XRDS_SHARED_BEGIN
 struct PackAuxiliaryParams {
   Image source, target;
   TargetRows rows;
+  int exposure;  // texel of (e, 1 / e, ...)
 };
 XRDS_SHARED_END
 
@@ -14,10 +16,15 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// The auxiliary images as the network reads them: padded on the right and at the bottom by edge replication, the
-/// albedo clamped to [0, 4] and the rest to +-65504, in the type of the output.
+/// albedo a clamped to [0, 4], the full-resolution colour H as T(e max(H, 0) / (a + 0.02)) or T(e max(H, 0)), the rest
+/// clamped to +-65504, in the type of the output.
 struct PackAuxiliary {
   TensorView input, output;  // [H, W, c], [Hp, Wp, c]
   int albedoOffset = -1;     // first channel of the albedo; -1: there is none
+  int colourOffset = -1;     // the same of the colour, for which alone the rest is needed
+  TensorView exposure{};     // [1, 1, 4] e, 1 / e
+  bool demodulates = false;  // whether the colour is divided by the albedo
+  Transfer transfer = Transfer::none;
   RowRange rows{};
 };
 

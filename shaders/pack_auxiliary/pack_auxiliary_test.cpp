@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
@@ -16,9 +18,13 @@ struct Shape {
   int albedoOffset = -1;
   RowRange rows{};
   uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
+  int colourOffset = -1;
+  bool demodulates = false;
+  uint32_t transfer = shader::kTransferLog1p;
 };
 
-// Odd ones first: one pixel padded to many, no padding, the albedo across two texels, slices, rows inside and beyond.
+// Odd ones first: one pixel padded to many, no padding, the albedo across two texels, slices, rows inside and beyond;
+// the colour before and behind the albedo, with and without it.
 constexpr Shape kShapes[] = {{1, 1, 8, 8, 4, 0},
                              {5, 7, 8, 8, 8, 0},
                              {3, 5, 3, 5, 8},
@@ -26,7 +32,12 @@ constexpr Shape kShapes[] = {{1, 1, 8, 8, 4, 0},
                              {13, 17, 16, 24, 12, 6, {3, 11}},
                              {9, 31, 16, 32, 12, 9, {9, 16}},
                              {6, 6, 8, 8, 8, 5, {0, 1}, 4, 16, 8, 20},
-                             {64, 64, 64, 64, 8, 0}};
+                             {64, 64, 64, 64, 8, 0},
+                             {1, 1, 8, 8, 12, 0, {}, 0, 0, 0, 0, 6, true},
+                             {13, 17, 16, 24, 12, 3, {}, 0, 0, 0, 0, 0, true},
+                             {13, 17, 16, 24, 12, 0, {3, 11}, 0, 0, 0, 0, 9, false},
+                             {13, 17, 16, 24, 12, 0, {}, 0, 0, 0, 0, 5, true, shader::kTransferNone},
+                             {13, 17, 16, 24, 4, -1, {}, 0, 0, 0, 0, 0, false}};
 
 std::vector<float> values(const Shape& s) {
   auto numbers = test::randomNumbers(size_t{s.height} * s.width * (s.inputStride ? s.inputStride : s.channels), 3);
@@ -38,6 +49,10 @@ PackAuxiliary packOf(const Shape& s, DataType inputType = DataType::f32, DataTyp
   return {.input = view(0, inputType, s.height, s.width, s.channels, s.inputOffset, s.inputStride),
           .output = view(1, outputType, s.paddedHeight, s.paddedWidth, s.channels, s.outputOffset, s.outputStride),
           .albedoOffset = s.albedoOffset,
+          .colourOffset = s.colourOffset,
+          .exposure = view(2, DataType::f32, 1, 1, 4),
+          .demodulates = s.demodulates,
+          .transfer = static_cast<Transfer>(s.transfer),
           .rows = s.rows};
 }
 
@@ -45,7 +60,7 @@ class PackAuxiliaryShapes : public testing::TestWithParam<std::tuple<Shape, Data
 
 TEST_P(PackAuxiliaryShapes, MatchesReference) {
   const auto& [s, inputType, outputType] = GetParam();
-  test::expectMatchesReference(packOf(s, inputType, outputType), {{0, values(s)}});
+  test::expectMatchesReference(packOf(s, inputType, outputType), {{0, values(s)}, {2, {1.5f, 1 / 1.5f, 0, 0}}});
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PackAuxiliaryShapes,
@@ -61,6 +76,17 @@ TEST(PackAuxiliary, ClampsTheAlbedoOnlyAndRepeatsTheEdge) {
   for (uint32_t i = 0; i < 32; ++i) EXPECT_EQ(memory.storage(op.output)[i], pixel[i % 8]);
 }
 
+TEST(PackAuxiliary, TransformsTheColourAsTheNetworkSeesIt) {
+  PackAuxiliary op = packOf({1, 1, 1, 1, 8, 0, {}, 0, 0, 0, 0, 3, true});
+  HostMemory memory;
+  memory.storage(op.input) = {0.48, 9, -1, 6, 8, -2, 0, 0};  // the albedo counts as clamped, negative radiance as 0
+  memory.storage(op.exposure) = {0.5, 2, 0, 0};
+  reference(op, memory);
+  EXPECT_NEAR(memory.storage(op.output)[3], std::log1p(0.5 * 6 / 0.5), 1e-7);
+  EXPECT_NEAR(memory.storage(op.output)[4], std::log1p(0.5 * 8 / 4.02), 1e-7);
+  EXPECT_EQ(memory.storage(op.output)[5], 0);
+}
+
 TEST(PackAuxiliary, KeepsAllElseWithinTheRangeOfAHalf) {
   const Shape shape{4, 4, 4, 4, 8, 0};
   auto numbers = values(shape);
@@ -72,6 +98,8 @@ TEST(PackAuxiliary, KeepsAllElseWithinTheRangeOfAHalf) {
 TEST(PackAuxiliary, RefusesWhatDoesNotFit) {
   EXPECT_THROW(dispatch(packOf({8, 8, 4, 8, 8, 0}), {}), std::logic_error);
   EXPECT_THROW(dispatch(packOf({8, 8, 8, 8, 8, 6}), {}), std::logic_error);
+  EXPECT_THROW(dispatch(packOf({8, 8, 8, 8, 8, 0, {}, 0, 0, 0, 0, 6}), {}), std::logic_error);
+  EXPECT_THROW(dispatch(packOf({8, 8, 8, 8, 8, -1, {}, 0, 0, 0, 0, 3, true}), {}), std::logic_error);
   PackAuxiliary op = packOf({8, 8, 8, 8, 8, 0});
   op.output = view(1, DataType::f32, 8, 8, 4);
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
