@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/models.h"
 #include "image/aux_check.h"
 #include "image/edge_check.h"
 #include "image/repair.h"
@@ -189,8 +190,7 @@ std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::strin
 }
 
 std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
-  const auto& inputs = model.auxiliaryInputs();
-  if (!frame.merged() && std::find(inputs.begin(), inputs.end(), kFullColour.name) != inputs.end())
+  if (!frame.merged() && takes(model, kFullColour))
     throw Error(
         "The model takes the colour of the full-resolution render, which is not merged into the colour here: "
         "give --samples LOW,HIGH, or take a model of albedo and normal.");

@@ -28,8 +28,12 @@ fs::path shippedFile(const std::string& name) {
 }
 
 std::string variantName(int scale, const std::vector<std::string>& inputs) {
-  const bool hasNormal = std::find(inputs.begin(), inputs.end(), "normal") != inputs.end();
-  return defaultModelName(scale) + (inputs.empty() ? "-plain" : hasNormal ? "" : "-albedo");
+  const auto has = [&](const AuxiliaryInput& input) {
+    return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
+  };
+  if (inputs.empty()) return defaultModelName(scale) + "-plain";
+  if (!has(kNormal)) return defaultModelName(scale) + "-albedo";
+  return has(kFullColour) ? "xrds-x" + std::to_string(scale) + "-full" : defaultModelName(scale);
 }
 
 }  // namespace
@@ -72,6 +76,11 @@ fs::path resolveModel(const std::string& nameOrFile) {
 std::string defaultModelName(int scale) { return "xrds-x" + std::to_string(scale) + "-compact"; }
 
 std::string liveModelName() { return "xrds-x4-mini"; }
+
+bool takes(const Model& model, const AuxiliaryInput& input) {
+  const auto& inputs = model.auxiliaryInputs();
+  return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
+}
 
 fs::path shippedVariant(int scale, const std::vector<std::string>& inputs) {
   return shippedFile(variantName(scale, inputs));

@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "xrds/auxiliary_input.h"
+#include "xrds/model.h"
+
 namespace xrds {
 
 /// The folder of the running program; empty where the system does not tell.
@@ -24,8 +27,11 @@ std::string defaultModelName(int scale);
 /// "xrds-x4-mini", which is fast enough for live views, whether it is shipped or not.
 std::string liveModelName();
 
+/// Whether the input is one of the model's.
+bool takes(const Model& model, const AuxiliaryInput& input);
+
 /// The file of the default model's variant for frames with these auxiliary images: of the colour alone, without
-/// normals, or the default model itself. Empty if it is not shipped for the scale.
+/// normals, with the full-resolution colour, or the default model itself. Empty if it is not shipped for the scale.
 std::filesystem::path shippedVariant(int scale, const std::vector<std::string>& inputs);
 
 /// The file of the model for frames with these auxiliary images, `scale` times the colour's size: the variant that

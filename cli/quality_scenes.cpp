@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "app/models.h"
 #include "cli/report.h"
 
 namespace xrds {
@@ -62,6 +63,7 @@ std::string QualitySetting::auxSuffix() const {
 void QualitySetting::read(const Model& model) {
   for (const std::string& input : model.auxiliaryInputs())
     if (std::find(inputs.begin(), inputs.end(), input) == inputs.end()) inputs.push_back(input);
+  if (takes(model, kFullColour)) mergesColour = true;
 }
 
 std::string QualitySetting::auxText() const { return auxSamples ? std::to_string(*auxSamples) : "converged"; }

@@ -19,7 +19,7 @@ struct QualitySetting {
   bool mergesColour = false;        // with that of the full-resolution render
   std::vector<std::string> inputs{"albedo", "normal"};  // the auxiliary images that are read
 
-  /// Adds those that the model takes.
+  /// Adds those that the model takes; of one that takes the full-resolution colour, merging.
   void read(const Model& model);
 
   /// "_lr64.exr" and its like.

@@ -23,6 +23,28 @@ std::string colourAloneHint(const UpscaleOptions& options) {
   }
 }
 
+// Whether there is a full-resolution colour to merge, of the albedo's size; what is wrong with a named one is told
+// where it is read.
+bool hasFullColour(const UpscaleOptions& options) {
+  try {
+    AovRequest layers = options.layers;
+    if (mergeRequest(options.auxColour, options.samples, layers).never) return false;
+    const std::vector<std::string> inputs{std::string(kAlbedo.name), std::string(kFullColour.name)};
+    return Frame(options.color, options.aux, layers, inputs).scale() > 1;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// The auxiliary images that the files have beside the albedo, of those that a default model may take.
+std::vector<std::string> inputsThere(const UpscaleOptions& options, const ExrFile& file) {
+  std::vector<std::string> inputs{std::string(kAlbedo.name)};
+  if (!options.layers.nameOf(AovRole::kNormal).empty() || hasAov(file, AovRole::kNormal))
+    inputs.emplace_back(kNormal.name);
+  if (hasFullColour(options)) inputs.emplace_back(kFullColour.name);
+  return inputs;
+}
+
 fs::path modelFile(const UpscaleOptions& options) {
   if (!options.model.empty()) return failingWith(ExitCode::model, [&] { return resolveModel(options.model); });
   const ExrFile file =
@@ -37,9 +59,8 @@ fs::path modelFile(const UpscaleOptions& options) {
       failure.message += colourAloneHint(options);
     throw;
   }
-  const bool hasNormal = !options.layers.nameOf(AovRole::kNormal).empty() || hasAov(file, AovRole::kNormal);
-  std::vector<std::string> inputs{std::string(kAlbedo.name)};
-  if (hasNormal) inputs.emplace_back(kNormal.name);
+  const std::vector<std::string> inputs = inputsThere(options, file);
+  const bool hasNormal = std::find(inputs.begin(), inputs.end(), kNormal.name) != inputs.end();
   const fs::path model = failingWith(ExitCode::model, [&] { return defaultModel(scale, inputs); });
   if (!hasNormal)
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
@@ -104,6 +125,17 @@ void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame
   printWarnings({"The " + input + " is the same everywhere; taking model " + opened.name() + "."});
 }
 
+// The colour of the full-resolution render may be of other light: then a model that does without it is taken.
+void leaveUnmergedOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
+  if (frame.merged() || !takes(opened.model, kFullColour)) return;
+  const auto scale = static_cast<int>(opened.model.scale());
+  const fs::path file = failingWith(ExitCode::model, [&] {
+    return defaultModel(scale, {std::string(kAlbedo.name), std::string(kNormal.name)});
+  });
+  opened = {file, failingWith(ExitCode::model, [&] { return Model(file); })};
+  frame = openFrame(options, opened);
+}
+
 }  // namespace
 
 void sortInputs(UpscaleOptions& options) {
@@ -116,7 +148,10 @@ void sortInputs(UpscaleOptions& options) {
 UpscaleInput openInput(const UpscaleOptions& options) {
   OpenedModel opened = openModel(options);
   Frame frame = openFrame(options, opened);
-  if (options.model.empty()) leaveConstantsOut(options, opened, frame);
+  if (options.model.empty()) {
+    leaveUnmergedOut(options, opened, frame);
+    leaveConstantsOut(options, opened, frame);
+  }
   requireSkippable(options, opened);
   return {std::move(opened), std::move(frame)};
 }

@@ -22,8 +22,8 @@ struct Frame : test::NoiseFrame {
   }
 };
 
-// Those of the stress run, in which every scale, kind of block, way to join and full-resolution stage occurs; then a
-// window of 8 pixels, and no network.
+// Those of the stress run, in which every scale, kind of block, way to join, filter and full-resolution stage occurs;
+// then a window of 8 pixels, and no network.
 std::vector<NetworkConfig> tiledConfigs() {
   const std::vector<NetworkConfig> stress = stressConfigs();
   NetworkConfig narrow = stress.at(0);
@@ -33,7 +33,7 @@ std::vector<NetworkConfig> tiledConfigs() {
   wide.blocks = 1;
   wide.window = 8;
   wide.auxKernels = 0;
-  return {narrow, wide, stress.at(1), stress.at(2), stress.at(3), {.scale = 4, .groups = 0}};
+  return {narrow, wide, stress.at(1), stress.at(2), stress.at(3), {.scale = 4, .groups = 0}, stress.back()};
 }
 const std::vector<NetworkConfig> kConfigs = tiledConfigs();
 

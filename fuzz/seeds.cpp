@@ -50,12 +50,16 @@ void writeModelSeeds(const fs::path& folder) {
   NetworkConfig small{
       .scale = 2, .channels = 4, .auxChannels = 4, .groups = 1, .blocks = 1, .window = 2, .headChannels = 4};
   std::map<std::string, NetworkConfig> configs{{"rdst", small}};
-  configs["rstb"] = configs["rdb"] = configs["kernels"] = configs["colour"] = configs["untrained"] = small;
+  configs["rstb"] = configs["rdb"] = configs["kernels"] = configs["full"] = configs["colour"] = configs["untrained"] =
+      small;
   configs["rstb"].block = BlockKind::rstb;
   configs["rdb"].block = BlockKind::rdb;
   configs["rdb"].cross = CrossKind::concat;
   configs["kernels"].kernels = configs["kernels"].auxKernels = 5;
   configs["kernels"].auxSkip = true;
+  configs["full"].auxInputs.emplace_back("colour");
+  configs["full"].colourKernels = 3;
+  configs["full"].prefilter = 2;
   configs["colour"].auxInputs.clear();
   configs["colour"].auxChannels = 0;
   configs["colour"].base = BaseImage::bicubic;

@@ -194,7 +194,13 @@ TEST(Config, RefusesWhatItDoesNotKnow) {
 TEST(Config, KeepsWhatDiffersFromThePaper) {
   for (const char* block : {"rdst", "rstb", "rdb"})
     for (const char* cross : {"attention", "concat"}) {
-      Metadata fields = describe({.kernels = 5, .auxSkip = true, .auxKernels = 3, .outputSide = 1});
+      Metadata fields = describe({.auxInputs = {"albedo", "colour"},
+                                  .kernels = 5,
+                                  .auxSkip = true,
+                                  .auxKernels = 3,
+                                  .colourKernels = 5,
+                                  .prefilter = 2,
+                                  .outputSide = 1});
       fields["block"] = block;
       fields["cross"] = cross;
       EXPECT_EQ(describe(parseConfig(fields)), fields);
@@ -209,6 +215,29 @@ TEST(Config, FiltersAuxiliaryImagesOnlyForABaseThatDemodulates) {
     EXPECT_THROW(parseConfig(fields), Error) << base;
   }
   EXPECT_THROW(parseConfig(describe({.groups = 0, .auxKernels = 3})), Error);
+}
+
+TEST(Config, FiltersTheFullResolutionColourOnlyWhereItIsGiven) {
+  const auto parse = [](NetworkConfig config, const char* field = nullptr, const char* value = nullptr) {
+    Metadata fields = describe(config);
+    if (field) fields[field] = value;
+    return parseConfig(fields);
+  };
+  const NetworkConfig full{.auxInputs = {"albedo", "colour"}, .colourKernels = 5};
+  EXPECT_EQ(parse(full).outputWidth(), 3u + 25 + 1);
+  EXPECT_EQ(parse(full).firstColourLogit(), 3u);
+  EXPECT_THROW(parse(full, "base", "demodulated"), Error);
+  EXPECT_THROW(parse(full, "aux_inputs", "albedo,normal"), Error);
+  EXPECT_THROW(parse(full, "colour_kernels", "4"), Error);
+  EXPECT_THROW(parse(full, "scale", "1"), Error);
+  EXPECT_NO_THROW(parse({.auxInputs = {"colour"}, .base = BaseImage::bicubic}));
+}
+
+TEST(Config, FiltersTheColourOnlyForTheGuidedBase) {
+  EXPECT_EQ(parseConfig(describe({.prefilter = 3})).prefilterLogits(), 75u);
+  EXPECT_THROW(parseConfig(describe({.base = BaseImage::demodulated, .prefilter = 1})), Error);
+  EXPECT_THROW(parseConfig(describe({.groups = 0, .prefilter = 1})), Error);
+  EXPECT_THROW(parseConfig(describe({.prefilter = 4})), Error);
 }
 
 TEST(Model, NamesWhatIsWrongWithItsTensors) {

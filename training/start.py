@@ -7,7 +7,7 @@ import torch.nn as nn
 import weights
 from pipeline import PREFILTER_STEP
 
-AUX_CENTRE = 7.0     # first logit of the pixel itself in the kernel of the auxiliary images: nearly no filter
+AUX_CENTRE = 7.0     # first logit of the pixel itself in the kernel of the auxiliary images: nearly no filter; so in a prefilter that the start lacks
 BLEND_START = -3.0   # first logit of the share that the full-resolution colour has in the base image: a twentieth
 
 
@@ -55,7 +55,7 @@ def start_from(network, path):
     """Takes over every weight of another model that fits by name and shape; returns how many tensors did.
 
     A model of another scale lends the last step of its deshuffles to the last, and its last upscaling step to further ones. Inputs and
-    outputs that the other lacks start at zero, at initialise()'s biases.
+    outputs that the other lacks start at zero, at initialise()'s biases; a prefilter at nearly the colour itself.
     """
     if path.suffix == ".pt":
         state = torch.load(path, map_location="cpu", weights_only=False)
@@ -64,6 +64,8 @@ def start_from(network, path):
         loaded, _ = weights.load_model(path)
         source, other = loaded.state_dict(), loaded.config
     config, taken, own = network.config, 0, network.state_dict()
+    if config.prefilter and not other.prefilter:
+        own["prefilter.bias"][12] = AUX_CENTRE
     for name, tensor in own.items():
         parts = name.split(".")
         if parts[0] == "deshuffle" and int(parts[2]) == config.steps - 1:

@@ -130,7 +130,22 @@ std::vector<NetworkConfig> stressConfigs() {
                        .base = BaseImage::bicubic,
                        .block = BlockKind::rstb,
                        .cross = CrossKind::concat};
-  return {full, dense, plain, bare, linear, folded};
+  // Both colours filtered: the low-resolution one before the base image is made, the full-resolution one into it.
+  NetworkConfig merged{.scale = 2,
+                       .channels = 8,
+                       .auxChannels = 4,
+                       .auxInputs = {"albedo", "colour", "normal"},
+                       .groups = 1,
+                       .blocks = 1,
+                       .window = 4,
+                       .headChannels = 8,
+                       .block = BlockKind::rstb,
+                       .kernels = 5,
+                       .auxKernels = 3,
+                       .colourKernels = 5,
+                       .prefilter = 3,
+                       .outputSide = 1};
+  return {full, dense, plain, bare, linear, folded, merged};
 }
 
 }  // namespace xrds

@@ -4,6 +4,8 @@
 #include <limits>
 #include <random>
 
+#include "xrds/auxiliary_input.h"
+
 namespace xrds {
 namespace {
 
@@ -135,9 +137,12 @@ Image stressColour(size_t which, FrameShape frame, uint32_t seed) {
 
 std::vector<Image> stressAuxiliary(size_t which, const NetworkConfig& config, FrameShape frame, uint32_t seed) {
   std::vector<Image> images;
-  for (const std::string& kind : config.auxInputs)
-    images.push_back(imageOf(kAuxiliaries[which], config.scale * frame.height, config.scale * frame.width,
-                             kind == "albedo" ? 0 : 3, ++seed));
+  for (const std::string& kind : config.auxInputs) {
+    const bool radiance = kind == kFullColour.name;
+    images.push_back(imageOf(radiance ? kColours[which % std::size(kColours)] : kAuxiliaries[which],
+                             config.scale * frame.height, config.scale * frame.width,
+                             radiance || kind == kAlbedo.name ? 0 : 3, ++seed));
+  }
   return images;
 }
 
