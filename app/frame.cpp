@@ -15,6 +15,16 @@ std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
 constexpr const char* kFilled = "not finite, filled from the neighbours";
 
+// The means of scale x scale pixels, three channels.
+Image boxMean(const Image& image, int scale) {
+  Image mean(image.width / scale, image.height / scale, 3);
+  const float share = 1.0F / static_cast<float>(scale * scale);
+  for (int y = 0; y < mean.height * scale; ++y)
+    for (int x = 0; x < mean.width * scale; ++x)
+      for (int c = 0; c < 3; ++c) mean.at(x / scale, y / scale, c) += share * image.at(x, y, c);
+  return mean;
+}
+
 bool covers(const Box& outer, const Box& inner) {
   return outer.minX <= inner.minX && outer.minY <= inner.minY && outer.maxX >= inner.maxX && outer.maxY >= inner.maxY;
 }
@@ -133,6 +143,17 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
   }
   merged_->source = "noise";
   merged_->share = estimatedFullShare(viewOf(colour_), viewOf(full));
+}
+
+void Frame::denoise(const Denoiser& denoiser) {
+  const Image *albedo = imageOf(kAlbedo.name), *normal = imageOf(kNormal.name);
+  std::optional<Image> lowAlbedo, lowNormal;
+  if (albedo) lowAlbedo = boxMean(*albedo, scale());
+  if (normal) lowNormal = boxMean(*normal, scale());
+  colour_ = denoiser.denoised(colour_, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr);
+  for (size_t i = 0; i < inputs_.size(); ++i)
+    if (findAuxiliaryInput(inputs_[i])->isRadiance) auxiliary_[i] = denoiser.denoised(auxiliary_[i], albedo, normal);
+  denoisedBy_ = "Open Image Denoise " + denoiser.version();
 }
 
 const Image* Frame::imageOf(std::string_view input) const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/denoiser.h"
 #include "app/merge_request.h"
 #include "image/aov.h"
 #include "image/exr_write.h"
@@ -39,9 +40,15 @@ class Frame {
   /// Throws Error.
   void load();
 
+  /// After load(): takes the noise out of the colour, merged or not, with the means of albedo and normal, and out of
+  /// the full-resolution colour where the model takes that. Throws Error.
+  void denoise(const Denoiser& denoiser);
+
   const Image& colour() const { return colour_; }
   /// What load() merged into the colour; nothing if there was nothing to merge.
   const std::optional<MergedColour>& merged() const { return merged_; }
+  /// "Open Image Denoise 2.5.1", if denoise() was called; else empty.
+  const std::string& denoisedBy() const { return denoisedBy_; }
   const std::optional<Image>& alpha() const { return alpha_; }
   /// One for each of inputs(), of three channels; of depth the relative depth.
   const std::vector<Image>& auxiliary() const { return auxiliary_; }
@@ -69,6 +76,7 @@ class Frame {
   std::optional<FrameFit> fit_;
   Image colour_;
   std::optional<MergedColour> merged_;
+  std::string denoisedBy_;
   std::optional<Image> alpha_;
   std::vector<Image> auxiliary_;
   std::vector<std::string> warnings_;

@@ -22,13 +22,14 @@ struct BenchQualityOptions {
   std::optional<int> colour;
   int scale = 4;
   uint32_t ensemble = 1;
-  bool quiet = false, merge = false;
+  bool quiet = false, merge = false, denoiseFirst = false;
   std::vector<std::string> models, also;
 };
 
 /// All that takes part in a run.
 struct Contest {
   QualitySetting setting;
+  std::unique_ptr<Denoiser> denoiser;  // null: the methods see the noise
   std::vector<EngineMethod> engine;
   std::vector<FinishedImages> finished;
   SceneList list;
@@ -102,7 +103,11 @@ void requireDistinctNames(const Contest& contest) {
 }
 
 Contest prepare(const BenchQualityOptions& options) {
-  Contest contest{settingOf(options), {}, finishedOf(options), {}};
+  Contest contest{settingOf(options), {}, {}, finishedOf(options), {}};
+  if (options.denoiseFirst) {
+    contest.denoiser = failingWith(ExitCode::device, [] { return std::make_unique<Denoiser>(); });
+    contest.setting.denoisedBy = "Open Image Denoise " + contest.denoiser->version();
+  }
   contest.engine = failingWith(ExitCode::model, [&] { return engineMethods(options); });
   requireDistinctNames(contest);
   for (const EngineMethod& method : contest.engine) contest.setting.read(method.model());
@@ -131,7 +136,8 @@ void writeImage(const BenchQualityOptions& options, const std::string& sceneName
 // Adds one scene to every method of the report; their order is that of reportFor.
 void measureScene(const BenchQualityOptions& options, Contest& contest, const SceneFiles& files, Device& device,
                   QualityReport& report) {
-  const Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, contest.setting); });
+  Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, contest.setting); });
+  if (contest.denoiser) failingWith(ExitCode::device, [&] { scene.frame.denoise(*contest.denoiser); });
   for (const std::string& warning : scene.frame.warnings())
     std::fprintf(stderr, "xrds: warning: %s: %s\n", files.name.c_str(), warning.c_str());
   auto row = report.methods.begin();
@@ -232,6 +238,8 @@ void addBenchQuality(CLI::App& group) {
       ->capture_default_str();
   verb->add_flag("--merge", options->merge,
                  "Every method gets the merged colour: that of the full-resolution render is in it, by samples");
+  verb->add_flag("--denoise-first", options->denoiseFirst,
+                 "Open Image Denoise takes the noise out of the colours before any method sees them");
   verb->add_option("--ensemble", options->ensemble, "Also measure each model as the mean of so many passes")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();

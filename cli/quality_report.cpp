@@ -40,7 +40,7 @@ std::string caption(const QualityReport& report) {
   const std::filesystem::path folder = report.folder;
   return "Scale " + std::to_string(setting.scale) + ", colour at " + std::to_string(setting.colourSamples) +
          " samples a pixel" + (setting.mergesColour ? ", merged with that of the full-resolution render" : "") +
-         ", albedo and normal " +
+         (setting.denoisedBy.empty() ? "" : ", denoised first by " + setting.denoisedBy) + ", albedo and normal " +
          (setting.auxSamples ? "at " + setting.auxText() + ": average samples " + text("%g", *average) : "converged") +
          ". " + std::to_string(report.sceneNames.size()) + " scenes of " +
          (folder.has_filename() ? folder : folder.parent_path()).filename().string() +
@@ -147,6 +147,7 @@ std::string jsonText(const QualityReport& report) {
                               {"scale", setting.scale},
                               {"colourSamples", setting.colourSamples},
                               {"mergedColour", setting.mergesColour},
+                              {"denoisedBy", nullptr},
                               {"auxSamples", nullptr},
                               {"averageSamples", nullptr},
                               {"precision", report.precision},
@@ -154,6 +155,7 @@ std::string jsonText(const QualityReport& report) {
                               {"definitions", metricDefinitions()},
                               {"skipped", report.skipped},
                               {"methods", nlohmann::ordered_json::array()}};
+  if (!setting.denoisedBy.empty()) json["denoisedBy"] = setting.denoisedBy;
   if (setting.auxSamples) json["auxSamples"] = *setting.auxSamples;
   if (const auto average = setting.averageSamples()) json["averageSamples"] = *average;
   for (const MethodQuality& method : report.methods) json["methods"].push_back(jsonOf(report, method));

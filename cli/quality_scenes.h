@@ -17,6 +17,7 @@ struct QualitySetting {
   int colourSamples = 64;           // at scale 1 those of the full-resolution render whose colour is taken
   std::optional<int> auxSamples{};  // empty: converged, those of the reference
   bool mergesColour = false;        // with that of the full-resolution render
+  std::string denoisedBy{};         // what takes the noise out of the colours before any method sees them
   std::vector<std::string> inputs{"albedo", "normal"};  // the auxiliary images that are read
 
   /// Adds those that the model takes; of one that takes the full-resolution colour, merging.

@@ -153,6 +153,7 @@ UpscaleInput openInput(const UpscaleOptions& options) {
     leaveConstantsOut(options, opened, frame);
   }
   requireSkippable(options, opened);
+  if (options.denoiseFirst) failingWith(ExitCode::device, [&] { frame.denoise(Denoiser()); });
   return {std::move(opened), std::move(frame)};
 }
 

@@ -40,6 +40,10 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("--model", options.model,
                   "A shipped model's name or a .safetensors file (default: the compact one of the scale)")
       ->type_name("MODEL");
+  verb.add_flag(
+      "--denoise-first", options.denoiseFirst,
+      "Open Image Denoise 2, if it is installed, takes the noise out of the colours before the network sees them:\n"
+      "better where they have few samples. $XRDS_OIDN names its library if the system does not find it");
   verb.add_option("--precision", options.precision, "Storage of activations and weights")
       ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();

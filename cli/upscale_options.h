@@ -15,7 +15,7 @@ struct UpscaleOptions {
       samples;
   AovRequest layers;
   uint32_t ensemble = 1;
-  bool half = false, profile = false, check = false, quiet = false, wrap = false;
+  bool half = false, profile = false, check = false, quiet = false, wrap = false, denoiseFirst = false;
 
   Upscaler::Options upscaler() const;
 };

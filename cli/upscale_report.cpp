@@ -77,7 +77,8 @@ std::string upscaleText(const UpscaleOptions& options, const UpscaleInput& input
          text("%.2f s of compute, ", result.seconds) +
          text("%.1f MB of device memory, ", static_cast<double>(result.deviceBytes) / 1e6) +
          text("%.2f s in all", result.secondsInAll) + "\n" +
-         (input.frame.merged() ? describe(*input.frame.merged()) + "\n" : "");
+         (input.frame.merged() ? describe(*input.frame.merged()) + "\n" : "") +
+         (input.frame.denoisedBy().empty() ? "" : "Denoised first, by " + input.frame.denoisedBy() + ".\n");
 }
 
 std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input, const Device::Description& device,
@@ -92,6 +93,7 @@ std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input
   json["ensemble"] = options.ensemble;
   json["exposure"] = result.exposure;
   json["mergedColour"] = jsonOf(input.frame.merged());
+  json["denoisedBy"] = input.frame.denoisedBy().empty() ? Json() : Json(input.frame.denoisedBy());
   json["computeSeconds"] = result.seconds;
   json["seconds"] = result.secondsInAll;
   json["deviceBytes"] = result.deviceBytes;

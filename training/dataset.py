@@ -3,6 +3,7 @@ import pathlib
 
 import torch
 
+import denoise
 import metrics
 import pipeline
 import shards
@@ -36,6 +37,7 @@ class Scene:
         self.target = decoded["target"].to(device)
         self.aux = {spp: pipeline.own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
         self.full = {spp: image.to(device) for (s, spp), image in decoded["colour"].items() if s == 1 and config.full and spp in self.aux}
+        self.denoised = {}      # what Open Image Denoise made of colours, as they are asked for
         if scale == 1:
             self.imitate_renders()
         self.exposure = {spp: pipeline.auto_exposure(image.float()) for spp, image in self.colours.items()}
@@ -67,6 +69,18 @@ class Scene:
         aux = torch.lerp(self.aux[0].float(), self.aux[have].float(), share)
         full = torch.lerp(self.target.float(), self.full[have].float(), share).clamp(min=0)
         return aux, full, have / share ** 2
+
+
+    def denoised_colours(self, spp, count, scale):
+        """(merged low-resolution colour [3, h, w], full-resolution one [3, H, W]) of denoise.py, of colour of spp samples and the render of
+        `count`, which must be one of the scene's own."""
+        both, aux = (spp, count), self.aux[count].float()
+        if count not in self.denoised:
+            self.denoised[count] = denoise.denoised(self.full[count].float(), aux).half()
+        if both not in self.denoised:
+            merged = pipeline.merged_colour(self.colours[spp].float(), spp, self.full[count].float(), count, scale)
+            self.denoised[both] = denoise.denoised_low(merged, aux, scale).half()
+        return self.denoised[both].float(), self.denoised[count].float()
 
 
 def nearest_render(counts, spp):
@@ -145,8 +159,8 @@ def random_rotation(generator):
 class Crops:
     """Endless random crops of `size` x `size` low-resolution pixels."""
 
-    def __init__(self, scenes, size, seed, colour_shares=None, aux_shares=None):
-        self.scenes, self.size, self.config = scenes, size, scenes.config
+    def __init__(self, scenes, size, seed, colour_shares=None, aux_shares=None, denoised_share=0.0):
+        self.scenes, self.size, self.config, self.denoised_share = scenes, size, scenes.config, denoised_share
         self.colour_shares = colour_shares or COLOUR_SHARES[self.config.scale]
         self.aux_shares = aux_shares or (FULL_SHARES if self.config.full else AUX_SHARES)
         if self.config.full and 0 in self.aux_shares:
@@ -183,7 +197,10 @@ class Crops:
         high = {"target": (scene.target, 0)}        # images of full resolution and their borders
         if self.config.full:
             aux, full, samples = scene.noisy_render(count)
-            colour = pipeline.merged_colour(colour.float(), spp, full.float(), samples, scale)
+            if self.number() < self.denoised_share and count in scene.full:
+                colour, full = scene.denoised_colours(spp, count, scale)
+            else:
+                colour = pipeline.merged_colour(colour.float(), spp, full.float(), samples, scale)
             exposure = pipeline.auto_exposure(colour)
             high.update(aux=(aux, BORDER), full=(full, BORDER))
         elif self.config.aux_inputs:

@@ -13,6 +13,7 @@ import pathlib
 
 import torch
 
+import denoise
 import images
 import metrics
 import pipeline
@@ -31,6 +32,12 @@ class Case:
     full: torch.Tensor | None
     merged: torch.Tensor
     reference: torch.Tensor
+
+    def denoised(self, scale):
+        """The case with its colours denoised by denoise.py, merged before."""
+        full = None if self.full is None else denoise.denoised(self.full, self.aux)
+        merged = denoise.denoised_low(self.merged, self.aux, scale)
+        return dataclasses.replace(self, colour=merged if full is None else denoise.denoised_low(self.colour, self.aux, scale), full=full, merged=merged)
 
 
 def cases_of(folder, scale, spp, aux_spp):

@@ -54,6 +54,8 @@ def arguments_of_command_line():
     parser.add_argument("--smape", action="store_true", help="SMAPE instead of the robust loss")
     parser.add_argument("--aux-shares", help="how often each sample count of the auxiliary images is drawn (0: converged), as 1:0.3,4:0.7, or one count")
     parser.add_argument("--colour-shares", help="the same of the colour; counts that a scene lacks are left out")
+    parser.add_argument("--denoised-share", type=float, default=0.0,
+                        help="of the crops of a model that takes the full-resolution colour, whose colours Open Image Denoise has denoised (pyoidn)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--evaluate-every", type=float, default=3, help="minutes")
@@ -201,7 +203,7 @@ def shares_of(text):
 def train(training, scenes, options, report):
     """Runs until the budget is spent; evaluates, saves and looks for new shards every few minutes."""
     crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1),
-                          shares_of(options.colour_shares), shares_of(options.aux_shares))
+                          shares_of(options.colour_shares), shares_of(options.aux_shares), options.denoised_share)
     last = time.monotonic()
     next_report, next_checkpoint = last + 30, last + options.evaluate_every * 60
     sums, count = torch.zeros(3), 0
@@ -243,19 +245,23 @@ def train(training, scenes, options, report):
 
 def validation_line(network, options):
     """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene at the first of the sample counts that
-    are measured; PSNR at the others."""
+    are measured; PSNR at the others, and of denoised colours if those are trained on."""
     config = network.config
     settings = options.validation_spp or (FULL_VALIDATION_SPP if config.full else VALIDATION_SPP)[config.scale]
     counts = [tuple(int(spp) for spp in pair.split("-")) for pair in settings.split(",")]
 
-    def rows_of(colour_spp, aux_spp):
-        return [metrics.all_metrics(evaluate.result_of(network, case, device=options.device), case.reference)
-                for case in evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp)]
+    def rows_of(colour_spp, aux_spp, denoise_first=False):
+        cases = evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp)
+        if denoise_first:
+            cases = (case.denoised(config.scale) for case in cases)
+        return [metrics.all_metrics(evaluate.result_of(network, case, device=options.device), case.reference) for case in cases]
 
     mean = lambda rows, key: sum(row[key] for row in rows) / len(rows) if rows else math.nan
     with torch.no_grad():
         rows = rows_of(*counts[0])
         others = [f"  {colour_spp}-{aux_spp} {mean(rows_of(colour_spp, aux_spp), 'psnr'):.3f}" for colour_spp, aux_spp in counts[1:]]
+        if options.denoised_share:
+            others += [f"  denoised {colour_spp}-{aux_spp} {mean(rows_of(colour_spp, aux_spp, True), 'psnr'):.3f}" for colour_spp, aux_spp in counts]
     return (f"  validation  PSNR {mean(rows, 'psnr'):.3f}  RelMSE {mean(rows, 'relmse'):.4f}  "
             + " ".join(f"{row['psnr']:.2f}" for row in rows) + "".join(others))
 

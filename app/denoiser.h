@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "image/image.h"
+
+namespace xrds {
+
+/// The user's installed Open Image Denoise 2, loaded at run time. Not for several threads at once.
+class Denoiser {
+ public:
+  /// Loads the library that the environment variable XRDS_OIDN names, else the one that the system finds, and opens its
+  /// fastest device. Throws Error that says how to get it if there is none.
+  Denoiser();
+  ~Denoiser();
+  Denoiser(const Denoiser&) = delete;
+  Denoiser& operator=(const Denoiser&) = delete;
+
+  /// "2.5.1".
+  const std::string& version() const { return version_; }
+
+  /// The radiance [h, w, 3] without its noise. `albedo` and `normal` [h, w, 3] may be null, the normal where there is
+  /// no albedo must be; they are denoised first, each by its own filter, as the manual of Open Image Denoise advises
+  /// for the best result. Throws Error.
+  Image denoised(const Image& colour, const Image* albedo, const Image* normal) const;
+
+ private:
+  struct Library;
+  std::unique_ptr<Library> library_;
+  std::string version_;
+};
+
+}  // namespace xrds
