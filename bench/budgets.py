@@ -1,0 +1,189 @@
+"""What wins at which number of samples: measures every way to a picture and writes bench/budgets.md with its chart.
+
+    python3 bench/budgets.py measure VAL_FOLDER LIVE_FOLDER LARGE_FOLDER [--xrds build/release/cli/xrds]
+    python3 bench/budgets.py write
+
+`measure` runs `xrds bench quality` on renders of growing samples and Open Image Denoise on full-resolution ones; it needs
+bench/oidn-requirements.txt, and takes an hour of a core. It keeps the figures in bench/results/budgets.json, from which
+`write` makes the document; that needs matplotlib.
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import tables
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+HERE = ROOT / "bench"
+
+# Renders whose guides are of the same paths: scale, samples of the colour, of the full-resolution render.
+PATH_TRACED = ((4, 64, 16), (4, 64, 8), (4, 64, 4), (4, 64, 1), (4, 16, 4), (4, 16, 2), (4, 16, 1), (2, 16, 16), (2, 16, 4), (2, 8, 2), (2, 4, 2), (2, 4, 1))
+# Renders whose guides are clean and cost nothing: scale, samples of the colour.
+FREE = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4), (2, 16))
+DENOISED_SPP = (1, 2, 4, 8, 16)
+
+
+def library():
+    """Where pyoidn's library is."""
+    import pyoidn
+    return next(pathlib.Path(pyoidn.__file__).parent.rglob("libOpenImageDenoise.so.2"))
+
+
+class Measurement:
+    """Runs of `xrds bench quality`, each told as rows {way, model, scale, colour, aux, average, psnr, ...}."""
+
+    def __init__(self, program, work):
+        self.program, self.work, self.rows = program, work, []
+        self.environment = {**os.environ, "XRDS_OIDN": str(library())}
+        listed = subprocess.run([program, "info"], capture_output=True, text=True, check=True).stdout.split()
+        self.models = {scale: [name for name in listed if name.startswith(f"xrds-x{scale}-")] for scale in (2, 4)}
+
+    def quality(self, data, folder, scale, colour, aux, way, models, *options):
+        """One setting; the rows of the models and, of denoised images, of those. No row where the folder lacks the renders."""
+        found = self.work / "quality.json"
+        command = [self.program, "bench", "quality", str(folder), "--scale", str(scale), "--samples", str(colour), "--aux", str(aux), "--json", str(found), "--quiet"]
+        for model in models:
+            command += ["--model", model]
+        run = subprocess.run([*command, *options], env=self.environment, capture_output=True, text=True)
+        if run.returncode:
+            print(f"left out: {data}, {way}, x{scale} {colour}-{aux}: {run.stderr.strip().splitlines()[-1]}", file=sys.stderr)
+            return
+        report = json.loads(found.read_text())
+        average = report["averageSamples"] or colour / scale ** 2
+        for method in report["methods"]:
+            if method["name"] in (*models, "OIDN"):
+                mean = method["mean"]
+                self.rows.append({"data": data, "way": way, "model": method["name"], "scale": scale, "colour": colour, "aux": aux, "average": average,
+                                  "psnr": mean["psnr"], "relmseTrimmed": mean["relMseTrimmed"], "scenes": len(method["scenes"])})
+                print(f"{data} {way} {method['name']} x{scale} {colour}-{aux}: {mean['psnr']:.2f} dB", flush=True)
+
+    def of_scale(self, scale, *kinds):
+        return [model for model in self.models[scale] if model.split("-", 2)[2] in kinds]
+
+    def path_traced(self, data, folder):
+        for scale, colour, aux in PATH_TRACED:
+            here = (data, folder, scale, colour, aux)
+            self.quality(*here, "network", self.of_scale(scale, "compact"))
+            self.quality(*here, "merged", self.of_scale(scale, "compact", "full"), "--merge")
+            self.quality(*here, "merged, denoised first", self.of_scale(scale, "compact", "full"), "--merge", "--denoise-first")
+
+    def free_guides(self, data, folder):
+        for scale, colour in FREE:
+            here = (data, folder, scale, colour, "converged")
+            self.quality(*here, "network", self.of_scale(scale, "compact", "live"))
+            self.quality(*here, "denoised first", self.of_scale(scale, "compact", "live"), "--denoise-first")
+
+    def denoised(self, data, folder):
+        for spp in DENOISED_SPP:
+            images = self.work / f"{data}-{spp}"
+            run = subprocess.run([sys.executable, HERE / "oidn.py", folder, images, "--spp", str(spp), "--prefilter"], capture_output=True, text=True)
+            if run.returncode == 0:
+                self.quality(data, folder, 1, spp, spp, "Open Image Denoise", [], "--also", f"OIDN={images}/*_oidn{spp}.exr")
+
+
+def measure(options):
+    with tempfile.TemporaryDirectory() as work:
+        found = Measurement(options.xrds, pathlib.Path(work))
+        for data, folder in (("val", options.val), ("large", options.large)):
+            found.path_traced(data, folder)
+        for data, folder in (("live", options.live), ("large", options.large)):
+            found.free_guides(data, folder)
+        for data, folder in (("val", options.val), ("live", options.live), ("large", options.large)):
+            found.denoised(data, folder)
+    tables.keep("budgets", {**tables.origin(), "command": "python3 bench/budgets.py measure VAL LIVE LARGE", "rows": found.rows})
+
+
+def name_of(row):
+    """How a line of the chart and a column of the table is called."""
+    if row["model"] == "OIDN":
+        return "OIDN, full resolution"
+    return f"{row['model'].removeprefix('xrds-')}, {row['way']}" if row["way"] != "network" else row["model"].removeprefix("xrds-")
+
+
+def front(rows):
+    """The best row of each number of average samples, as far as more samples give more."""
+    best, most = [], float("-inf")
+    for average in sorted({row["average"] for row in rows}):
+        row = max((row for row in rows if row["average"] == average), key=lambda row: row["psnr"])
+        if row["psnr"] > most:
+            best.append(row)
+            most = row["psnr"]
+    return best
+
+
+def table(rows):
+    """Markdown: a row an average, the best of each way, the best of all in bold."""
+    names = sorted({name_of(row) for row in rows}, key=lambda name: (not name.startswith("OIDN"), name))
+    lines = ["| average | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    for average in sorted({row["average"] for row in rows}):
+        here = [row for row in rows if row["average"] == average]
+        top = max(here, key=lambda row: row["psnr"])
+        cells = []
+        for name in names:
+            own = max((row for row in here if name_of(row) == name), key=lambda row: row["psnr"], default=None)
+            text = "" if own is None else f"{own['psnr']:.2f}" + ("" if own["model"] == "OIDN" else f" ({own['colour']}-{own['aux']})".replace("-converged", ""))
+            cells.append(f"**{text}**" if own is top else text)
+        lines.append(f"| {average:g} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def chart(rows, title, path):
+    import matplotlib
+    matplotlib.use("svg")
+    matplotlib.rcParams["svg.hashsalt"] = "xrds"
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(figsize=(8, 5))
+    for name in sorted({name_of(row) for row in rows}, key=lambda name: (not name.startswith("OIDN"), name)):
+        line = front([row for row in rows if name_of(row) == name])
+        axes.plot([row["average"] for row in line], [row["psnr"] for row in line], marker="o", linewidth=2.5 if name.startswith("OIDN") else 1.3,
+                  color="black" if name.startswith("OIDN") else None, label=name)
+    axes.set_xscale("log", base=2)
+    axes.set_xlabel("average samples a pixel of the output")
+    axes.set_ylabel("PSNR, dB")
+    axes.set_title(title)
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8)
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+
+
+PARTS = (("val", "path", "Guides of the same paths, ten scenes of 256 x 256", "budgets_val"),
+         ("live", "free", "Clean guides that cost nothing, ten scenes of 256 x 256", "budgets_live"),
+         ("large", "free", "Clean guides that cost nothing, one frame of 1024 x 1024", "budgets_large"))
+
+
+def write():
+    report = json.loads((tables.RESULTS / "budgets.json").read_text())
+    machine = report["machine"]
+    text = ["# What wins at which number of samples", "",
+            "Which render to make, and what to make of it: mean PSNR in dB against the average samples a pixel of the output, colour samples over the square of the scale plus those",
+            "of the full-resolution render. Guides that cost nothing (rasterized ones, primary hits) count as none. *OIDN* is Open Image Denoise on a full-resolution render of as",
+            "many samples, albedo and normal denoised first; *merged*: the colours of both renders; *denoised first*: `--denoise-first`. In brackets the samples of the two renders. Made by",
+            f"`python3 bench/budgets.py write` of `{report['command']}`, commit {report['commit']}, on {machine['processor']}.", ""]
+    for data, kind, title, image in PARTS:
+        rows = [row for row in report["rows"] if row["data"] == data and (row["model"] == "OIDN" or (row["aux"] == "converged") == (kind == "free"))]
+        if not rows:
+            continue
+        chart(rows, title, HERE / "images" / f"{image}.svg")
+        text += [f"## {title}", "", f"![{title}](images/{image}.svg)", "", table(rows)]
+    (HERE / "budgets.md").write_text("\n".join(text))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    verbs = parser.add_subparsers(dest="verb", required=True)
+    measuring = verbs.add_parser("measure")
+    for name in ("val", "live", "large"):
+        measuring.add_argument(name, type=pathlib.Path)
+    measuring.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
+    verbs.add_parser("write")
+    options = parser.parse_args()
+    return measure(options) if options.verb == "measure" else write()
+
+
+if __name__ == "__main__":
+    main()
