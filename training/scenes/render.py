@@ -33,6 +33,7 @@ def arguments():
     parser.add_argument("--auxiliaries", metavar="SAMPLES", help="the noisy full-resolution renders alone, of these counts, as 1,2,8; "
                         "those that there are not yet")
     parser.add_argument("--preview", type=int, default=0, metavar="SAMPLES", help="only sNNNN_preview.exr, always anew")
+    parser.add_argument("--blend", action="store_true", help="only sNNNN.blend, the scene itself, at the resolution of the full render")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
 
@@ -96,7 +97,7 @@ def main():
     wanted = [int(count) for count in ask.auxiliaries.split(",")] if ask.auxiliaries else []
     for seed in range(first, end, ask.stride):
         counts = [count for count in wanted if not os.path.exists(storage.path(ask.out, seed, f"aux{count}"))]
-        if not ask.preview and (wanted and not counts or not wanted and storage.finished(ask.out, seed)):
+        if not ask.preview and not ask.blend and (wanted and not counts or not wanted and storage.finished(ask.out, seed)):
             continue
         begin = time.monotonic()
         name = ask.family or families.NAMES[seed % len(families.NAMES)]
@@ -106,7 +107,12 @@ def main():
             print(f"s{seed} {name}: skipped, {missing}", flush=True)
             continue
         built = time.monotonic()
-        if ask.preview:
+        if ask.blend:
+            scene.render.resolution_x = scene.render.resolution_y = ask.size
+            os.makedirs(ask.out, exist_ok=True)
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(os.path.join(ask.out, f"s{seed:04d}.blend")), check_existing=False)
+            byte_size = 0
+        elif ask.preview:
             image = passes.render(scene, ask.size, ask.size, ask.preview, seed)
             byte_size = storage.write(ask.out, seed, "preview", storage.reference(image))
         elif counts:

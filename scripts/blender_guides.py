@@ -1,0 +1,104 @@
+"""Renders albedo, normal and depth of a Blender file at full resolution, cheaply, for `xrds upscale`.
+
+    blender -b SCENE.blend -P scripts/blender_guides.py -- guides.exr [--samples 16] [--percent 100] [--recipe mirrors]
+    xrds upscale colour.exr guides.exr -o result.exr --aux-colour never
+
+The colour comes from a render of the same camera and frame at a quarter or half of the resolution. Cycles writes a colour beside
+the passes of its denoising data; without light it is of no use, which --aux-colour never says. The recipes, by what they leave out of a path:
+
+    full       nothing: the scene as it is
+    direct     every bounce
+    mirrors    light, and every bounce but those of mirrors and glass, behind which the guides show what is seen
+    flat       light and every bounce
+
+bench/guides.md has their cost and what each does to the result. The .blend file is not changed.
+"""
+import argparse
+import os
+import sys
+import time
+
+import bpy
+
+RECIPES = ("full", "direct", "mirrors", "flat")
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="blender_guides.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output", help="multi-layer EXR file to write")
+    parser.add_argument("--samples", type=int, default=16, help="a pixel")
+    parser.add_argument("--percent", type=int, default=100, help="of the resolution that the scene states")
+    parser.add_argument("--recipe", choices=RECIPES, default="mirrors")
+    parser.add_argument("--frame", type=int, help="default: the file's current one")
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else ["--help"])
+
+
+def without_light(scene):
+    """No lamp, no surface and no sky is sampled; the sky stays what the camera sees behind the scene."""
+    for item in scene.objects:
+        if item.type == "LIGHT":
+            item.hide_render = True
+    for material in bpy.data.materials:
+        if hasattr(material.cycles, "emission_sampling"):
+            material.cycles.emission_sampling = "NONE"
+        else:       # Blender before 3.5
+            material.cycles.sample_as_light = False
+    if scene.world:
+        scene.world.cycles.sampling_method = "NONE"
+
+
+def bounces(scene, glossy, transmission):
+    """At most so many of mirrors and of glass, none of other surfaces. Transparent surfaces, such as leaves, stay."""
+    cycles = scene.cycles
+    cycles.max_bounces = max(glossy, transmission)
+    cycles.diffuse_bounces = cycles.volume_bounces = 0
+    cycles.glossy_bounces, cycles.transmission_bounces = glossy, transmission
+    cycles.caustics_reflective = cycles.caustics_refractive = False
+
+
+def apply(recipe, scene):
+    if recipe in ("mirrors", "flat"):
+        without_light(scene)
+    if recipe == "mirrors":
+        bounces(scene, min(scene.cycles.glossy_bounces, 4), min(scene.cycles.transmission_bounces, 8))
+    elif recipe != "full":
+        bounces(scene, 0, 0)
+
+
+def configure(scene, ask):
+    """Passes, samples and file; whatever would change or filter the passes goes."""
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_percentage = ask.percent
+    scene.render.use_compositing = scene.render.use_sequencer = False
+    scene.cycles.samples = ask.samples
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.view_layers.update()
+    for layer in scene.view_layers:
+        layer.cycles.denoising_store_passes = True
+        for name in dir(layer):
+            if name.startswith("use_pass_"):
+                setattr(layer, name, False)
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):     # Blender 5
+        settings.media_type = "MULTI_LAYER_IMAGE"
+    settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER", "16"
+    settings.exr_codec = "ZIP"
+    scene.render.use_file_extension = False
+    scene.render.filepath = os.path.abspath(ask.output)
+
+
+def main():
+    ask = arguments()
+    scene = bpy.context.scene
+    if scene.camera is None:
+        sys.exit("blender_guides.py: the scene has no camera")
+    if ask.frame is not None:
+        scene.frame_set(ask.frame)
+    apply(ask.recipe, scene)
+    configure(scene, ask)
+    start = time.monotonic()
+    bpy.ops.render.render(write_still=True)
+    print(f"blender_guides: {ask.recipe}, {ask.samples} samples, {time.monotonic() - start:.2f} s, {ask.output}", flush=True)
+
+
+main()
