@@ -1,0 +1,53 @@
+"""Open Image Denoise on the colours of scenes, where it is installed."""
+import pytest
+import torch
+
+import dataset
+import denoise
+import evaluate
+import pipeline
+from test_dataset import FULL, FakeScenes
+
+pytest.importorskip("pyoidn")
+
+
+def noisy(side, seed):
+    """(a gradient of light, the same with noise [3, side, side], albedo and normal [6, side, side])"""
+    clean = torch.linspace(0.2, 1, side).expand(3, side, side)
+    noise = torch.randn(3, side, side, generator=torch.Generator().manual_seed(seed))
+    return clean, (clean + 0.2 * noise).clamp(min=0), torch.cat([torch.full((3, side, side), 0.5), torch.zeros(2, side, side), torch.ones(1, side, side)])
+
+
+def test_noise_goes():
+    clean, colour, aux = noisy(64, 1)
+    colour[0, 3, 3] = float("nan")      # counts as 0
+    found = denoise.denoised(colour, aux)
+    assert found.shape == clean.shape and found.isfinite().all()
+    assert (found - clean).square().mean() < 0.05 * 0.2 ** 2
+
+
+def test_low_resolution_takes_box_means_of_the_guides():
+    clean, colour, _ = noisy(32, 2)
+    _, _, aux = noisy(128, 3)
+    assert (denoise.denoised_low(colour, aux, 4) - clean).square().mean() < 0.1 * 0.2 ** 2
+
+
+def test_a_case_is_denoised_after_merging():
+    clean, full, aux = noisy(128, 4)
+    low_clean, low, _ = noisy(32, 5)
+    case = evaluate.Case("s", low, aux, full, pipeline.merged_colour(low, 16, full, 1, 4), clean)
+    found = case.denoised(4)
+    assert (found.full - clean).square().mean() < 0.05 * 0.2 ** 2
+    assert (found.merged - low_clean).square().mean() < (found.colour - low_clean).square().mean() + 1e-4 < 0.1 * 0.2 ** 2
+    assert evaluate.Case("s", low, aux, None, low, clean).denoised(4).full is None
+
+
+def test_crops_of_denoised_colours_are_made_once(monkeypatch):
+    scenes, calls = FakeScenes(FULL, side=16), []
+    monkeypatch.setattr(denoise, "denoised", lambda colour, aux: calls.append(1) or torch.zeros_like(colour))
+    monkeypatch.setattr(denoise, "denoised_low", lambda colour, aux, scale: calls.append(1) or torch.ones_like(colour))
+    crops = dataset.Crops(scenes, 8, seed=1, aux_shares={16: 1}, denoised_share=1)
+    for _ in range(3):
+        crop = crops.one()
+        assert not crop["full"].any() and (crop["colour"].amax((1, 2)) == crop["colour"].amin((1, 2))).all()
+    assert len(calls) == 2
