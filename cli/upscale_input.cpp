@@ -152,6 +152,7 @@ UpscaleInput openInput(const UpscaleOptions& options) {
     leaveUnmergedOut(options, opened, frame);
     leaveConstantsOut(options, opened, frame);
   }
+  failingWith(ExitCode::input, [&] { (void)inputsOf(opened.model, frame); });  // throws if one is not there
   requireSkippable(options, opened);
   if (options.denoiseFirst) failingWith(ExitCode::device, [&] { frame.denoise(Denoiser()); });
   return {std::move(opened), std::move(frame)};

@@ -64,6 +64,40 @@ TEST(CliMerge, LeavesTheColourOfOtherLightAlone) {
   EXPECT_DOUBLE_EQ(jsonOf(frame, {"--samples", "16,1"})["mergedColour"]["share"], 0.5);
 }
 
+// Two golden models under the names of the shipped ones.
+TEST(CliMerge, TakesTheFullModelWhereTheColourIsMerged) {
+  const SmallFrame frame;
+  const std::filesystem::path models = frame.folder / "models";
+  std::filesystem::create_directory(models);
+  for (const auto& [name, golden] : {std::pair("xrds-x4-full", "s4_full"), std::pair("xrds-x4-compact", "s4_kernels")})
+    std::filesystem::copy_file(goldenModel(golden), models / (std::string(name) + ".safetensors"));
+  const std::string file = (frame.folder / "run.json").string();
+  const auto chosen = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"upscale", frame.color, frame.aux, "-o", frame.out, "--json", file};
+    all.insert(all.end(), more.begin(), more.end());
+    const Ended ended = runXrds(all, {.environment = {{"XRDS_MODELS", models.string()}}});
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    const Json json = Json::parse(readBytes(file));
+    EXPECT_EQ(json["mergedColour"].is_null(), json["model"]["name"] == "xrds-x4-compact");
+    return json["model"]["name"].get<std::string>();
+  };
+  EXPECT_EQ(chosen({}), "xrds-x4-compact");  // no colour in the auxiliary file
+  writeColours(frame, 1.1F);
+  EXPECT_EQ(chosen({}), "xrds-x4-full");
+  EXPECT_EQ(chosen({"--samples", "64,16"}), "xrds-x4-full");
+  EXPECT_EQ(chosen({"--aux-colour", "never"}), "xrds-x4-compact");
+  writeColours(frame, 0.5F);  // of other light
+  EXPECT_EQ(chosen({}), "xrds-x4-compact");
+  EXPECT_EQ(chosen({"--samples", "64,16"}), "xrds-x4-full");
+}
+
+TEST(CliMerge, RefusesAFullModelWithoutTheColour) {
+  const SmallFrame frame;
+  writeColours(frame, 1);
+  const Ended ended = runXrds(frame.arguments({"--aux-colour", "never"}, goldenModel("s4_full")));
+  expectFailure(ended, 3, "takes the colour of the full-resolution render", frame.folder, 2);
+}
+
 TEST(CliMerge, NeedsALayerThatIsNamed) {
   const SmallFrame frame;
   EXPECT_TRUE(jsonOf(frame, {})["mergedColour"].is_null());  // the auxiliary file has no colour
