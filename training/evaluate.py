@@ -86,11 +86,12 @@ def methods_of(scale, model_paths, merge=False):
     return {**methods, **{path.stem: trained(path) for path in model_paths}}
 
 
-def measure(folder, scale, spp, aux_spp, methods, flip=False):
-    """{method: {scene: metrics}}"""
+def measure(folder, scale, spp, aux_spp, methods, flip=False, denoise_first=False):
+    """{method: {scene: metrics}}; denoise_first: of colours that Open Image Denoise has denoised."""
     results = {method: {} for method in methods}
     with torch.no_grad():
         for case in cases_of(folder, scale, spp, aux_spp):
+            case = case.denoised(scale) if denoise_first else case
             for method, run in methods.items():
                 result = run(case)
                 results[method][case.name] = metrics.all_metrics(result, case.reference)
@@ -130,6 +131,7 @@ def main():
     parser.add_argument("--spp", type=int, default=64, help="of the low-resolution colour")
     parser.add_argument("--aux-spp", type=int, default=16, help="of albedo and normal; 0: converged")
     parser.add_argument("--merge", action="store_true", help="give every method the low-resolution colour merged with that of the auxiliary render")
+    parser.add_argument("--denoise-first", action="store_true", help="the colours denoised by Open Image Denoise before (pyoidn)")
     parser.add_argument("--flip", action="store_true", help="also FLIP (pip install flip-evaluator)")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
@@ -137,11 +139,11 @@ def main():
     if options.merge and (options.scale == 1 or not options.aux_spp):
         parser.error("--merge needs a scale above 1 and noisy auxiliary images")
     methods = methods_of(options.scale, options.model, options.merge)
-    results = measure(options.folder, options.scale, options.spp, options.aux_spp, methods, options.flip)
+    results = measure(options.folder, options.scale, options.spp, options.aux_spp, methods, options.flip, options.denoise_first)
     if not results["bicubic"]:
         raise SystemExit(f"{options.folder} has no scenes with {options.spp} spp colour and {options.aux_spp} spp aux at scale {options.scale}")
     samples = options.spp / options.scale ** 2 + options.aux_spp
-    print(f"{options.spp} spp colour{' merged with the full-resolution one' * options.merge}, {options.aux_spp or 'converged'} spp aux"
+    print(f"{options.spp} spp colour{' merged with the full-resolution one' * options.merge}{', denoised first' * options.denoise_first}, {options.aux_spp or 'converged'} spp aux"
           + (f", average samples {samples:g}" if options.aux_spp else "") + "\n")
     print(tables(results))
 

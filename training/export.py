@@ -36,7 +36,7 @@ per pixel, albedo and normal at {aux_spp}{merged}. Measured with the float16 wei
 The same with other samples per pixel, mean PSNR in dB / mean RelMSE:
 
 {other}
-
+{denoised}
 ## Known limits
 {limits}
 """
@@ -54,11 +54,18 @@ SETTINGS = {1: ((4, 4), (1, 1), (2, 2), (8, 8), (16, 16)), 2: ((16, 16), (16, 0)
 MERGED = ", whose render's colour is an input too; every method has the low-resolution colour merged with it, both weighted by their samples"
 
 
-def table_of_other_samples(folder, scale, methods, settings):
+DENOISED = """
+With the colours denoised by Open Image Denoise first, as `xrds upscale --denoise-first` does, on which {share} of the crops were trained:
+
+{table}
+"""
+
+
+def table_of_other_samples(folder, scale, methods, settings, denoise_first=False):
     """Markdown: mean PSNR / RelMSE for other sample counts (colour, auxiliary images)."""
     lines = [f"| colour, aux spp | {' | '.join(methods)} |", "|---" * (len(methods) + 1) + "|"]
     for spp, aux_spp in settings:
-        results = evaluate.measure(folder, scale, spp, aux_spp, methods)
+        results = evaluate.measure(folder, scale, spp, aux_spp, methods, denoise_first=denoise_first)
         means = [evaluate.mean_of(rows.values()) for rows in results.values()]
         cells = [f"{mean['psnr']:.2f} / {mean['relmse']:.4f}" for mean in means]
         lines.append(f"| {spp}, {aux_spp or 'converged'} | {' | '.join(cells)} |")
@@ -70,6 +77,7 @@ def fields_of(config):
     named = [f"learned {config.kernels} x {config.kernels} kernels" if config.kernels else "",
              f"learned {config.aux_kernels} x {config.aux_kernels} filter of the auxiliary images" if config.aux_kernels else "",
              f"learned {config.colour_kernels} x {config.colour_kernels} filter of the full-resolution colour" if config.colour_kernels else "",
+             f"prefilter of {config.prefilter} level{'s' * (config.prefilter > 1)}" if config.prefilter else "",
              "auxiliary skip" if config.aux_skip else "", "1 x 1 output convolution" if config.output_side == 1 else "", f"block `{config.block}`" if config.block != "rdst" else ""]
     return ", ".join(filter(None, named)) or "plain"
 
@@ -83,10 +91,14 @@ def precision_of(told):
     return told.get("precision", "bfloat16")        # what checkpoints that do not say it were trained in
 
 
+def share_of_denoised(told):
+    return float(told.get("denoised_share", 0))
+
+
 def command_of(told, start):
     """The trainer's command line; what is at its default is named too."""
     keys = (*(field.name for field in train.MODEL_FIELDS), "aux", "crop", "batch", "rate", "warm_up", "tone", "ratio", "aux_loss",
-            "colour_shares", "aux_shares", "seed", "minutes")
+            "colour_shares", "aux_shares", *(["denoised_share"] if share_of_denoised(told) else []), "seed", "minutes")
     flags = " ".join(f"--{key.replace('_', '-')} {told[key] or repr('')}" for key in keys if told.get(key, "None") != "None")
     flags += f" --precision {precision_of(told)}"
     return f"python training/train.py SHARD_FOLDER --output RUN_FOLDER {flags}" + (" --start CHECKPOINT" if start else "")
@@ -108,7 +120,7 @@ def main():
     provenance = {"license": "MIT", "data": data, "seed": told["seed"], "steps": str(state["step"])}
     weights.save_model(options.model, network, provenance)
 
-    (spp, aux_spp), *others = [pair for pair in SETTINGS[config.scale] if pair[1] or not config.full]    # a converged colour would be the result
+    settings = (spp, aux_spp), *others = [pair for pair in SETTINGS[config.scale] if pair[1] or not config.full]    # a converged colour would be the result
     methods = evaluate.methods_of(config.scale, [options.model], merge=config.full)
     results = evaluate.measure(options.validation, config.scale, spp, aux_spp, methods)
     trained, guided = (evaluate.mean_of(results[name].values()) for name in (options.model.stem, "guided"))
@@ -128,6 +140,8 @@ def main():
         device="one thread of a busy CPU" if told["device"] == "cpu" else "a CUDA device", start=f", started from {start}" if start else "",
         precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, aux_spp=aux_spp, merged=MERGED if config.full else "",
         scenes=len(results["guided"]), table=evaluate.tables(results),
+        denoised=DENOISED.format(share=f"{100 * share_of_denoised(told):.0f} %", table=table_of_other_samples(
+            options.validation, config.scale, methods, settings, denoise_first=True)) if share_of_denoised(told) else "",
         other=table_of_other_samples(options.validation, config.scale, methods, others), limits=LIMITS)
     options.model.with_suffix(".md").write_text(card)
     print(evaluate.tables(results))
