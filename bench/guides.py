@@ -26,8 +26,10 @@ def blender(options, *arguments):
 def composed(options, seed):
     path = options.work / f"s{seed}.blend"
     if not path.exists():
-        blender(options, "--factory-startup", "-noaudio", "-P", ROOT / "training/scenes/render.py", "--", "--seeds", f"{seed}:{seed + 1}", "--out",
-                options.work, "--blend", "--hdri", options.hdri, "--models", options.models)
+        said = blender(options, "--factory-startup", "-noaudio", "-P", ROOT / "training/scenes/render.py", "--", "--seeds", f"{seed}:{seed + 1}", "--out",
+                       options.work, "--blend", "--hdri", options.hdri, "--models", options.models)
+        if not path.exists():
+            raise SystemExit(f"no scene of seed {seed}:\n{said}")
     return path
 
 
