@@ -35,10 +35,14 @@ model_options() {
   done
 }
 
-# table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged; false if it cannot.
+# table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged, with --ensemble N
+# ..._ensembleN; false if it cannot.
 table() {
   fragment=$out/x$1_$2_aux$3
-  [ "${4:-}" != --merge ] || fragment+=_merged
+  case ${4:-} in
+    --merge) fragment+=_merged ;;
+    --ensemble) fragment+=_ensemble$5 ;;
+  esac
   [ "$fragment.md" -nt "$out/started" ] && return  # by an earlier setting of this run
   echo "scale $1, colour $2 spp, aux $3" >&2
   rm -rf "$out/images"
@@ -99,6 +103,12 @@ table 4 64 16 --merge || true
 for setting in "4 64 4" "4 16 1" "2 16 4" "2 4 1"; do
   # shellcheck disable=SC2086 # three words
   table $setting --merge || true
+done
+
+# The mean of several passes over the frame and its mirror images.
+for setting in "4 64 16 2" "4 64 16 4" "2 16 16 2" "8 64 16 2" "1 8 8 2"; do
+  read -r scale colour aux passes <<< "$setting"
+  table "$scale" "$colour" "$aux" --ensemble "$passes" || true
 done
 
 # Equal average samples: OIDN's full-resolution render of K spp; at scale s K = colour / s^2 + aux.

@@ -8,6 +8,8 @@ AUXILIARY = (("1", "x4_64_aux1"), ("4", "x4_64_aux4"), ("16", "x4_64_aux16"), ("
 OTHERS = (("scale 2, 16 spp", "x2_16_aux16"), ("scale 8, 64 spp", "x8_64_aux16"), ("scale 8, 256 spp", "x8_256_aux16"))
 MERGED = (("scale 4, 64 and 16 spp", "x4_64_aux16"), ("scale 4, 64 and 4 spp", "x4_64_aux4"), ("scale 4, 16 and 1 spp", "x4_16_aux1"),
           ("scale 2, 16 and 4 spp", "x2_16_aux4"), ("scale 2, 4 and 1 spp", "x2_4_aux1"))
+ENSEMBLE = ((64, "x4_64_aux16"), (16, "x2_16_aux16"), (64, "x8_64_aux16"), (8, "x1_8_aux8"))
+PASSES = (2, 4)
 EQUAL = (("2", "x1_2_aux2", "x2_4_aux1", "x4_16_aux1"), ("4", "x1_4_aux4", "x2_8_aux2", "x4_32_aux2"),
          ("8", "x1_8_aux8", "x2_16_aux4", "x4_64_aux4"))
 
@@ -128,6 +130,18 @@ def merged(report):
 
 def trimmed_cell(found):
     return f"{found['psnr']:.2f} / {found['relMseTrimmed']:.4f}"
+
+
+def ensemble(report):
+    """One pass, and the mean of several."""
+    exact = lambda found: f"{found['psnr']:.3f} / {found['relMse']:.4f}" if found else ""
+    rows = []
+    for samples, key in ENSEMBLE:
+        several = {found["name"]: found for passes in PASSES for found in report["settings"].get(f"{key}_ensemble{passes}", [])}
+        cells = lambda name: [exact(several.get(f"{name} ensemble {passes}")) for passes in PASSES]
+        rows += [[f"`{found['name']}`, {samples} spp", exact(found), *cells(found["name"])]
+                 for found in report["settings"].get(key, []) if any(cells(found["name"]))]
+    return markdown(report, ["PSNR dB / RelMSE", "one pass", "2: also turned by half a turn", "4: mirrored both ways"], rows)
 
 
 def equal(report):

@@ -91,6 +91,7 @@ def network_table(report):
 TABLES = {"network": ("network", network_table), "quality_means": ("quality", quality_tables.means),
           "quality_scenes": ("quality", quality_tables.scenes), "quality_others": ("quality", quality_tables.others),
           "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_merged": ("quality", quality_tables.merged),
+          "quality_ensemble": ("quality", quality_tables.ensemble),
           "quality_equal": ("quality", quality_tables.equal)}
 
 

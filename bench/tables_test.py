@@ -57,6 +57,8 @@ class Tables(unittest.TestCase):
             write("origin.json", {"commit": "abc1234", "machine": {"processor": "a processor", "processors": 2}})
             write("x4_64_aux16.json", quality_report(4, 64, 16, {"guided": 20.0, "xrds-x4-m": 21.5}))
             write("x4_64_aux16.lpips.json", {"xrds-x4-m": {"s1": 0.1, "s2": 0.2}})
+            write("x4_64_aux16_merged.json", quality_report(4, 64, 16, {"guided": 20.5, "xrds-x4-m": 22.5}))
+            write("x4_64_aux16_ensemble2.json", quality_report(4, 64, 16, {"xrds-x4-m": 21.5, "xrds-x4-m ensemble 2": 21.625}))
             write("x1_2_aux2.json", quality_report(1, 2, 2, {"guided": 20.0, "OIDN, prefiltered": 30.0}))
             write("oidn_prefiltered.lpips.json", {"oidn2": {"s1": 0.3}, "oidn4": {"s1": 0.4}})
             report = quality_tables.gather(folder)
@@ -66,6 +68,11 @@ class Tables(unittest.TestCase):
                                 "| xrds-x4-m | 21.50 | +1.50 | 0.5000 | 0.2500 | 0.1250 | 0.1500 | s1 +1.50 |"])
         self.assertEqual(quality_tables.scenes(report).splitlines()[-1], "| s1 | 20.00 / 0.5000 | 21.50 / 0.5000 |")
         self.assertIn("| xrds-x4-m | - | - | 21.50 / 0.5000 / 0.1500 | - |", quality_tables.auxiliary(report))
+        self.assertEqual(quality_tables.ensemble(report).splitlines()[4:],
+                         ["| `xrds-x4-m`, 64 spp | 21.500 / 0.5000 | 21.625 / 0.5000 |  |"])
+        self.assertEqual(quality_tables.merged(report).splitlines()[4:],
+                         ["| scale 4, 64 and 16 spp | guided | 20.00 / 0.2500 | 20.50 / 0.2500 |",
+                          "| scale 4, 64 and 16 spp | xrds-x4-m | 21.50 / 0.2500 | 22.50 / 0.2500 |"])
         self.assertIn("| OIDN, prefiltered | 30.00 / 0.5000 / 0.3000 | - | - |", quality_tables.equal(report))
 
     def test_the_documents_are_those_of_the_measurements(self):
