@@ -11,52 +11,20 @@
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quality_scenes.h"
 #include "cli/quiet.h"
-#include "cli/table.h"
+#include "cli/skip_report.h"
 #include "image/metrics.h"
 
 namespace xrds {
 namespace {
 
 struct BenchSkipOptions {
-  std::string folder, model, device, markdown, skip = "safe", precision = kFp32;
+  std::string folder, model, device, json, markdown, skip = "safe", precision = kFp32;
   int scale = 4, runs = 5, colour = 64, aux = 16;
   bool cpuTime = false, quiet = false;
 
   Upscaler::Options upscaler(float bound) const { return {.fp16 = precision == kFp16, .skip = {.bound = bound}}; }
 };
-
-/// The largest change of a window, root mean square of log(1 + exposure radiance).
-struct LargestChange {
-  double interpolated = 0, computed = 0;
-};
-
-/// One scene without and with skipping.
-struct SkipMeasurement {
-  std::string scene;
-  SkipMap map;
-  std::vector<double> secondsOff, seconds;  // of each pair of runs
-  double psnrOff = 0, psnr = 0;
-  LargestChange change;
-};
-
-// Of the sorted values, interpolated.
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const double at = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<size_t>(at);
-  const double above = values[std::min(below + 1, values.size() - 1)];
-  return values[below] + (at - static_cast<double>(below)) * (above - values[below]);
-}
-double median(const std::vector<double>& values) { return quantile(values, 0.5); }
-
-// The first of each pair over the second.
-std::vector<double> ratios(const std::vector<double>& first, const std::vector<double>& second) {
-  std::vector<double> result;
-  for (size_t i = 0; i < first.size(); ++i) result.push_back(first[i] / second[i]);
-  return result;
-}
 
 // Wall clock, or what all threads of the process have taken of the cores: on a busy machine the CPU devices' measure.
 double secondsNow(bool cpuTime) {
@@ -110,64 +78,32 @@ SkipMeasurement measureScene(Device& device, const Model& model, const SceneFile
   return made;
 }
 
-Row rowOf(const SkipMeasurement& made) {
-  return {made.scene,
-          text("%.1f %%", 100 * made.map.share(SkipMap::Window::interpolated)),
-          text("%.1f %%", 100 * made.map.work),
-          text("%.3f", median(made.secondsOff)),
-          text("%.3f", median(made.seconds)),
-          text("%.3f", median(ratios(made.secondsOff, made.seconds))),
-          text("%.3f", made.psnrOff),
-          text("%+.4f", made.psnr - made.psnrOff),
-          text("%.5f", made.change.interpolated),
-          text("%.5f", made.change.computed)};
-}
-
-// What skipping costs where it does not find a window to skip.
-void printCost(const std::vector<double>& slower) {
-  if (slower.empty()) return;
-  std::printf(
-      "Where nothing is skipped: %zu pairs of runs, time with --skip over that without: median %.4f, quartiles %.4f "
-      "and %.4f.\n",
-      slower.size(), median(slower), quantile(slower, 0.25), quantile(slower, 0.75));
-}
-
-void printSummary(const BenchSkipOptions& options, const std::string& name, const Device& device,
-                  const std::vector<Row>& rows, double worst, const std::vector<double>& slower) {
-  std::printf(
-      "%s, --skip %s (bound %g), model %s (%s), %s: median of %d pairs of runs%s\n\n%s\nLargest change of a window "
-      "%.5f: the bound %s.\n",
-      options.folder.c_str(), options.skip.c_str(), static_cast<double>(parseSkip(options.skip)), name.c_str(),
-      options.precision.c_str(), device.description().name.c_str(), options.runs, options.cpuTime ? ", CPU time" : "",
-      aligned(rows).c_str(), worst, worst <= static_cast<double>(parseSkip(options.skip)) ? "holds" : "does not hold");
-  printCost(slower);
+void checkOutputs(const BenchSkipOptions& options) {
+  if (!options.json.empty()) requireExtension(options.json, ".json", "--json");
+  for (const std::string& file : {options.json, options.markdown})
+    if (!file.empty()) requireWritable(file);
 }
 
 void run(const BenchSkipOptions& options) {
-  if (!options.markdown.empty()) requireWritable(options.markdown);
+  checkOutputs(options);
   QualitySetting setting{options.scale, options.colour, options.aux};
   const std::string name = options.model.empty() ? defaultModelName(options.scale) : options.model;
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); });
   setting.read(model);
   const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
-  std::vector<Row> rows{
-      {"scene", "skipped", "work", "s off", "s skip", "faster", "PSNR off", "change dB", "skipped windows", "others"}};
-  double worst = 0;
-  std::vector<double> slower;
+  SkipReport report{options.folder,       name,         model.hash(),   options.precision, options.skip, setting,
+                    device.description(), options.runs, options.cpuTime};
   for (const SceneFiles& files : list.scenes) {
     const Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, setting); });
-    const SkipMeasurement made =
-        failingWith(ExitCode::device, [&] { return measureScene(device, model, files, scene, options); });
-    if (made.map.work == 1) {
-      const std::vector<double> pairs = ratios(made.seconds, made.secondsOff);
-      slower.insert(slower.end(), pairs.begin(), pairs.end());
-    }
-    worst = std::max({worst, made.change.interpolated, made.change.computed});
-    rows.push_back(rowOf(made));
+    report.scenes.push_back(
+        failingWith(ExitCode::device, [&] { return measureScene(device, model, files, scene, options); }));
   }
-  if (!options.quiet) printSummary(options, name, device, rows, worst, slower);
-  if (!options.markdown.empty()) failingWith(ExitCode::output, [&] { writeText(options.markdown, markdown(rows)); });
+  if (!options.quiet) std::fputs(plainText(report).c_str(), stdout);
+  failingWith(ExitCode::output, [&] {
+    if (!options.json.empty()) writeText(options.json, jsonText(report));
+    if (!options.markdown.empty()) writeText(options.markdown, markdownText(report));
+  });
 }
 
 }  // namespace
@@ -193,6 +129,7 @@ void addBenchSkip(CLI::App& group) {
       ->capture_default_str();
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
+  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
   verb->add_option("--markdown", options->markdown, "File to write with the table")->type_name("MD");
   addQuiet(*verb, options->quiet);
   verb->footer(

@@ -9,9 +9,8 @@
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quality_scenes.h"
 #include "cli/quiet.h"
-#include "cli/table.h"
+#include "cli/tiles_report.h"
 #include "image/compose.h"
 #include "image/metrics.h"
 #include "image/png_write.h"
@@ -23,19 +22,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchTilesOptions {
-  std::string folder, model, device, heatMap, precision = kFp32;
+  std::string folder, model, device, heatMap, json, precision = kFp32;
   std::vector<uint32_t> halos{0, 8, 16, 24, 32, 48};
   bool halosAsked = false;  // else those that fit every scene
   uint32_t columns = 2, rows = 1;
   int colour = 64, aux = 16;
   bool quiet = false;
-};
-
-/// How far a picture made of tiles is from that of the whole frame, and both from the reference.
-struct TileError {
-  double relativeRms = 0;  // of log(1 + e x), e the exposure
-  double step = 0;         // of the sRGB picture, in 255ths: by how much the difference jumps between neighbours
-  double psnr = 0;         // less that of the whole frame, dB
 };
 
 double level(float radiance) { return 255 * srgbFromLinear(std::clamp(static_cast<double>(radiance), 0.0, 1.0)); }
@@ -114,11 +106,8 @@ bool fits(const TileOptions& tiles, const Model& model, const Frame& frame) {
   }
 }
 
-/// Errors of one halo, by scene.
-using Errors = std::vector<TileError>;
-
 void measureScene(const BenchTilesOptions& options, Device& device, const Model& model, const SceneFiles& files,
-                  const QualitySetting& setting, std::vector<Errors>& errors) {
+                  const QualitySetting& setting, std::vector<HaloErrors>& errors) {
   const Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, setting); });
   Runner runner(options, device, model, scene.frame);
   const Image whole = runner.run({});
@@ -132,7 +121,7 @@ void measureScene(const BenchTilesOptions& options, Device& device, const Model&
       continue;
     }
     const Image tiled = runner.run(tiles);
-    errors[i].push_back(errorOf(tiled, whole, scene.reference, runner.exposure));
+    errors[i].scenes.push_back(errorOf(tiled, whole, scene.reference, runner.exposure));
     if (!options.heatMap.empty()) maps.push_back(heatMap(differenceMap(tiled, whole), 8));
   }
   if (!options.heatMap.empty())
@@ -140,27 +129,22 @@ void measureScene(const BenchTilesOptions& options, Device& device, const Model&
                 [&] { writePng(fs::path(options.heatMap) / (files.name + ".png"), sideBySide(maps, 4)); });
 }
 
-Row rowOf(uint32_t halo, const Errors& errors) {
-  TileError mean, worst;
-  for (const TileError& error : errors) {
-    mean.relativeRms += error.relativeRms / static_cast<double>(errors.size());
-    mean.psnr += error.psnr / static_cast<double>(errors.size());
-    worst.relativeRms = std::max(worst.relativeRms, error.relativeRms);
-    worst.step = std::max(worst.step, error.step);
-    worst.psnr = std::min(worst.psnr, error.psnr);
-  }
-  return {std::to_string(halo),     text("%.2e", mean.relativeRms), text("%.2e", worst.relativeRms),
-          text("%+.4f", mean.psnr), text("%+.4f", worst.psnr),      text("%.2f", worst.step)};
-}
-
 void run(const BenchTilesOptions& options) {
+  if (!options.json.empty()) {
+    requireExtension(options.json, ".json", "--json");
+    requireWritable(options.json);
+  }
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
   QualitySetting setting{
       .scale = static_cast<int>(model.scale()), .colourSamples = options.colour, .auxSamples = options.aux};
   setting.read(model);
   const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
-  std::vector<Errors> errors(options.halos.size());
+  TilesReport report{options.folder, options.model,        model.hash(),    options.precision,
+                     setting,        device.description(), options.columns, options.rows};
+  for (const SceneFiles& files : list.scenes) report.sceneNames.push_back(files.name);
+  std::vector<HaloErrors> errors;
+  for (const uint32_t halo : options.halos) errors.push_back({halo});
   {
     ProgressBar bar(options.quiet);
     for (size_t i = 0; i < list.scenes.size(); ++i) {
@@ -169,12 +153,10 @@ void run(const BenchTilesOptions& options) {
       stopIfInterrupted();
     }
   }
-  std::vector<Row> table{{"halo", "RMS, mean", "RMS, worst", "PSNR, mean", "PSNR, worst", "largest step"}};
-  for (size_t i = 0; i < errors.size(); ++i)
-    if (errors[i].size() == list.scenes.size()) table.push_back(rowOf(options.halos[i], errors[i]));
-  if (options.quiet) return;
-  std::printf("%s, %s, %zu scenes of %s, %u x %u tiles\n%s", options.model.c_str(), options.precision.c_str(),
-              list.scenes.size(), options.folder.c_str(), options.columns, options.rows, markdown(table).c_str());
+  for (const HaloErrors& found : errors)
+    if (found.scenes.size() == list.scenes.size()) report.halos.push_back(found);
+  if (!options.quiet) std::fputs(plainText(report).c_str(), stdout);
+  if (!options.json.empty()) failingWith(ExitCode::output, [&] { writeText(options.json, jsonText(report)); });
 }
 
 }  // namespace
@@ -211,6 +193,7 @@ void addBenchTiles(CLI::App& group) {
           "and more brightest")
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
+  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
   addQuiet(*verb, options->quiet);
   verb->footer(
       "Each scene is upscaled as a whole and in tiles. RMS: of the difference over that of the whole frame, both as\n"

@@ -4,6 +4,7 @@
 
 #include "app/failing_with.h"
 #include "cli/commands.h"
+#include "cli/device_json.h"
 #include "cli/output_file.h"
 #include "xrds/xrds.h"
 
@@ -12,15 +13,11 @@ namespace {
 
 std::string jsonText(const std::vector<Device::Description>& devices) {
   nlohmann::ordered_json json{{"version", XRDS_VERSION}, {"devices", nlohmann::ordered_json::array()}};
-  for (size_t i = 0; i < devices.size(); ++i)
-    json["devices"].push_back({{"index", i},
-                               {"name", devices[i].name},
-                               {"kind", devices[i].kind},
-                               {"uuid", devices[i].uuid},
-                               {"driver", devices[i].driver},
-                               {"apiVersion", devices[i].apiVersion},
-                               {"memoryBytes", devices[i].memoryBytes},
-                               {"kernelFamily", devices[i].kernelFamily}});
+  for (size_t i = 0; i < devices.size(); ++i) {
+    json["devices"].push_back({{"index", i}});
+    json["devices"].back().update(jsonOf(devices[i]));
+    json["devices"].back()["kernelFamily"] = devices[i].kernelFamily;
+  }
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "cli/device_json.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -105,12 +106,7 @@ std::string doctorJson(const Findings& findings, const Verdict& verdict) {
   const Device::Description& device = findings.device;
   const DeviceCapabilities& can = findings.capabilities;
   Json json{{"version", XRDS_VERSION}, {"runs", findings.runs}};
-  json["device"] = {{"name", device.name},
-                    {"kind", device.kind},
-                    {"uuid", device.uuid},
-                    {"driver", device.driver},
-                    {"apiVersion", device.apiVersion},
-                    {"memoryBytes", device.memoryBytes}};
+  json["device"] = jsonOf(device);
   json["capabilities"] = {{"kernelFamily", can.kernelFamily},
                           {"matrixUnits", can.matrixUnits},
                           {"matrixTrusted", can.matrixTrusted},

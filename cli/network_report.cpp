@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "cli/device_json.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -146,12 +147,6 @@ Json jsonOf(const AccuracyRow& row) {
   else if (row.image)
     json["imageErrorMissing"] = row.image->missing;
   return json;
-}
-
-Json jsonOf(const Device::Description& device) {
-  return {{"name", device.name},     {"kind", device.kind},
-          {"driver", device.driver}, {"apiVersion", device.apiVersion},
-          {"uuid", device.uuid},     {"memoryBytes", device.memoryBytes}};
 }
 
 }  // namespace

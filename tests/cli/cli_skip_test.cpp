@@ -1,4 +1,6 @@
 // Frames of which a part needs no network, through the command.
+#include <nlohmann/json.hpp>
+
 #include "tests/cli/frames.h"
 
 namespace xrds::test {
@@ -37,6 +39,46 @@ TEST(CliSkip, RefusesWhatCannotHold) {
   EXPECT_EQ(runXrds(frame.arguments({"--skip", "-1"})).exitCode, 2);
   writeParts(frame.aux, {{boxOf(20, 16), boxOf(20, 16), {albedoLayer("albedo", 20)}}});
   expectFailure(runXrds(frame.arguments({"--skip", "0.01"}, none)), 4, "--skip is refused", frame.folder, 2);
+}
+
+TEST(CliSkip, BenchTimesPairsOfRunsAndTellsTheLargestChange) {
+  const TemporaryFolder folder, out;
+  const Layer colour = colourLayer("", 360);
+  for (const auto& [name, edge] : {std::pair{"even", 20}, {"noise", 90}}) {
+    writeHalfEvenFrame(folder / (std::string(name) + "_lr64.exr"), folder / (std::string(name) + "_aux16.exr"), edge);
+    writeParts(folder / (std::string(name) + "_gt.exr"), {{boxOf(360, 280), boxOf(360, 280), {colour}}});
+  }
+  const std::string json = (out / "skip.json").string(), table = (out / "skip.md").string();
+  std::vector<std::string> bench{
+      "bench", "skip", (folder / "").string(), "--model", goldenModel("s4_guided"), "--runs", "2", "--json"};
+  auto measured = bench;
+  measured.insert(measured.end(), {json, "--markdown", table});
+  const Ended ended = runXrds(measured);
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  // The bound is one of trained models: random weights break it.
+  EXPECT_NE(ended.output.find("the bound does not hold"), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find("Where nothing is skipped: 2 pairs"), std::string::npos) << ended.output;
+  EXPECT_NE(readBytes(table).find("| scene | skipped | work |"), std::string::npos);
+
+  const auto report = nlohmann::json::parse(readBytes(json));
+  EXPECT_EQ(report["devices"].size(), 1u);
+  EXPECT_EQ(report["runs"], 2);
+  EXPECT_NEAR(report["bound"], 0.005, 1e-6);
+  EXPECT_GT(report["largestChange"], report["bound"]);
+  EXPECT_EQ(report["largestChange"], report["scenes"][0]["largestChange"]["skipped"]);
+  EXPECT_EQ(report["cost"]["pairs"], 2);
+  ASSERT_EQ(report["scenes"].size(), 2u);
+  const auto &even = report["scenes"][0], &noise = report["scenes"][1];
+  EXPECT_EQ(even["name"], "even");
+  EXPECT_GT(even["skipped"], 0.2);
+  EXPECT_LT(even["work"], 1);
+  EXPECT_EQ(even["secondsOff"].size(), 2u);
+  EXPECT_EQ(noise["skipped"], 0);
+  EXPECT_EQ(noise["work"], 1);
+  EXPECT_EQ(noise["psnr"], noise["psnrOff"]);
+
+  bench.push_back("skip.txt");
+  expectFailure(runXrds(bench), 2, "--json takes a name that ends in .json", folder, 6);
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Frames that do not fit the memory they may use: tiles, through the command.
+#include <nlohmann/json.hpp>
+
 #include "tests/cli/frames.h"
 
 namespace xrds::test {
@@ -60,19 +62,38 @@ TEST(CliTiles, InfoTellsTheTilesThatFit) {
 }
 
 TEST(CliTiles, BenchMeasuresTheErrorOfEachHalo) {
-  const TemporaryFolder folder, maps;
+  const TemporaryFolder folder, maps, out;
   const NoisyFrame frame;
   std::filesystem::copy_file(frame.color, folder / "s_lr64.exr");
   std::filesystem::copy_file(frame.aux, folder / "s_aux16.exr");
   const Layer colour = colourLayer("", 360);
   writeParts(folder / "s_gt.exr", {{boxOf(360, 280), boxOf(360, 280), {colour}}});
-  const Ended ended = runXrds({"bench", "tiles", (folder / "").string(), "--model", goldenModel("s4_guided"), "--halo",
-                               "0,32", "--heat-map", (maps / "").string()});
+  const std::string json = (out / "tiles.json").string();
+  std::vector<std::string> bench{"bench", "tiles", (folder / "").string(), "--model", goldenModel("s4_guided"),
+                                 "--json"};
+  auto measured = bench;
+  measured.insert(measured.end(), {json, "--halo", "0,32", "--heat-map", (maps / "").string()});
+  const Ended ended = runXrds(measured);
   EXPECT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_EQ(ended.output.find("| 0 | 0.00e+00"), std::string::npos) << ended.output;
   EXPECT_NE(ended.output.find("| 32 | 0.00e+00 | 0.00e+00 | +0.0000 | +0.0000 | 0.00 |"), std::string::npos)
       << ended.output;
   EXPECT_EQ(maps.fileCount(), 1u);
+
+  const auto report = nlohmann::json::parse(readBytes(json));
+  EXPECT_EQ(report["devices"].size(), 1u);
+  EXPECT_EQ(report["scale"], 4);
+  ASSERT_EQ(report["halos"].size(), 2u);
+  const auto &none = report["halos"][0], &whole = report["halos"][1];
+  EXPECT_EQ(none["halo"], 0);
+  EXPECT_GT(none["scenes"]["s"]["relativeRms"], 0);
+  EXPECT_EQ(none["mean"]["relativeRms"], none["scenes"]["s"]["relativeRms"]);
+  EXPECT_EQ(none["worst"], none["scenes"]["s"]);
+  EXPECT_EQ(whole["worst"]["relativeRms"], 0);
+  EXPECT_EQ(whole["worst"]["step"], 0);
+
+  bench.push_back("tiles.txt");
+  expectFailure(runXrds(bench), 2, "--json takes a name that ends in .json", folder, 3);
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+#include "cli/tiles_report.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/device_json.h"
+#include "cli/table.h"
+
+namespace xrds {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::pair<const char*, const char*> kDefinitions[] = {
+    {"halo", "low-resolution pixels around each tile"},
+    {"relativeRms",
+     "RMS of the difference to the picture of the whole frame over the RMS of that, both as log(1 + exposure "
+     "radiance)"},
+    {"psnrChange", "PSNR against the reference less that of the whole frame, dB"},
+    {"step", "the largest change of the difference of the sRGB pictures between two neighbouring pixels, in 255ths"},
+    {"worst", "of each number by itself: the largest, of psnrChange the least"},
+};
+
+Json jsonOf(const TileError& error) {
+  return {{"relativeRms", error.relativeRms}, {"psnrChange", error.psnr}, {"step", error.step}};
+}
+
+Json jsonOf(const TilesReport& report, const HaloErrors& errors) {
+  Json json{{"halo", errors.halo}, {"mean", jsonOf(errors.mean())}, {"worst", jsonOf(errors.worst())}};
+  for (size_t i = 0; i < errors.scenes.size(); ++i) json["scenes"][report.sceneNames[i]] = jsonOf(errors.scenes[i]);
+  return json;
+}
+
+Row rowOf(const HaloErrors& errors) {
+  const TileError mean = errors.mean(), worst = errors.worst();
+  return {std::to_string(errors.halo), text("%.2e", mean.relativeRms), text("%.2e", worst.relativeRms),
+          text("%+.4f", mean.psnr),    text("%+.4f", worst.psnr),      text("%.2f", worst.step)};
+}
+
+}  // namespace
+
+TileError HaloErrors::mean() const {
+  TileError mean;
+  for (const TileError& error : scenes) {
+    mean.relativeRms += error.relativeRms / static_cast<double>(scenes.size());
+    mean.psnr += error.psnr / static_cast<double>(scenes.size());
+    mean.step += error.step / static_cast<double>(scenes.size());
+  }
+  return mean;
+}
+
+TileError HaloErrors::worst() const {
+  TileError worst = scenes.empty() ? TileError{} : scenes.front();
+  for (const TileError& error : scenes) {
+    worst.relativeRms = std::max(worst.relativeRms, error.relativeRms);
+    worst.psnr = std::min(worst.psnr, error.psnr);
+    worst.step = std::max(worst.step, error.step);
+  }
+  return worst;
+}
+
+std::string plainText(const TilesReport& report) {
+  std::vector<Row> table{{"halo", "RMS, mean", "RMS, worst", "PSNR, mean", "PSNR, worst", "largest step"}};
+  for (const HaloErrors& errors : report.halos) table.push_back(rowOf(errors));
+  return report.model + ", " + report.precision + ", " + std::to_string(report.sceneNames.size()) + " scenes of " +
+         report.folder + ", " + std::to_string(report.columns) + " x " + std::to_string(report.rows) + " tiles\n" +
+         markdown(table);
+}
+
+std::string jsonText(const TilesReport& report) {
+  Json json{{"version", XRDS_VERSION},
+            {"processors", std::thread::hardware_concurrency()},
+            {"folder", report.folder},
+            {"model", report.model},
+            {"modelHash", report.modelHash},
+            {"precision", report.precision},
+            {"scale", report.setting.scale},
+            {"colourSamples", report.setting.colourSamples},
+            {"auxSamples", *report.setting.auxSamples},
+            {"columns", report.columns},
+            {"rows", report.rows}};
+  for (const auto& [name, definition] : kDefinitions) json["definitions"][name] = definition;
+  json["devices"].push_back(jsonOf(report.device));
+  json["halos"] = Json::array();
+  for (const HaloErrors& errors : report.halos) json["halos"].push_back(jsonOf(report, errors));
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace xrds
