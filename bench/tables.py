@@ -1,6 +1,8 @@
 """Keeps the tables of the documents equal to measurements that stand in bench/results.
 
-    python3 bench/tables.py measure [--xrds build/release/cli/xrds]   # times every shipped model, minutes
+    python3 bench/tables.py measure network [--xrds build/release/cli/xrds]  # times every shipped model, minutes
+    python3 bench/tables.py measure skip FRAMES                       # times skipping on frames of bench/skip_scenes.py
+    python3 bench/tables.py measure tiles VAL_FOLDER                  # the error of tiles on scenes
     python3 bench/tables.py gather OUT_FOLDER                         # takes over what bench/quality.sh has measured
     python3 bench/tables.py write                                     # writes the tables into the documents
     python3 bench/tables.py check                                     # exit code 1 if a document differs
@@ -19,11 +21,12 @@ import subprocess
 import sys
 import tempfile
 
+import parts_tables
 import quality_tables
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
-DOCUMENTS = ("docs/performance.md", "docs/quality.md")
+DOCUMENTS = ("docs/performance.md", "docs/quality.md", "bench/skip.md", "bench/tiles.md")
 BLOCK = re.compile(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -43,15 +46,35 @@ def commit():
     return name + ("+" if changed.strip() else "")
 
 
-def measure(program):
-    """bench/results/network.json: every shipped model at 1024 x 1024, without the times of single kernels."""
+def bench(program, *arguments):
+    """What `xrds bench ARGUMENTS` writes as JSON."""
     with tempfile.TemporaryDirectory() as folder:
-        found = pathlib.Path(folder) / "network.json"
-        subprocess.run([program, "bench", "network", "--model", "all", "--size", "1024", "--json", str(found)], check=True)
-        report = json.loads(found.read_text())
+        found = pathlib.Path(folder) / "found.json"
+        subprocess.run([program, "bench", *arguments, "--json", str(found)], check=True)
+        return json.loads(found.read_text())
+
+
+def measure_network(program):
+    """bench/results/network.json: every shipped model at 1024 x 1024, without the times of single kernels."""
+    report = bench(program, "network", "--model", "all", "--size", "1024")
     for row in report["networks"]:
         row.pop("kernels", None)
     keep("network", {**origin(), "command": "xrds bench network --model all --size 1024", **report})
+
+
+def measure_skip(program, frames):
+    """bench/results/skip.json: the frames of bench/skip_scenes.py with one model of each scale, and nano."""
+    found = [bench(program, "skip", frames, *case) for case in parts_tables.SKIP_CASES]
+    keep("skip", {**origin(), "command": "xrds bench skip FRAMES --model MODEL --scale S", **parts_tables.together(found)})
+
+
+def measure_tiles(program, scenes):
+    """bench/results/tiles.json: two tiles cut in the middle of every scene, with halos of growing size."""
+    found = [bench(program, "tiles", scenes, *case) for case in parts_tables.TILE_CASES]
+    keep("tiles", {**origin(), "command": "xrds bench tiles VAL_FOLDER --model MODEL --halo 0,8,16,24", **parts_tables.together(found)})
+
+
+MEASUREMENTS = {"network": measure_network, "skip": measure_skip, "tiles": measure_tiles}
 
 
 def origin():
@@ -92,7 +115,8 @@ TABLES = {"network": ("network", network_table), "quality_means": ("quality", qu
           "quality_scenes": ("quality", quality_tables.scenes), "quality_others": ("quality", quality_tables.others),
           "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_merged": ("quality", quality_tables.merged),
           "quality_ensemble": ("quality", quality_tables.ensemble),
-          "quality_equal": ("quality", quality_tables.equal)}
+          "quality_equal": ("quality", quality_tables.equal), "skip": ("skip", parts_tables.skip_table),
+          "tiles": ("tiles", parts_tables.tiles_table)}
 
 
 def updated(text, results=RESULTS):
@@ -107,15 +131,18 @@ def updated(text, results=RESULTS):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("measure", "gather", "write", "check", "origin"))
-    parser.add_argument("folder", nargs="?", type=pathlib.Path, help="for gather: OUT_FOLDER of bench/quality.sh")
+    parser.add_argument("of", nargs="*", metavar="NAME | FOLDER", help="what to measure, and the folder of its scenes; the folder to gather")
     parser.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
     options = parser.parse_args()
     if options.what == "measure":
-        return measure(options.xrds)
+        name, *folder = options.of or [""]
+        if name not in MEASUREMENTS or len(folder) != (name != "network"):
+            parser.error("measure takes network, skip FRAMES or tiles VAL_FOLDER")
+        return MEASUREMENTS[name](options.xrds, *folder)
     if options.what == "gather":
-        if options.folder is None:
+        if len(options.of) != 1:
             parser.error("gather takes the OUT_FOLDER of bench/quality.sh")
-        return keep("quality", quality_tables.gather(options.folder))
+        return keep("quality", quality_tables.gather(pathlib.Path(options.of[0])))
     if options.what == "origin":
         return print(json.dumps(origin()))
     for name in DOCUMENTS:

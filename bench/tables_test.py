@@ -6,6 +6,7 @@ import sys
 import tempfile
 import unittest
 
+import parts_tables
 import quality_tables
 import tables
 
@@ -49,6 +50,21 @@ class Tables(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             text = "<!-- table quality_means -->\nold\n<!-- end -->\n"
             self.assertEqual(tables.updated(text, pathlib.Path(folder)), text)
+
+    def test_skipping_and_tiles_have_a_row_for_each_case(self):
+        report = lambda model, **found: {"version": "0", "processors": 2, "definitions": {}, "devices": [{"driver": "a driver"}],
+                                         "folder": "here", "model": model, "precision": "fp32", "runs": 3, **found}
+        stated = {"commit": "abc1234", "machine": {"processor": "a processor", "processors": 2}, "command": "xrds bench"}
+        scene = {"name": "sky", "skipped": 0.5, "work": 0.75, "medianSecondsOff": 2.0, "medianSeconds": 1.0, "faster": 2.0, "psnrOff": 40.0,
+                 "psnr": 40.25, "largestChange": {"skipped": 0.001, "others": 0.0005}}
+        first, *_, row = parts_tables.skip_table({**stated, **parts_tables.together([report("xrds-x4-m", scenes=[scene])])}).splitlines()
+        self.assertEqual(first, "`xrds bench`, commit abc1234, 2 cores of a processor, a driver, fp32, medians of 3 pairs of runs:")
+        self.assertEqual(row, "| x4-m | sky | 50.0 % | 75.0 % | 2.000 | 1.000 | **2.00** | 40.000 | +0.2500 | 0.00100 | 0.00050 |")
+        error = {"relativeRms": 0.01, "psnrChange": -0.125, "step": 2.5}
+        halos = [{"halo": halo, "mean": error, "worst": error} for halo in (8, 16)]
+        table = parts_tables.tiles_table({**stated, **parts_tables.together([report(model, halos=halos) for model in ("m", "n")])})
+        self.assertEqual(table.splitlines()[-1], "| n | **16**, the default | 1.00e-02 | 1.00e-02 | -0.1250 | -0.1250 | 2.50 |")
+        self.assertEqual(len(table.splitlines()), 8)
 
     def test_quality_is_gathered_with_its_origin_and_distances(self):
         with tempfile.TemporaryDirectory() as name:
