@@ -21,10 +21,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 HERE = ROOT / "bench"
 
 # Renders whose guides are of the same paths: scale, samples of the colour, of the full-resolution render.
-PATH_TRACED = ((4, 64, 16), (4, 64, 8), (4, 64, 4), (4, 64, 1), (4, 16, 4), (4, 16, 2), (4, 16, 1), (2, 16, 16), (2, 16, 4), (2, 8, 2), (2, 4, 2), (2, 4, 1))
+PATH_TRACED = ((4, 64, 16), (4, 64, 4), (4, 64, 1), (4, 16, 4), (4, 16, 1), (2, 16, 4), (2, 8, 2), (2, 4, 1))
 # Renders whose guides are clean and cost nothing: scale, samples of the colour.
-FREE = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4), (2, 16))
+FREE = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4))
 DENOISED_SPP = (1, 2, 4, 8, 16)
+PART_NAMES = ("path-traced", "free", "denoised")
+KEPT = tables.RESULTS / "budgets.json"
 
 
 def library():
@@ -86,15 +88,24 @@ class Measurement:
 
 
 def measure(options):
+    """Adds the rows of the parts that are asked for to those of the other parts that were measured before, of the same commit or another."""
+    kept = json.loads(KEPT.read_text())["rows"] if KEPT.exists() else []
     with tempfile.TemporaryDirectory() as work:
         found = Measurement(options.xrds, pathlib.Path(work))
-        for data, folder in (("val", options.val), ("large", options.large)):
-            found.path_traced(data, folder)
-        for data, folder in (("live", options.live), ("large", options.large)):
-            found.free_guides(data, folder)
-        for data, folder in (("val", options.val), ("live", options.live), ("large", options.large)):
-            found.denoised(data, folder)
-    tables.keep("budgets", {**tables.origin(), "command": "python3 bench/budgets.py measure VAL LIVE LARGE", "rows": found.rows})
+        measures = {"path-traced": found.path_traced, "free": found.free_guides, "denoised": found.denoised}
+        for part in options.parts:
+            first = len(found.rows)
+            for data in ("val", "live", "large"):
+                if (data, part) not in (("live", "path-traced"), ("val", "free")):      # what the folders have not, or another one shows
+                    measures[part](data, getattr(options, data))
+            for row in found.rows[first:]:
+                row.update(part=part, commit=tables.commit())
+    rows = [row for row in kept if row["part"] not in options.parts] + found.rows
+    tables.keep("budgets", {**tables.origin(), "command": "python3 bench/budgets.py measure VAL LIVE LARGE", "rows": rows})
+
+
+def listed(names):
+    return " and ".join(sorted(names))
 
 
 def name_of(row):
@@ -157,13 +168,13 @@ PARTS = (("val", "path", "Guides of the same paths, ten scenes of 256 x 256", "b
 
 
 def write():
-    report = json.loads((tables.RESULTS / "budgets.json").read_text())
-    machine = report["machine"]
+    report = json.loads(KEPT.read_text())
+    machine, rows_of_all = report["machine"], report["rows"]
     text = ["# What wins at which number of samples", "",
             "Which render to make, and what to make of it: mean PSNR in dB against the average samples a pixel of the output, colour samples over the square of the scale plus those",
             "of the full-resolution render. Guides that cost nothing (rasterized ones, primary hits) count as none. *OIDN* is Open Image Denoise on a full-resolution render of as",
             "many samples, albedo and normal denoised first; *merged*: the colours of both renders; *denoised first*: `--denoise-first`. In brackets the samples of the two renders. Made by",
-            f"`python3 bench/budgets.py write` of `{report['command']}`, commit {report['commit']}, on {machine['processor']}.", ""]
+            f"`python3 bench/budgets.py write` of `{report['command']}`, commits {listed({row['commit'] for row in rows_of_all})}, on {machine['processor']}.", ""]
     for data, kind, title, image in PARTS:
         rows = [row for row in report["rows"] if row["data"] == data and (row["model"] == "OIDN" or (row["aux"] == "converged") == (kind == "free"))]
         if not rows:
@@ -179,6 +190,7 @@ def main():
     measuring = verbs.add_parser("measure")
     for name in ("val", "live", "large"):
         measuring.add_argument(name, type=pathlib.Path)
+    measuring.add_argument("--parts", nargs="+", choices=PART_NAMES, default=PART_NAMES, help="measure these alone")
     measuring.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
     verbs.add_parser("write")
     options = parser.parse_args()

@@ -20,7 +20,7 @@ rm -f "$out"/{auxiliary,equal}.md "$out"/x*_aux*.{md,json} "$out"/oidn_*.lpips.{
 python3 "$here/tables.py" origin > "$out/origin.json"
 shipped=" $("$xrds" info | tr '\n' ' ') "
 
-# The --model options of the shipped models of a scale.
+# The --model options of the shipped models of a scale, but for those that only take merged colours.
 model_options() {
   local name names
   case $1 in
@@ -33,6 +33,11 @@ model_options() {
       *) [ $# -eq 1 ] || echo "left out: model $name is not there" >&2 ;;
     esac
   done
+}
+
+# full_model SCALE COLOUR AUX [OPTION...]: the --model option of the full model, where it is shipped and the colour is merged.
+full_model() {
+  case "${4:-} $shipped" in "--merge "*" xrds-x$1-full "*) echo "--model xrds-x$1-full" ;; esac
 }
 
 # table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged, with --ensemble N
@@ -48,7 +53,7 @@ table() {
   rm -rf "$out/images"
   # shellcheck disable=SC2046 # the options are words
   "$xrds" bench quality "$val" --scale "$1" --samples "$2" --aux "$3" $(model_options "$1") "${@:4}" \
-    --write "$out/images" --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" || {
+    $(full_model "$@") --write "$out/images" --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" || {
     echo "left out: $(grep -v warning "$fragment.log" | tail -1)" >&2
     return 1
   }
@@ -98,7 +103,7 @@ for aux in 1 4 16 converged; do
   table 4 64 "$aux" && gather "$out/auxiliary.md" "x4, 64 spp, aux $aux"
 done
 
-# The same renders, the colour merged with that of the full-resolution one.
+# The same renders, the colour merged with that of the full-resolution one, which full models take, too.
 table 4 64 16 --merge || true
 for setting in "4 64 4" "4 16 1" "2 16 4" "2 4 1"; do
   # shellcheck disable=SC2086 # three words

@@ -122,9 +122,9 @@ def merged(report):
     """The colour as it is, and merged with that of the full-resolution render."""
     rows = []
     for setting, key in MERGED:
-        with_merge = {found["name"]: found for found in report["settings"].get(key + "_merged", [])}
-        rows += [[setting, found["name"], trimmed_cell(found), trimmed_cell(with_merge[found["name"]])]
-                 for found in report["settings"].get(key, []) if found["name"] in with_merge and found["name"] != "demodulated"]
+        as_it_is = {found["name"]: trimmed_cell(found) for found in report["settings"].get(key, [])}
+        rows += [[setting, found["name"], as_it_is.get(found["name"], "-"), trimmed_cell(found)]
+                 for found in report["settings"].get(key + "_merged", []) if found["name"] != "demodulated"]
     return markdown(report, ["samples of the two renders", "method", "as it is: PSNR dB / trimmed RelMSE", "merged"], rows)
 
 

@@ -4,17 +4,24 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "frames/session.h"
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
 #include "tests/print_case.h"
+#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace {
 
-constexpr FrameShape kFrame{14, 13};
-constexpr uint32_t kReach = 2;  // low-resolution pixels that a result may take its light from
+// Low-resolution pixels that a result may take its light from: of the base image, and of the prefilter's taps.
+uint32_t reachOf(const NetworkConfig& config) {
+  const uint32_t taps[] = {0, 2, 6 + 1, 18 + 4};
+  return 2 + taps[config.prefilter];
+}
+
+FrameShape frameFor(const NetworkConfig& config) { return {14, 11 + reachOf(config)}; }
 
 std::vector<std::string> shippedModels() {
   std::vector<std::string> names;
@@ -39,20 +46,35 @@ class Homogeneity : public testing::TestWithParam<std::tuple<std::string, Precis
  protected:
   Homogeneity()
       : model_(NetworkModel::read(XRDS_SOURCE_FOLDER "/models/" + std::get<0>(GetParam()) + ".safetensors")),
-        frame_(model_.config(), kFrame) {}
+        shape_(frameFor(model_.config())),
+        frame_(model_.config(), shape_) {}
 
-  std::vector<float> run(bool autoExposure, const std::vector<float>& colour, float exposure = 1) {
+  // The result of the frame, the light of each low-resolution pixel times a factor.
+  std::vector<float> run(bool autoExposure, const std::function<float(uint32_t x, uint32_t c)>& factor,
+                         float exposure = 1) {
     std::optional<Session>& session = autoExposure ? automatic_ : given_;
     if (!session)
-      session.emplace(test::gpu(), model_, kFrame,
+      session.emplace(test::gpu(), model_, shape_,
                       SessionOptions{.precision = std::get<1>(GetParam()), .autoExposure = autoExposure});
     test::NoiseFrame frame = frame_;
-    frame.colour = colour;
+    const auto light = [&](std::vector<float>& image, uint32_t scale) {
+      for (size_t i = 0; i < image.size(); ++i)
+        image[i] *= factor(static_cast<uint32_t>(i / 3 % (shape_.width * scale) / scale), i % 3);
+    };
+    light(frame.colour, 1);
+    const int full = model_.config().auxOffset(kFullColour.name);
+    if (full >= 0) light(frame.auxiliary[static_cast<size_t>(full) / 3], frame.scale);
     session->run(frame.input(autoExposure ? std::nullopt : std::optional(exposure)), frame.output);
     return frame.output;
   }
 
+  std::vector<float> run(bool autoExposure, float factor, float exposure = 1) {
+    return run(
+        autoExposure, [&](uint32_t, uint32_t) { return factor; }, exposure);
+  }
+
   const NetworkModel model_;
+  const FrameShape shape_;
   const test::NoiseFrame frame_;
   std::optional<Session> automatic_, given_;
 };
@@ -60,37 +82,30 @@ class Homogeneity : public testing::TestWithParam<std::tuple<std::string, Precis
 // A factor that is no power of two rounds every pixel anew, which fp16 storage amplifies to some 1e-4.
 TEST_P(Homogeneity, ResultScalesWithTheColour) {
   constexpr float kExposure = 0.7f;
-  const std::vector<float> automatic = run(true, frame_.colour), given = run(false, frame_.colour, kExposure);
+  const std::vector<float> automatic = run(true, 1.f), given = run(false, 1.f, kExposure);
   for (const float factor : {1e-12f, 1e-6f, 0.3f, 1e3f, 1e6f}) {
-    std::vector<float> colour = frame_.colour;
-    for (float& value : colour) value *= factor;
-    EXPECT_LT(relativeRms(run(true, colour), automatic, factor), 1e-3) << factor;
-    EXPECT_LT(relativeRms(run(false, colour, kExposure / factor), given, factor), 1e-3) << factor;
+    EXPECT_LT(relativeRms(run(true, factor), automatic, factor), 1e-3) << factor;
+    EXPECT_LT(relativeRms(run(false, factor, kExposure / factor), given, factor), 1e-3) << factor;
   }
 }
 
 TEST_P(Homogeneity, BlackGivesBlack) {
-  const std::vector<float> black(frame_.colour.size(), 0.f), expected(frame_.output.size(), 0.f);
-  EXPECT_EQ(run(true, black), expected);
-  EXPECT_EQ(run(false, black, 1), expected);
+  const std::vector<float> expected(frame_.output.size(), 0.f);
+  EXPECT_EQ(run(true, 0.f), expected);
+  EXPECT_EQ(run(false, 0.f, 1), expected);
 }
 
 // One half of the frame, and one channel of all of it.
 TEST_P(Homogeneity, NothingIsDrawnWhereNothingAroundIsLit) {
   constexpr uint32_t kLit = 5;  // columns
-  std::vector<float> colour = frame_.colour;
-  for (uint32_t y = 0; y < kFrame.height; ++y)
-    for (uint32_t x = 0; x < kFrame.width; ++x)
-      for (uint32_t c = 0; c < 3; ++c)
-        if (x >= kLit || c == 2) colour[3 * (y * kFrame.width + x) + c] = 0;
-  const std::vector<float> output = run(true, colour);
-  const uint32_t s = model_.config().scale, width = s * kFrame.width;
+  const std::vector<float> output = run(true, [](uint32_t x, uint32_t c) { return x >= kLit || c == 2 ? 0.f : 1.f; });
+  const uint32_t s = model_.config().scale, width = s * shape_.width, reach = reachOf(model_.config());
   float brightest = 0;
-  for (uint32_t y = 0; y < s * kFrame.height; ++y)
+  for (uint32_t y = 0; y < s * shape_.height; ++y)
     for (uint32_t x = 0; x < width; ++x)
       for (uint32_t c = 0; c < 3; ++c) {
         const float value = output[3 * (size_t{y} * width + x) + c];
-        if (x >= s * (kLit + kReach) || c == 2) {
+        if (x >= s * (kLit + reach) || c == 2) {
           ASSERT_EQ(value, 0) << x << " " << y << " " << c;
         }
         brightest = std::max(brightest, value);

@@ -3,7 +3,8 @@
 # usage: models.sh SHARD_FOLDERS VAL_FOLDER RUN_FOLDER [MINUTES=80] [MODEL ...]
 # The paper-size xrds-x4 wants a CUDA device and is trained only when named: models.sh SHARDS VAL RUNS 25 xrds-x4
 # SHARD_FOLDERS in quotes, MINUTES those of x4 compact (the others take a share of them); MODEL: only these.
-# x1 learns from the noisy colour that shards hold: pack them with shards.py --noisy-every 1.
+# x1 and the full models learn from the noisy colour that shards hold: pack them with shards.py --noisy-every 1, for full models
+# --noisy-every 0 --noisy-bits 6. Full models need pyoidn (bench/oidn-requirements.txt) as well.
 # It may be stopped and started again: finished models are skipped, the others resumed. PYTHON chooses the interpreter.
 set -eu
 here=$(dirname "$0")
@@ -35,6 +36,8 @@ filter="--aux-kernels 5"
     model xrds-x4-compact 100 "" --output-side 1 $filter
     model xrds-x4-small 80 xrds-x4-compact --groups 1 --output-side 1 $filter
     model xrds-x2-compact 25 xrds-x4-compact --scale 2 --output-side 1 --rate 3e-4 --ratio 0.5 $filter
+    model xrds-x4-full 70 xrds-x4-compact --aux albedo,normal,colour --colour-kernels 5 --prefilter 2 --output-side 1 --rate 4e-4 \
+        --colour-shares 64:0.45,16:0.55 --aux-shares 1:0.35,2:0.15,4:0.25,8:0.1,16:0.15 --denoised-share 0.65 $filter
     model xrds-x8-compact 25 xrds-x4-compact --scale 8 --output-side 1 --crop 16 --rate 4e-4 $filter
     model xrds-x1-compact 120 xrds-x4-compact --scale 1 --crop 64 --batch 2 --rate 4e-4 --tone 0.4 $filter
     model xrds-x4-compact-albedo 50 xrds-x4-compact --aux albedo --output-side 1 $filter
