@@ -5,13 +5,28 @@
 
 #include "checks/stress/inputs.h"
 #include "image/repair.h"
+#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace {
 
 constexpr float kExposures[] = {1e-30f, 1e-6f, 1, 1e6f, 1e30f};
 
+bool isBlackImage(const Image& image) {
+  return std::all_of(image.pixels.begin(), image.pixels.end(), [](float value) { return value == 0; });
+}
+
 }  // namespace
+
+bool StressFrame::isBlack() const {
+  return isBlackImage(colour) && (fullColour < 0 || isBlackImage(auxiliary[static_cast<size_t>(fullColour)]));
+}
+
+void StressFrame::scaleLight(float factor) {
+  for (float& value : colour.pixels) value *= factor;
+  if (fullColour < 0) return;
+  for (float& value : auxiliary[static_cast<size_t>(fullColour)].pixels) value *= factor;
+}
 
 FrameInput StressFrame::input(bool autoExposure) const {
   const auto viewOf = [](const Image& image) {
@@ -33,7 +48,9 @@ std::vector<StressFrame> stressFrames(const NetworkConfig& config, FrameShape sh
     const size_t aux = natural ? i % naturalCount : (i + 5 * turn) % auxiliaries.size();
     const auto frameSeed = static_cast<uint32_t>(seed + 100 * turn + i);
     StressFrame frame{std::string(colours[i].name), natural, stressColour(i, shape, frameSeed),
-                      stressAuxiliary(aux, config, shape, frameSeed)};
+                      stressAuxiliary(aux, i, config, shape, frameSeed)};
+    const int full = config.auxOffset(kFullColour.name);
+    if (full >= 0) frame.fullColour = full / 3;
     if (!frame.auxiliary.empty()) frame.name += ", " + std::string(auxiliaries[aux].name);
     frame.repairedPixels = repairNonFinite(frame.colour).nonFinitePixels;
     for (Image& image : frame.auxiliary) frame.repairedPixels += repairNonFinite(image).nonFinitePixels;

@@ -16,7 +16,11 @@ struct StressFrame {
   std::vector<Image> auxiliary;
   uint64_t repairedPixels = 0;
   float givenExposure = 1;
+  int fullColour = -1;  // which of the auxiliary images is the full-resolution colour
 
+  bool isBlack() const;
+  /// Multiplies its light, of both colours.
+  void scaleLight(float factor);
   FrameInput input(bool autoExposure) const;
 };
 

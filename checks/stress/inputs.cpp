@@ -135,13 +135,13 @@ Image stressColour(size_t which, FrameShape frame, uint32_t seed) {
   return imageOf(kColours[which], frame.height, frame.width, 0, seed);
 }
 
-std::vector<Image> stressAuxiliary(size_t which, const NetworkConfig& config, FrameShape frame, uint32_t seed) {
+std::vector<Image> stressAuxiliary(size_t which, size_t colour, const NetworkConfig& config, FrameShape frame,
+                                   uint32_t seed) {
   std::vector<Image> images;
   for (const std::string& kind : config.auxInputs) {
     const bool radiance = kind == kFullColour.name;
-    images.push_back(imageOf(radiance ? kColours[which % std::size(kColours)] : kAuxiliaries[which],
-                             config.scale * frame.height, config.scale * frame.width,
-                             radiance || kind == kAlbedo.name ? 0 : 3, ++seed));
+    images.push_back(imageOf(radiance ? kColours[colour] : kAuxiliaries[which], config.scale * frame.height,
+                             config.scale * frame.width, radiance || kind == kAlbedo.name ? 0 : 3, ++seed));
   }
   return images;
 }
