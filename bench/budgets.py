@@ -96,7 +96,7 @@ def measure(options):
         for part in options.parts:
             first = len(found.rows)
             for data in ("val", "live", "large"):
-                if (data, part) not in (("live", "path-traced"), ("val", "free")):      # what the folders have not, or another one shows
+                if (data, part) not in (("live", "path-traced"), ("large", "path-traced"), ("val", "free")):      # what the folders have not, or another one shows
                     measures[part](data, getattr(options, data))
             for row in found.rows[first:]:
                 row.update(part=part, commit=tables.commit())
