@@ -1,4 +1,4 @@
-"""What wins at which number of samples: measures every way to a picture and writes bench/budgets.md with its chart.
+"""What wins at which number of samples: measures every way to a picture and writes budgets.md beside this file, with its charts.
 
     python3 bench/budgets.py measure VAL_FOLDER LIVE_FOLDER LARGE_FOLDER [--xrds build/release/cli/xrds]
     python3 bench/budgets.py write

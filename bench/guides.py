@@ -1,6 +1,6 @@
 """What cheap albedo and normals cost, and what they do to the result: the recipes of scripts/blender_guides.py.
 
-    python3 bench/guides.py DATA_FOLDER WORK_FOLDER 41000:41010 --hdri DIR --models DIR [--samples 16] [--blender blender] > bench/guides.md
+    python3 bench/guides.py DATA_FOLDER WORK_FOLDER 41000:41010 --hdri DIR --models DIR [--samples 16] [--blender blender]
 
 DATA_FOLDER holds the renders sNNNNN_lr64.exr and sNNNNN_gt.exr of the seeds (training/scenes). Each scene is composed anew, saved, rendered
 by every recipe in turn, --rounds times, and upscaled by the default model of scale 4. Prints Markdown. Run it with the Python that Blender finds, the

@@ -11,7 +11,7 @@ the passes of its denoising data; without light it is of no use, which --aux-col
     mirrors    light, and every bounce but those of mirrors and glass, behind which the guides show what is seen
     flat       light and every bounce
 
-bench/guides.md has their cost and what each does to the result. The .blend file is not changed.
+`bench/guides.py` measures their cost and what each does to the result. The .blend file is not changed.
 """
 import argparse
 import os
