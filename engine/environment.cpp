@@ -30,6 +30,13 @@ bool cpuHasAvx512() {
 #endif
 }
 
+// Mesa takes an empty folder for one that it cannot make, and keeps nothing.
+void leaveToDriverIfEmpty([[maybe_unused]] const char* name) {
+#ifndef _WIN32
+  if (variable(name).empty()) unsetenv(name);
+#endif
+}
+
 constexpr const char* kWidth = "LP_NATIVE_VECTOR_WIDTH";
 constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
 
@@ -73,6 +80,7 @@ void placeShaderCache(const std::filesystem::path& folder) {
 std::string wantedKernelFamily() { return variable("XRDS_KERNEL_FAMILY"); }
 
 void widenCpuVectors() {
+  leaveToDriverIfEmpty(kShaderCache);
   if (!variable(kWidth).empty() || !cpuHasAvx512()) return;
   ourWidth = "512";
   setVariable(kWidth, ourWidth);
