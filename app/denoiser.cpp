@@ -150,8 +150,9 @@ Denoiser::Denoiser() {
   if (!library_->device) throw Error("Open Image Denoise opens no device.");
   library_->commitDevice(library_->device);
   library_->check();
-  for (const char* part : {"versionMajor", "versionMinor", "versionPatch"})
-    version_ += (version_.empty() ? "" : ".") + std::to_string(library_->getDeviceInt(library_->device, part));
+  const auto version = [&](const char* part) { return std::to_string(library_->getDeviceInt(library_->device, part)); };
+  name_ =
+      "Open Image Denoise " + version("versionMajor") + "." + version("versionMinor") + "." + version("versionPatch");
 }
 
 Denoiser::~Denoiser() = default;

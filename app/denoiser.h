@@ -17,8 +17,8 @@ class Denoiser {
   Denoiser(const Denoiser&) = delete;
   Denoiser& operator=(const Denoiser&) = delete;
 
-  /// "2.5.1".
-  const std::string& version() const { return version_; }
+  /// "Open Image Denoise 2.5.1".
+  const std::string& name() const { return name_; }
 
   /// The radiance [h, w, 3] without its noise. `albedo` and `normal` [h, w, 3] may be null, the normal where there is
   /// no albedo must be; they are denoised first, each by its own filter, as the manual of Open Image Denoise advises
@@ -28,7 +28,7 @@ class Denoiser {
  private:
   struct Library;
   std::unique_ptr<Library> library_;
-  std::string version_;
+  std::string name_;
 };
 
 }  // namespace xrds

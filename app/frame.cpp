@@ -115,9 +115,8 @@ std::optional<ExrSelection> Frame::fullColour() const {
 void Frame::mergeColour() {
   const std::optional<ExrSelection> layer = fullColour();
   if (!layer) return;
-  Image full = placedInBox(readLayer(auxFile_, *layer), auxFile_.parts[layer->part].dataWindow,
-                           scaledBox(colorPart().dataWindow, fit_->scale));
-  repairRadiance(full);
+  const Image* input = imageOf(kFullColour.name);
+  const Image full = input ? *input : loadRadiance(*layer);
   const double difference = colourDifference(viewOf(colour_), viewOf(full));
   if (!merge_.samples && difference > kMostColourDifference) {
     warnings_.push_back("The colour '" + nameOf(*layer) + "' of '" + auxFile_.path.string() +
@@ -153,7 +152,7 @@ void Frame::denoise(const Denoiser& denoiser) {
   colour_ = denoiser.denoised(colour_, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr);
   for (size_t i = 0; i < inputs_.size(); ++i)
     if (findAuxiliaryInput(inputs_[i])->isRadiance) auxiliary_[i] = denoiser.denoised(auxiliary_[i], albedo, normal);
-  denoisedBy_ = "Open Image Denoise " + denoiser.version();
+  denoisedBy_ = denoiser.name();
 }
 
 const Image* Frame::imageOf(std::string_view input) const {
@@ -165,6 +164,18 @@ void Frame::addWarnings(const std::vector<std::string>& more) {
   warnings_.insert(warnings_.end(), more.begin(), more.end());
 }
 
+// A layer of the auxiliary file in the frame's window.
+Image Frame::readFull(const ExrSelection& layer) const {
+  return placedInBox(readLayer(auxFile_, layer), auxFile_.parts[layer.part].dataWindow,
+                     scaledBox(colorPart().dataWindow, fit_->scale));
+}
+
+Image Frame::loadRadiance(const ExrSelection& layer) const {
+  Image image = readFull(layer);
+  repairRadiance(image);
+  return image;
+}
+
 Image Frame::loadAuxiliary(const std::string& input) {
   const ExrSelection& layer = layerOf(input);
   const Box& stored = auxFile_.parts[layer.part].dataWindow;
@@ -172,12 +183,10 @@ Image Frame::loadAuxiliary(const std::string& input) {
   if (!covers(stored, wanted))
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");
-  Image image = placedInBox(readLayer(auxFile_, layer), stored, wanted);
   const AuxiliaryInput& kind = *findAuxiliaryInput(input);
-  if (kind.isRadiance)
-    repairRadiance(image);  // as where it is merged
-  else if (!kind.isDistance)
-    addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
+  if (kind.isRadiance) return loadRadiance(layer);
+  Image image = readFull(layer);
+  if (!kind.isDistance) addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
   if (kind.isDirection) addWarnings(checkNormal({nameOf(layer), &image}));
   if (kind.isDistance) {
     addWarnings(checkDepth({nameOf(layer), &image}));
@@ -185,6 +194,16 @@ Image Frame::loadAuxiliary(const std::string& input) {
     image.pixels = relativeDepth(image.pixels);
   }
   return image;
+}
+
+bool hasFullColour(const std::filesystem::path& colourPath, const std::filesystem::path& auxPath,
+                   const AovRequest& layers) {
+  try {
+    const std::vector<std::string> inputs{std::string(kAlbedo.name), std::string(kFullColour.name)};
+    return Frame(colourPath, auxPath, layers, inputs).scale() > 1;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 void requireKnownInputs(const Model& model, const std::string& modelName) {

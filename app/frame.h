@@ -60,6 +60,8 @@ class Frame {
   const ExrPart& colorPart() const { return colorFile_.parts[aovs_.color.part]; }
   void fit(const std::string& input);
   const ExrSelection& layerOf(std::string_view input) const;
+  Image readFull(const ExrSelection& layer) const;
+  Image loadRadiance(const ExrSelection& layer) const;
   Image loadAuxiliary(const std::string& input);
   std::optional<ExrSelection> fullColour() const;
   void mergeColour();
@@ -82,6 +84,11 @@ class Frame {
   std::vector<std::string> warnings_;
   size_t repairedPixels_ = 0;
 };
+
+/// Whether the files of a frame hold a full-resolution colour to merge, of the albedo's size. What is wrong with one
+/// that `layers` names is told where it is read.
+bool hasFullColour(const std::filesystem::path& colourPath, const std::filesystem::path& auxPath,
+                   const AovRequest& layers);
 
 /// Throws Error unless a Frame can find every auxiliary input of this model: they are of kAuxiliaryInputs.
 void requireKnownInputs(const Model& model, const std::string& modelName);

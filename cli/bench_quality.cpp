@@ -106,7 +106,7 @@ Contest prepare(const BenchQualityOptions& options) {
   Contest contest{settingOf(options), {}, {}, finishedOf(options), {}};
   if (options.denoiseFirst) {
     contest.denoiser = failingWith(ExitCode::device, [] { return std::make_unique<Denoiser>(); });
-    contest.setting.denoisedBy = "Open Image Denoise " + contest.denoiser->version();
+    contest.setting.denoisedBy = contest.denoiser->name();
   }
   contest.engine = failingWith(ExitCode::model, [&] { return engineMethods(options); });
   requireDistinctNames(contest);

@@ -92,8 +92,10 @@ void run(const BenchSkipOptions& options) {
   setting.read(model);
   const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
-  SkipReport report{options.folder,       name,         model.hash(),   options.precision, options.skip, setting,
-                    device.description(), options.runs, options.cpuTime};
+  SkipReport report{{options.folder, name, model.hash(), options.precision, setting, device.description()},
+                    options.skip,
+                    options.runs,
+                    options.cpuTime};
   for (const SceneFiles& files : list.scenes) {
     const Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, setting); });
     report.scenes.push_back(

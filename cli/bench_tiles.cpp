@@ -140,8 +140,9 @@ void run(const BenchTilesOptions& options) {
   setting.read(model);
   const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
-  TilesReport report{options.folder, options.model,        model.hash(),    options.precision,
-                     setting,        device.description(), options.columns, options.rows};
+  TilesReport report{{options.folder, options.model, model.hash(), options.precision, setting, device.description()},
+                     options.columns,
+                     options.rows};
   for (const SceneFiles& files : list.scenes) report.sceneNames.push_back(files.name);
   std::vector<HaloErrors> errors;
   for (const uint32_t halo : options.halos) errors.push_back({halo});

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/skip_bound.h"
-#include "cli/device_json.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -98,8 +96,8 @@ Json jsonOf(const SkipMeasurement& made) {
 
 std::string plainText(const SkipReport& report) {
   const double worst = largestChange(report), bound = boundOf(report);
-  std::string lines = report.folder + ", --skip " + report.skip + " (bound " + text("%g", bound) + "), model " +
-                      report.model + " (" + report.precision + "), " + report.device.name + ": median of " +
+  std::string lines = report.run.folder + ", --skip " + report.skip + " (bound " + text("%g", bound) + "), model " +
+                      report.run.model + " (" + report.run.precision + "), " + report.run.device.name + ": median of " +
                       std::to_string(report.runs) + " pairs of runs" + (report.cpuTime ? ", CPU time" : "") + "\n\n" +
                       aligned(rowsOf(report)) + "\nLargest change of a window " + text("%.5f", worst) + ": the bound " +
                       (worst <= bound ? "holds" : "does not hold") + ".\n";
@@ -114,20 +112,10 @@ std::string plainText(const SkipReport& report) {
 std::string markdownText(const SkipReport& report) { return markdown(rowsOf(report)); }
 
 std::string jsonText(const SkipReport& report) {
-  Json json{{"version", XRDS_VERSION},
-            {"processors", std::thread::hardware_concurrency()},
-            {"runs", report.runs},
-            {"cpuTime", report.cpuTime},
-            {"folder", report.folder},
-            {"model", report.model},
-            {"modelHash", report.modelHash},
-            {"precision", report.precision},
-            {"scale", report.setting.scale},
-            {"colourSamples", report.setting.colourSamples},
-            {"auxSamples", *report.setting.auxSamples},
-            {"bound", boundOf(report)}};
-  for (const auto& [name, definition] : kDefinitions) json["definitions"][name] = definition;
-  json["devices"].push_back(jsonOf(report.device));
+  Json json = jsonOf(report.run, kDefinitions);
+  json["runs"] = report.runs;
+  json["cpuTime"] = report.cpuTime;
+  json["bound"] = boundOf(report);
   json["scenes"] = Json::array();
   for (const SkipMeasurement& made : report.scenes) json["scenes"].push_back(jsonOf(made));
   json["largestChange"] = largestChange(report);

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/quality_scenes.h"
+#include "cli/model_run.h"
 #include "xrds/xrds.h"
 
 namespace xrds {
@@ -24,11 +24,9 @@ struct SkipMeasurement {
 
 /// All that a run of `xrds bench skip` found out.
 struct SkipReport {
-  std::string folder, model, modelHash, precision;
+  ModelRun run;
   std::string skip;  // as it was asked for
-  QualitySetting setting;
-  Device::Description device;
-  int runs = 0;  // pairs of each scene
+  int runs = 0;      // pairs of each scene
   bool cpuTime = false;
   std::vector<SkipMeasurement> scenes;
 };

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <thread>
 
-#include "cli/device_json.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -63,25 +61,15 @@ TileError HaloErrors::worst() const {
 std::string plainText(const TilesReport& report) {
   std::vector<Row> table{{"halo", "RMS, mean", "RMS, worst", "PSNR, mean", "PSNR, worst", "largest step"}};
   for (const HaloErrors& errors : report.halos) table.push_back(rowOf(errors));
-  return report.model + ", " + report.precision + ", " + std::to_string(report.sceneNames.size()) + " scenes of " +
-         report.folder + ", " + std::to_string(report.columns) + " x " + std::to_string(report.rows) + " tiles\n" +
-         markdown(table);
+  return report.run.model + ", " + report.run.precision + ", " + std::to_string(report.sceneNames.size()) +
+         " scenes of " + report.run.folder + ", " + std::to_string(report.columns) + " x " +
+         std::to_string(report.rows) + " tiles\n" + markdown(table);
 }
 
 std::string jsonText(const TilesReport& report) {
-  Json json{{"version", XRDS_VERSION},
-            {"processors", std::thread::hardware_concurrency()},
-            {"folder", report.folder},
-            {"model", report.model},
-            {"modelHash", report.modelHash},
-            {"precision", report.precision},
-            {"scale", report.setting.scale},
-            {"colourSamples", report.setting.colourSamples},
-            {"auxSamples", *report.setting.auxSamples},
-            {"columns", report.columns},
-            {"rows", report.rows}};
-  for (const auto& [name, definition] : kDefinitions) json["definitions"][name] = definition;
-  json["devices"].push_back(jsonOf(report.device));
+  Json json = jsonOf(report.run, kDefinitions);
+  json["columns"] = report.columns;
+  json["rows"] = report.rows;
   json["halos"] = Json::array();
   for (const HaloErrors& errors : report.halos) json["halos"].push_back(jsonOf(report, errors));
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/quality_scenes.h"
+#include "cli/model_run.h"
 #include "xrds/xrds.h"
 
 namespace xrds {
@@ -27,9 +27,7 @@ struct HaloErrors {
 
 /// All that a run of `xrds bench tiles` found out.
 struct TilesReport {
-  std::string folder, model, modelHash, precision;
-  QualitySetting setting;
-  Device::Description device;
+  ModelRun run;
   uint32_t columns = 2, rows = 1;
   std::vector<std::string> sceneNames;
   std::vector<HaloErrors> halos;  // that fit every scene

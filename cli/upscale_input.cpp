@@ -23,17 +23,11 @@ std::string colourAloneHint(const UpscaleOptions& options) {
   }
 }
 
-// Whether there is a full-resolution colour to merge, of the albedo's size; what is wrong with a named one is told
-// where it is read.
-bool hasFullColour(const UpscaleOptions& options) {
-  try {
-    AovRequest layers = options.layers;
-    if (mergeRequest(options.auxColour, options.samples, layers).never) return false;
-    const std::vector<std::string> inputs{std::string(kAlbedo.name), std::string(kFullColour.name)};
-    return Frame(options.color, options.aux, layers, inputs).scale() > 1;
-  } catch (const Error&) {
-    return false;
-  }
+// Whether there is a full-resolution colour that may be merged.
+bool mayMerge(const UpscaleOptions& options) {
+  AovRequest layers = options.layers;
+  return !mergeRequest(options.auxColour, options.samples, layers).never &&
+         hasFullColour(options.color, options.aux, layers);
 }
 
 // The auxiliary images that the files have beside the albedo, of those that a default model may take.
@@ -41,7 +35,7 @@ std::vector<std::string> inputsThere(const UpscaleOptions& options, const ExrFil
   std::vector<std::string> inputs{std::string(kAlbedo.name)};
   if (!options.layers.nameOf(AovRole::kNormal).empty() || hasAov(file, AovRole::kNormal))
     inputs.emplace_back(kNormal.name);
-  if (hasFullColour(options)) inputs.emplace_back(kFullColour.name);
+  if (mayMerge(options)) inputs.emplace_back(kFullColour.name);
   return inputs;
 }
 
@@ -67,9 +61,12 @@ fs::path modelFile(const UpscaleOptions& options) {
   return model;
 }
 
+OpenedModel openModel(const fs::path& file) {
+  return {file, failingWith(ExitCode::model, [&] { return Model(file); })};
+}
+
 OpenedModel openModel(const UpscaleOptions& options) {
-  const fs::path file = modelFile(options);
-  OpenedModel opened{file, failingWith(ExitCode::model, [&] { return Model(file); })};
+  OpenedModel opened = openModel(modelFile(options));
   failingWith(ExitCode::model, [&] { requireKnownInputs(opened.model, opened.name()); });
   return opened;
 }
@@ -107,6 +104,12 @@ bool isConstant(const Image& image) {
   return true;
 }
 
+// Another model, and the frame as that takes it.
+void reopen(const UpscaleOptions& options, const fs::path& file, OpenedModel& opened, Frame& frame) {
+  opened = openModel(file);
+  frame = openFrame(options, opened);
+}
+
 // A layer that is the same everywhere tells nothing: the model that does without it is taken, where one is shipped.
 void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
   const auto scale = static_cast<int>(opened.model.scale());
@@ -120,8 +123,7 @@ void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame
   if (input == "normal") left = {"albedo"};
   const fs::path file = shippedVariant(scale, left);
   if (file.empty()) return;
-  opened = {file, failingWith(ExitCode::model, [&] { return Model(file); })};
-  frame = openFrame(options, opened);
+  reopen(options, file, opened, frame);
   printWarnings({"The " + input + " is the same everywhere; taking model " + opened.name() + "."});
 }
 
@@ -132,8 +134,7 @@ void leaveUnmergedOut(const UpscaleOptions& options, OpenedModel& opened, Frame&
   const fs::path file = failingWith(ExitCode::model, [&] {
     return defaultModel(scale, {std::string(kAlbedo.name), std::string(kNormal.name)});
   });
-  opened = {file, failingWith(ExitCode::model, [&] { return Model(file); })};
-  frame = openFrame(options, opened);
+  reopen(options, file, opened, frame);
 }
 
 }  // namespace

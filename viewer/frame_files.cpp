@@ -54,16 +54,6 @@ bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
   }
 }
 
-// Whether the files hold a colour at more than the colour's resolution.
-bool hasFullColour(const FrameFiles& files, const AovRequest& layers) {
-  try {
-    const std::vector<std::string> inputs{std::string(kAlbedo.name), std::string(kFullColour.name)};
-    return Frame(files.colour, files.auxiliary, layers, inputs).scale() > 1;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 // The auxiliary inputs that the files have, of those that a model may want: models change while a frame is shown.
 std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& layers) {
   const ExrFile file = readExrHeader(files.auxiliary.empty() ? files.colour : files.auxiliary);
@@ -71,7 +61,7 @@ std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& lay
   for (const AuxiliaryInput& input : kAuxiliaryInputs) {
     const AovRole role = roleOf(input.name);
     const bool there = input.isDistance   ? hasDepth(files, layers)
-                       : input.isRadiance ? hasFullColour(files, layers)
+                       : input.isRadiance ? hasFullColour(files.colour, files.auxiliary, layers)
                                           : !layers.nameOf(role).empty() || hasAov(file, role);
     if (there) inputs.emplace_back(input.name);
   }
