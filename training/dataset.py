@@ -70,17 +70,21 @@ class Scene:
         full = torch.lerp(self.target.float(), self.full[have].float(), share).clamp(min=0)
         return aux, full, have / share ** 2
 
+    def denoised_colour(self, spp, count, scale):
+        """Low-resolution colour [3, h, w] of spp samples, merged where the model takes the full-resolution one, as denoise.py makes it with the
+        auxiliary images of `count` samples (0: converged), which must be the scene's own."""
+        if (spp, count) not in self.denoised:
+            colour, aux = self.colours[spp].float(), self.aux[count].float()
+            if count in self.full:
+                colour = pipeline.merged_colour(colour, spp, self.full[count].float(), count, scale)
+            self.denoised[spp, count] = denoise.denoised_low(colour, aux, scale).half()
+        return self.denoised[spp, count].float()
 
-    def denoised_colours(self, spp, count, scale):
-        """(merged low-resolution colour [3, h, w], full-resolution one [3, H, W]) of denoise.py, of colour of spp samples and the render of
-        `count`, which must be one of the scene's own."""
-        both, aux = (spp, count), self.aux[count].float()
+    def denoised_full(self, count):
+        """The same of the full-resolution colour [3, H, W]."""
         if count not in self.denoised:
-            self.denoised[count] = denoise.denoised(self.full[count].float(), aux).half()
-        if both not in self.denoised:
-            merged = pipeline.merged_colour(self.colours[spp].float(), spp, self.full[count].float(), count, scale)
-            self.denoised[both] = denoise.denoised_low(merged, aux, scale).half()
-        return self.denoised[both].float(), self.denoised[count].float()
+            self.denoised[count] = denoise.denoised(self.full[count].float(), self.aux[count].float()).half()
+        return self.denoised[count].float()
 
 
 def nearest_render(counts, spp):
@@ -165,6 +169,8 @@ class Crops:
         self.aux_shares = aux_shares or (FULL_SHARES if self.config.full else AUX_SHARES)
         if self.config.full and 0 in self.aux_shares:
             raise ValueError("a model that takes the full-resolution colour cannot train on converged auxiliary images: their colour is the target")
+        if denoised_share and self.config.guides[:2] != ("albedo", "normal"):
+            raise ValueError("colours are denoised with albedo and normal, which must be the model's first auxiliary inputs")
         self.random = torch.Generator().manual_seed(seed)
 
     def number(self):
@@ -198,14 +204,18 @@ class Crops:
         if self.config.full:
             aux, full, samples = scene.noisy_render(count)
             if self.number() < self.denoised_share and count in scene.full:
-                colour, full = scene.denoised_colours(spp, count, scale)
+                colour, full = scene.denoised_colour(spp, count, scale), scene.denoised_full(count)
             else:
                 colour = pipeline.merged_colour(colour.float(), spp, full.float(), samples, scale)
             exposure = pipeline.auto_exposure(colour)
             high.update(aux=(aux, BORDER), full=(full, BORDER))
         elif self.config.aux_inputs:
             same = scale == 1 and self.number() < SAME_RENDER_SHARE
-            high["aux"] = scene.noisy_aux(spp if same else self.drawn(self.aux_shares)), BORDER
+            count = spp if same else self.drawn(self.aux_shares)
+            high["aux"] = scene.noisy_aux(count), BORDER
+            if self.denoised_share and count in scene.aux and self.number() < self.denoised_share:
+                colour = scene.denoised_colour(spp, count, scale)
+                exposure = pipeline.auto_exposure(colour)
         if self.config.aux_kernels:
             high["clean"] = scene.aux[0], 0
         crop = {"colour": cut(colour, y, x, size, BORDER, 1), **{key: cut(image, y, x, size, border, scale) for key, (image, border) in high.items()}}

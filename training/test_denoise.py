@@ -6,6 +6,7 @@ import dataset
 import denoise
 import evaluate
 import pipeline
+from network import NetworkConfig
 from test_dataset import FULL, FakeScenes
 
 pytest.importorskip("pyoidn")
@@ -51,3 +52,18 @@ def test_crops_of_denoised_colours_are_made_once(monkeypatch):
         crop = crops.one()
         assert not crop["full"].any() and (crop["colour"].amax((1, 2)) == crop["colour"].amin((1, 2))).all()
     assert len(calls) == 2
+
+
+def test_crops_of_models_without_the_full_colour_are_denoised_too(monkeypatch):
+    scenes, calls = FakeScenes(NetworkConfig(scale=2, base="guided"), side=16), []
+    monkeypatch.setattr(denoise, "denoised_low", lambda colour, aux, scale: calls.append(aux) or torch.ones_like(colour))
+    crops = dataset.Crops(scenes, 8, seed=1, aux_shares={0: 1}, denoised_share=1)
+    for _ in range(3):
+        colour = crops.one()["colour"]
+        assert (colour.amax((1, 2)) == colour.amin((1, 2))).all()
+    assert len(calls) == 1 and torch.equal(calls[0], scenes.scenes[0].aux[0].float())
+
+
+def test_colours_are_denoised_with_albedo_and_normal():
+    with pytest.raises(ValueError, match="albedo and normal"):
+        dataset.Crops(FakeScenes(NetworkConfig(base="guided", aux_inputs=("albedo",)), side=16), 8, seed=1, denoised_share=1)
