@@ -36,16 +36,19 @@ def library():
 
 
 class Measurement:
-    """Runs of `xrds bench quality`, each told as rows {way, model, scale, colour, aux, average, psnr, ...}."""
+    """Runs of `xrds bench quality`, each told as rows {way, model, scale, colour, aux, average, psnr, psnrs of each scene, ...}."""
 
-    def __init__(self, program, work):
-        self.program, self.work, self.rows = program, work, []
+    def __init__(self, program, work, asked=()):
+        self.program, self.work, self.asked, self.rows = program, work, asked, []
         self.environment = {**os.environ, "XRDS_OIDN": str(library())}
         listed = subprocess.run([program, "info"], capture_output=True, text=True, check=True).stdout.split()
         self.models = {scale: [name for name in listed if name.startswith(f"xrds-x{scale}-")] for scale in (2, 4)}
 
     def quality(self, data, folder, scale, colour, aux, way, models, *options):
         """One setting; the rows of the models and, of denoised images, of those. No row where the folder lacks the renders."""
+        models = [model for model in models if not self.asked or model in self.asked]
+        if not models and "--also" not in options:
+            return
         found = self.work / "quality.json"
         command = [self.program, "bench", "quality", str(folder), "--scale", str(scale), "--samples", str(colour), "--aux", str(aux), "--json", str(found), "--quiet"]
         for model in models:
@@ -60,7 +63,8 @@ class Measurement:
             if method["name"] in (*models, "OIDN"):
                 mean = method["mean"]
                 self.rows.append({"data": data, "way": way, "model": method["name"], "scale": scale, "colour": colour, "aux": aux, "average": average,
-                                  "psnr": mean["psnr"], "relmseTrimmed": mean["relMseTrimmed"], "scenes": len(method["scenes"])})
+                                  "psnr": mean["psnr"], "relmseTrimmed": mean["relMseTrimmed"], "scenes": len(method["scenes"]),
+                                  "psnrs": {name: round(scene["psnr"], 3) for name, scene in method["scenes"].items()}})
                 print(f"{data} {way} {method['name']} x{scale} {colour}-{aux}: {mean['psnr']:.2f} dB", flush=True)
 
     def of_scale(self, scale, *kinds):
@@ -88,10 +92,10 @@ class Measurement:
 
 
 def measure(options):
-    """Adds the rows of the parts that are asked for to those of the other parts that were measured before, of the same commit or another."""
+    """Adds the rows of the parts and models that are asked for to the others that were measured before, of the same commit or another."""
     kept = json.loads(KEPT.read_text())["rows"] if KEPT.exists() else []
     with tempfile.TemporaryDirectory() as work:
-        found = Measurement(options.xrds, pathlib.Path(work))
+        found = Measurement(options.xrds, pathlib.Path(work), options.models)
         measures = {"path-traced": found.path_traced, "free": found.free_guides, "denoised": found.denoised}
         for part in options.parts:
             first = len(found.rows)
@@ -100,7 +104,7 @@ def measure(options):
                     measures[part](data, getattr(options, data))
             for row in found.rows[first:]:
                 row.update(part=part, commit=tables.commit())
-    rows = [row for row in kept if row["part"] not in options.parts] + found.rows
+    rows = [row for row in kept if row["part"] not in options.parts or options.models and row["model"] not in options.models] + found.rows
     tables.keep("budgets", {**tables.origin(), "command": "python3 bench/budgets.py measure VAL LIVE LARGE", "rows": rows})
 
 
@@ -191,6 +195,7 @@ def main():
     for name in ("val", "live", "large"):
         measuring.add_argument(name, type=pathlib.Path)
     measuring.add_argument("--parts", nargs="+", choices=PART_NAMES, default=PART_NAMES, help="measure these alone")
+    measuring.add_argument("--models", nargs="+", default=(), help="of the models these alone")
     measuring.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
     verbs.add_parser("write")
     options = parser.parse_args()
