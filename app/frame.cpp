@@ -51,8 +51,12 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
 
 const ExrSelection& Frame::layerOf(std::string_view input) const { return aovs_.auxiliary.at(roleOf(input)); }
 
+const ExrPart* Frame::auxiliaryPart() const {
+  return inputs_.empty() ? nullptr : &auxFile_.parts[layerOf(inputs_.front()).part];
+}
+
 void Frame::fit(const std::string& input) {
-  const FrameFit found = fitFrame(colorPart(), auxFile_.parts[layerOf(input).part]);
+  const FrameFit found = fitFrame(colourPart(), auxFile_.parts[layerOf(input).part]);
   if (fit_ && found.scale != fit_->scale)
     throw Error("The " + inputs_.front() + " layer has " + std::to_string(fit_->scale) +
                 " times the colour's size, the " + input + " layer " + std::to_string(found.scale) +
@@ -61,7 +65,7 @@ void Frame::fit(const std::string& input) {
 }
 
 ExrOutput Frame::output(int scale) const {
-  ExrOutput output = scaledOutput(colorPart(), scale);
+  ExrOutput output = scaledOutput(colourPart(), scale);
   if (fit_) output.displayWindow = fit_->displayWindow;
   return output;
 }
@@ -102,8 +106,8 @@ std::optional<ExrSelection> Frame::fullColour() const {
   try {
     ExrSelection found = findAov(auxFile_, AovRole::kFullColor, fullColourName_);
     const ExrPart& part = auxFile_.parts[found.part];
-    const bool fits = fitFrame(colorPart(), part).scale == fit_->scale;
-    if (fits && covers(part.dataWindow, scaledBox(colorPart().dataWindow, fit_->scale))) return found;
+    const bool fits = fitFrame(colourPart(), part).scale == fit_->scale;
+    if (fits && covers(part.dataWindow, scaledBox(colourPart().dataWindow, fit_->scale))) return found;
     if (named)
       throw Error("Layer '" + nameOf(found) + "' does not cover the frame at the size of the auxiliary images.");
   } catch (const Error&) {
@@ -134,7 +138,7 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
   merged_ = MergedColour{nameOf(layer), 0, merge_.samples, "given"};
   if (!merged_->samples) {
     merged_->source = "metadata";
-    merged_->samples = samplesOf(colorPart(), auxFile_.parts[layer.part]);
+    merged_->samples = samplesOf(colourPart(), auxFile_.parts[layer.part]);
   }
   if (merged_->samples) {
     merged_->share = fullShare(*merged_->samples, scale);
@@ -167,7 +171,7 @@ void Frame::addWarnings(const std::vector<std::string>& more) {
 // A layer of the auxiliary file in the frame's window.
 Image Frame::readFull(const ExrSelection& layer) const {
   return placedInBox(readLayer(auxFile_, layer), auxFile_.parts[layer.part].dataWindow,
-                     scaledBox(colorPart().dataWindow, fit_->scale));
+                     scaledBox(colourPart().dataWindow, fit_->scale));
 }
 
 Image Frame::loadRadiance(const ExrSelection& layer) const {
@@ -179,7 +183,7 @@ Image Frame::loadRadiance(const ExrSelection& layer) const {
 Image Frame::loadAuxiliary(const std::string& input) {
   const ExrSelection& layer = layerOf(input);
   const Box& stored = auxFile_.parts[layer.part].dataWindow;
-  const Box wanted = scaledBox(colorPart().dataWindow, fit_->scale);
+  const Box wanted = scaledBox(colourPart().dataWindow, fit_->scale);
   if (!covers(stored, wanted))
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");

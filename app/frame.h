@@ -26,8 +26,12 @@ class Frame {
 
   /// The size of the auxiliary images over the colour's; 0 without auxiliary images.
   int scale() const { return fit_ ? fit_->scale : 0; }
-  uint32_t width() const { return static_cast<uint32_t>(colorPart().dataWindow.width()); }
-  uint32_t height() const { return static_cast<uint32_t>(colorPart().dataWindow.height()); }
+  uint32_t width() const { return static_cast<uint32_t>(colourPart().dataWindow.width()); }
+  uint32_t height() const { return static_cast<uint32_t>(colourPart().dataWindow.height()); }
+
+  /// The parts of the files that colour and, where there are any, auxiliary images are of.
+  const ExrPart& colourPart() const { return colorFile_.parts[aovs_.color.part]; }
+  const ExrPart* auxiliaryPart() const;
 
   /// What the auxiliary images are, in the order of the model's inputs.
   const std::vector<std::string>& inputs() const { return inputs_; }
@@ -57,7 +61,6 @@ class Frame {
   size_t repairedPixels() const { return repairedPixels_; }
 
  private:
-  const ExrPart& colorPart() const { return colorFile_.parts[aovs_.color.part]; }
   void fit(const std::string& input);
   const ExrSelection& layerOf(std::string_view input) const;
   Image readFull(const ExrSelection& layer) const;

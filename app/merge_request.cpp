@@ -7,20 +7,6 @@
 namespace xrds {
 namespace {
 
-// Two numbers and nothing behind them.
-std::optional<RenderSamples> parseSamples(const std::string& text) {
-  RenderSamples counts;
-  const char *end = text.data() + text.size(), *at = text.data();
-  for (double* count : {&counts.low, &counts.full}) {
-    const auto [rest, error] = std::from_chars(at, end, *count);
-    if (error != std::errc{} || !(*count > 0) || !std::isfinite(*count)) return {};
-    const bool last = count == &counts.full;
-    if (last ? rest != end : rest == end || *rest != ',') return {};
-    at = rest + 1;
-  }
-  return counts;
-}
-
 // Samples a pixel, as Cycles ("cycles.ViewLayer.samples") and pbrt write them.
 std::optional<double> samplesOf(const ExrPart& part) {
   for (const std::string& name : part.attributes.names()) {
@@ -36,6 +22,19 @@ std::optional<double> samplesOf(const ExrPart& part) {
 
 }  // namespace
 
+std::optional<std::pair<double, double>> parsePair(const std::string& text) {
+  std::pair<double, double> pair;
+  const char *end = text.data() + text.size(), *at = text.data();
+  for (double* number : {&pair.first, &pair.second}) {
+    const auto [rest, error] = std::from_chars(at, end, *number);
+    if (error != std::errc{} || !(*number > 0) || !std::isfinite(*number)) return {};
+    const bool last = number == &pair.second;
+    if (last ? rest != end : rest == end || *rest != ',') return {};
+    at = rest + 1;
+  }
+  return pair;
+}
+
 std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full) {
   const std::optional<double> lowSamples = samplesOf(low), fullSamples = samplesOf(full);
   if (!lowSamples || !fullSamples) return {};
@@ -43,12 +42,14 @@ std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full) 
 }
 
 std::string validSamples(const std::string& text) {
-  return parseSamples(text) ? "" : "expected two positive numbers such as 64,16, found '" + text + "'";
+  return parsePair(text) ? "" : "expected two positive numbers such as 64,16, found '" + text + "'";
 }
 
 MergeRequest mergeRequest(const std::string& auxColour, const std::string& samples, AovRequest& layers) {
   if (auxColour != "auto" && auxColour != "never") layers.names[AovRole::kFullColor] = auxColour;
-  return {.never = auxColour == "never", .samples = parseSamples(samples)};
+  MergeRequest request{.never = auxColour == "never"};
+  if (const auto pair = parsePair(samples)) request.samples = {pair->first, pair->second};
+  return request;
 }
 
 std::string describe(const MergedColour& merged) {

@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   app.footer(kFooter);
   app.parse_complete_callback(xrds::checkKernelFamilyVariable);
   xrds::addUpscale(app);
+  xrds::addAdvise(app);
   xrds::addCompare(app);
   xrds::addInfo(app);
   xrds::addDevices(app);

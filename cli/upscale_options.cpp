@@ -6,6 +6,7 @@
 #include "app/exit_code.h"
 #include "app/merge_request.h"
 #include "app/skip_bound.h"
+#include "cli/layer_options.h"
 #include "cli/output_file.h"
 #include "cli/quiet.h"
 
@@ -80,13 +81,7 @@ void addParts(CLI::App& verb, UpscaleOptions& options) {
 }
 
 void addLayers(CLI::App& verb, UpscaleOptions& options) {
-  verb.add_option("--color,--colour", options.layers.names[AovRole::kColor], "Layer to take as colour")
-      ->type_name("LAYER");
-  for (const AuxiliaryInput& input : kAuxiliaryInputs)
-    if (!input.isRadiance)
-      verb.add_option("--" + std::string(input.name), options.layers.names[roleOf(input.name)],
-                      "Layer to take as " + std::string(input.meaning))
-          ->type_name("LAYER");
+  addLayerOptions(verb, options.layers);
   verb.add_option(
           "--aux-colour", options.auxColour,
           "Colour of the full-resolution render, which is merged into the low-resolution colour: auto (where the\n"

@@ -1,0 +1,87 @@
+#include "advice/plans.h"
+
+#include <algorithm>
+
+namespace xrds {
+namespace {
+
+constexpr double kMostSamples = 4096;
+constexpr double kBeyond = 1;  // octaves of noise over what was measured
+
+bool isMeasured(const Way& way, const SceneFeatures& scene, RenderSamples samples) {
+  const double noise = way.noiseLeft(scene, samples);
+  return noise >= way.leastNoise - kBeyond && noise <= way.mostNoise + kBeyond;
+}
+
+// The counts of a way: powers of two of one render, and of the other what the measured ratios give.
+std::vector<RenderSamples> countsOf(const Way& way) {
+  std::vector<RenderSamples> counts;
+  for (double count = 1; count <= kMostSamples; count *= 2) {
+    if (way.scale == 1)
+      counts.push_back({0, count});
+    else if (way.guides == Guides::free)
+      counts.push_back({count, 0});
+    else
+      for (const double ratio : way.ratios) counts.push_back({ratio * count, count});
+  }
+  return counts;
+}
+
+double denoisedPixels(const Way& way, double pixels) {
+  if (way.model.empty()) return pixels;
+  if (!way.denoisesFirst) return 0;
+  return pixels / (way.scale * way.scale) + (way.takesFullColour ? pixels : 0);
+}
+
+double renderSeconds(const Way& way, const RenderCost& cost, const StepSeconds& steps, RenderSamples samples,
+                     size_t pixels) {
+  if (way.scale == 1) return cost.seconds(samples.full, pixels);
+  const double low = cost.seconds(samples.low, pixels / static_cast<size_t>(way.scale * way.scale));
+  return low + (way.guides == Guides::free ? *steps.freeGuides : cost.seconds(samples.full, pixels));
+}
+
+bool isPossible(const Way& way, const StepSeconds& steps) {
+  return (way.model.empty() || steps.models.contains(way.model)) && (!way.needsDenoiser() || steps.denoiser) &&
+         (way.guides == Guides::rendered || steps.freeGuides);
+}
+
+}  // namespace
+
+std::vector<Plan> plansOf(const SceneFeatures& scene, const std::vector<Way>& ways, const RenderCost& cost,
+                          const StepSeconds& steps, size_t pixels) {
+  std::vector<Plan> plans;
+  for (const Way& way : ways) {
+    if (!isPossible(way, steps)) continue;
+    double after = way.model.empty() ? 0 : steps.models.at(way.model);
+    if (way.needsDenoiser())
+      after += *steps.denoiser * denoisedPixels(way, static_cast<double>(pixels)) / static_cast<double>(pixels);
+    for (const RenderSamples samples : countsOf(way))
+      if (isMeasured(way, scene, samples))
+        plans.push_back(
+            {way, samples, renderSeconds(way, cost, steps, samples, pixels), after, way.predictedPsnr(scene, samples)});
+  }
+  std::stable_sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.seconds() < b.seconds(); });
+  return plans;
+}
+
+std::vector<Plan> worthwhile(const std::vector<Plan>& plans) {
+  std::vector<Plan> front;
+  for (const Plan& plan : plans)
+    if (front.empty() || plan.psnr > front.back().psnr) front.push_back(plan);
+  return front;
+}
+
+std::optional<Plan> bestWithin(const std::vector<Plan>& plans, double seconds) {
+  std::optional<Plan> best;
+  for (const Plan& plan : worthwhile(plans))
+    if (plan.seconds() <= seconds) best = plan;
+  return best;
+}
+
+std::optional<Plan> quickestReaching(const std::vector<Plan>& plans, double psnr) {
+  for (const Plan& plan : plans)
+    if (plan.psnr >= psnr) return plan;
+  return {};
+}
+
+}  // namespace xrds

@@ -1,0 +1,45 @@
+#include "advice/render_cost.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "xrds/error.h"
+
+namespace xrds {
+
+RenderCost renderCost(const TimedRender& one, const TimedRender& other) {
+  for (const TimedRender* render : {&one, &other})
+    if (!(render->seconds > 0) || !(render->samples > 0) || render->pixels == 0 || !std::isfinite(render->seconds) ||
+        !std::isfinite(render->samples))
+      throw Error("Seconds, samples and pixels of a render must be positive.");
+  const double paths = one.samples * static_cast<double>(one.pixels);
+  const double otherPaths = other.samples * static_cast<double>(other.pixels);
+  const double perSample = (other.seconds - one.seconds) / (otherPaths - paths);
+  const double start = one.seconds - perSample * paths;
+  if (std::isfinite(perSample) && perSample > 0 && start >= 0) return {start, perSample};
+  return {0, (one.seconds + other.seconds) / (paths + otherPaths)};
+}
+
+std::optional<double> secondsOf(const ExrPart& part) {
+  for (const std::string& name : part.attributes.names())
+    if (name.starts_with("cycles.") && name.ends_with(".total_time"))
+      if (const std::optional<std::string> text = part.attributes.text(name)) return parseDuration(*text);
+  return {};
+}
+
+std::optional<double> parseDuration(const std::string& text) {
+  double seconds = 0;
+  const char *at = text.data(), *end = at + text.size();
+  for (int parts = 0; parts < 3; ++parts) {
+    double part = 0;
+    const auto [rest, error] = std::from_chars(at, end, part, std::chars_format::fixed);
+    if (error != std::errc{} || part < 0) return {};
+    seconds = 60 * seconds + part;
+    if (rest == end) return seconds;
+    if (*rest != ':') return {};
+    at = rest + 1;
+  }
+  return {};
+}
+
+}  // namespace xrds

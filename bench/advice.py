@@ -1,0 +1,164 @@
+"""Fits what `xrds advise` predicts to the map of budgets.py, checks it on scenes that the fit has not seen, and writes models/ways.json and advice.md.
+
+    python3 bench/advice.py measure VAL_FOLDER LIVE_FOLDER LARGE_FOLDER [--xrds build/release/cli/xrds]
+    python3 bench/advice.py write
+
+`measure` asks `xrds advise --scene-only` what two cheap renders say of each scene and keeps it in bench/results/scenes.json; `write` needs that, the map
+(bench/results/budgets.json) and numpy.
+"""
+import argparse
+import json
+import pathlib
+import statistics
+import subprocess
+import tempfile
+
+import numpy as np
+
+import budgets
+import tables
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+FEATURES = ("noise", "detail", "guideNoise")
+CHEAP = {"val": 16, "live": 4, "large": 16}     # samples of the low-resolution render, of scale 4; the other render has one
+RIDGE = 1.0                                     # of standardised features, in rows
+KEPT = tables.RESULTS / "scenes.json"
+
+
+def measure(options):
+    scenes = {}
+    for data, spp in CHEAP.items():
+        folder = getattr(options, data)
+        for reference in sorted(folder.glob("*_gt.exr")):
+            name = reference.name[:-len("_gt.exr")]
+            with tempfile.NamedTemporaryFile(suffix=".json") as found:
+                subprocess.run([options.xrds, "advise", folder / f"{name}_lr{spp}.exr", folder / f"{name}_aux1.exr", "--samples", f"{spp},1", "--scene-only",
+                                "--quiet", "--json", found.name], check=True, capture_output=True)
+                scenes[name] = {"data": data, **json.loads(pathlib.Path(found.name).read_text())["scene"]}
+    tables.keep("scenes", {**tables.origin(), "command": "python3 bench/advice.py measure VAL LIVE LARGE", "scenes": scenes})
+
+
+def way_of(row):
+    """What the rows of one way have in common, as a key and as the way itself; Open Image Denoise at full resolution has no model."""
+    alone, free = row["model"] == "OIDN", row["aux"] == "converged"
+    way = {"name": budgets.name_of(row) + ", free guides" * free, "model": "" if alone else row["model"], "scale": row["scale"], "guides": "free" if free else "rendered",
+           "merges": "merged" in row["way"], "denoisesFirst": "denoised first" in row["way"], "takesFullColour": row["model"].endswith("-full")}
+    return way["name"], way
+
+
+def features_of(row, way, scene):
+    """[1, noise, detail, guideNoise] of one render of a scene: advice/ways.h says the same in C++."""
+    free = way["guides"] == "free"
+    count = row["colour"] + (way["scale"] ** 2 * row["aux"] if way["merges"] else 0)
+    return [1, scene["noise"] - np.log2(count), scene["detail"], 0 if free else scene["guideNoise"] - np.log2(row["aux"])]
+
+
+def fitted(features, values):
+    """Coefficients [4] of the ridge regression; the constant is free."""
+    features, values = np.array(features), np.array(values)
+    mean, spread = features[:, 1:].mean(0), features[:, 1:].std(0)
+    spread[spread < 1e-9] = 1
+    standard = (features[:, 1:] - mean) / spread
+    slopes = np.linalg.solve(standard.T @ standard + RIDGE * np.eye(3), standard.T @ (values - values.mean())) / spread
+    return np.array([values.mean() - slopes @ mean, *slopes])
+
+
+class Map:
+    """The rows of budgets.json taken apart: a render of a scene each, {way, scene, data, average, psnr, features}."""
+
+    def __init__(self, rows, scenes):
+        self.ways, self.points = {}, []
+        for row in rows:
+            name, way = way_of(row)
+            way = self.ways.setdefault(name, {**way, "ratios": []})
+            if way["guides"] == "rendered" and way["scale"] > 1 and row["colour"] / row["aux"] not in way["ratios"]:
+                way["ratios"].append(row["colour"] / row["aux"])
+            for scene, psnr in row["psnrs"].items():
+                self.points.append({"way": name, "scene": scene, "data": row["data"], "average": row["average"], "psnr": psnr,
+                                    "features": features_of(row, way, scenes[scene])})
+
+    def of_way(self, name, without=None):
+        return [point for point in self.points if point["way"] == name and point["scene"] != without]
+
+    def fit(self, name, without=None):
+        points = self.of_way(name, without)
+        return fitted([point["features"] for point in points], [point["psnr"] for point in points])
+
+    def predict_left_out(self):
+        """Sets `predicted` of every point, from a fit that has not seen its scene."""
+        fits = {}
+        for point in self.points:
+            key = point["way"], point["scene"]
+            if key not in fits:
+                fits[key] = self.fit(*key)
+            point["predicted"] = float(fits[key] @ np.array(point["features"]))
+
+    def regrets(self):
+        """[{scene, data, budget, regret, advised, best}]: for each scene and each number of average samples the best plan's PSNR less the advised one's."""
+        found = []
+        for scene in sorted({point["scene"] for point in self.points}):
+            points = [point for point in self.points if point["scene"] == scene]
+            for budget in sorted({point["average"] for point in points}):
+                here = [point for point in points if point["average"] <= budget]
+                best, advised = (max(here, key=lambda point: point[key]) for key in ("psnr", "predicted"))
+                found.append({"scene": scene, "data": here[0]["data"], "budget": budget, "regret": best["psnr"] - advised["psnr"],
+                              "advised": advised["way"], "best": best["way"]})
+        return found
+
+
+def ways_json(whole):
+    ways = []
+    for name, way in whole.ways.items():
+        points = whole.of_way(name)
+        constant, *slopes = whole.fit(name)
+        noise = [point["features"][1] for point in points]
+        errors = [point["predicted"] - point["psnr"] for point in points]
+        ways.append({**way, "ratios": sorted(way["ratios"]), "noise": [round(min(noise), 3), round(max(noise), 3)], "spread": round(float(np.sqrt(np.mean(np.square(errors)))), 2),
+                     "coefficients": {"constant": round(float(constant), 4), **{key: round(float(slope), 4) for key, slope in zip(FEATURES, slopes)}}})
+    return ways
+
+
+def write():
+    report, scenes = json.loads(budgets.KEPT.read_text()), json.loads(KEPT.read_text())["scenes"]
+    whole = Map(report["rows"], scenes)
+    whole.predict_left_out()
+    ways, regrets = ways_json(whole), whole.regrets()
+    (ROOT / "models" / "ways.json").write_text(json.dumps({"about": "What the error of each way from samples to a picture depends on, for xrds advise: bench/advice.md", "ways": ways}, indent=1) + "\n")
+    (ROOT / "bench" / "advice.md").write_text(document(ways, regrets, report["machine"]))
+
+
+def document(ways, regrets, machine):
+    lines = ["# How well `xrds advise` predicts", "",
+             "`xrds advise` reads two cheap renders and predicts the PSNR of each way from samples to a picture: a straight line in the noise that is left, the detail and the noise",
+             "of the guides ([docs/advice.md](../docs/advice.md)). The lines are fitted to the map of [budgets.md](budgets.md). Here every scene is predicted by lines that have not",
+             f"seen it. Made by `python3 bench/advice.py write` of figures measured on {machine['processor']}.", "",
+             "## The advised plan against the best one", "",
+             "For each scene and each number of average samples at which the map has a plan: the PSNR of the best plan of at most so many samples, less that of the advised one.", "",
+             "| scenes | cases | median, dB | 90 % below | worst | within 0.3 dB | worst case |", "|---|---|---|---|---|---|---|"]
+    for data in (*CHEAP, "all"):
+        here = [case for case in regrets if data in (case["data"], "all")]
+        values, worst = sorted(case["regret"] for case in here), max(here, key=lambda case: case["regret"])
+        lines.append(f"| {data} | {len(here)} | {statistics.median(values):.2f} | {values[int(0.9 * (len(values) - 1))]:.2f} | {values[-1]:.2f} | {sum(value <= 0.3 for value in values) / len(values):.0%} "
+                     f"| {worst['scene']} at {worst['budget']:g}: {worst['advised']} for {worst['best']} |")
+    lines += ["", "## The predicted PSNR", "", "Root mean square of the errors for scenes that were left out, dB, and the coefficients of the fit to all.", "",
+              "| way | error | constant | noise | detail | guide noise |", "|---|---|---|---|---|---|"]
+    for way in ways:
+        values = way["coefficients"]
+        lines.append(f"| {way['name']} | {way['spread']:.2f} | {values['constant']:.1f} | {values['noise']:.2f} | {values['detail']:.2f} | {values['guideNoise']:.2f} |")
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    verbs = parser.add_subparsers(dest="verb", required=True)
+    measuring = verbs.add_parser("measure")
+    for name in CHEAP:
+        measuring.add_argument(name, type=pathlib.Path)
+    measuring.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
+    verbs.add_parser("write")
+    options = parser.parse_args()
+    return measure(options) if options.verb == "measure" else write()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,161 @@
+#include <cstdio>
+#include <memory>
+
+#include "advice/scene_features.h"
+#include "app/failing_with.h"
+#include "app/frame.h"
+#include "app/frame_files.h"
+#include "app/models.h"
+#include "cli/advise_report.h"
+#include "cli/commands.h"
+#include "cli/device_choice.h"
+#include "cli/layer_options.h"
+#include "cli/output_file.h"
+#include "cli/progress.h"
+#include "cli/quiet.h"
+#include "cli/step_seconds.h"
+#include "cli/warnings.h"
+
+namespace xrds {
+namespace {
+
+constexpr const char* kWaysFile = "ways.json";
+
+struct AdviseOptions {
+  std::string low, full, samples, seconds, device, json, ways;
+  AovRequest layers;
+  std::optional<double> guideSeconds, within, reach;
+  bool quiet = false, sceneOnly = false;
+};
+
+// The two renders as they are, and the colour of the full-resolution one as its third auxiliary image.
+Frame readRenders(AdviseOptions& options) {
+  const FrameFiles files = sortPair(options.low, options.full);
+  options.low = files.colour.string();
+  options.full = files.auxiliary.string();
+  const std::vector<std::string> inputs{std::string(kAlbedo.name), std::string(kNormal.name),
+                                        std::string(kFullColour.name)};
+  Frame frame(options.low, options.full, options.layers, inputs, {.never = true});
+  if (frame.scale() < 2) throw Error("Both renders have the same size: one must be of a lower resolution.");
+  frame.load();
+  return frame;
+}
+
+RenderSamples samplesOf(const AdviseOptions& options, const Frame& frame) {
+  if (const auto given = parsePair(options.samples)) return {given->first, given->second};
+  if (const auto told = samplesOf(frame.colourPart(), *frame.auxiliaryPart())) return *told;
+  throw Failure{ExitCode::usage, "The files do not say how many samples their renders have: --samples LOW,FULL does."};
+}
+
+RenderCost costOf(const AdviseOptions& options, const Frame& frame, RenderSamples samples) {
+  std::optional<std::pair<double, double>> seconds = parsePair(options.seconds);
+  if (!seconds) {
+    const auto low = secondsOf(frame.colourPart()), full = secondsOf(*frame.auxiliaryPart());
+    if (!low || !full)
+      throw Failure{ExitCode::usage,
+                    "The files do not say how long their renders took: --render-seconds LOW,FULL does."};
+    seconds = {*low, *full};
+  }
+  const Image& colour = frame.colour();
+  return renderCost({seconds->first, samples.low, colour.pixelCount()},
+                    {seconds->second, samples.full, frame.auxiliary().front().pixelCount()});
+}
+
+std::filesystem::path waysFile(const AdviseOptions& options) {
+  if (!options.ways.empty()) return options.ways;
+  for (const std::filesystem::path& folder : modelFolders())
+    if (std::filesystem::exists(folder / kWaysFile)) return folder / kWaysFile;
+  throw Error(std::string("No folder of models holds ") + kWaysFile + ": install xrds again, or name one with --ways.");
+}
+
+void addPlans(const AdviseOptions& options, const std::vector<Way>& ways, Device& device, Advice& advice) {
+  const size_t pixels = static_cast<size_t>(advice.width) * static_cast<size_t>(advice.height);
+  advice.device = device.description().name;
+  advice.steps = measureSteps(device, ways, pixels);
+  advice.steps.freeGuides = options.guideSeconds;
+  const std::vector<Plan> plans = plansOf(advice.scene, ways, *advice.cost, advice.steps, pixels);
+  advice.plans = worthwhile(plans);
+  if (options.within) advice.chosen = bestWithin(plans, *options.within);
+  if (options.reach) advice.chosen = quickestReaching(plans, *options.reach);
+}
+
+void requireChosen(const AdviseOptions& options, const Advice& advice) {
+  if (advice.chosen || (!options.within && !options.reach)) return;
+  char text[96];
+  std::snprintf(text, sizeof text,
+                options.within ? "No plan takes at most %g s." : "No plan is predicted to reach %g dB.",
+                options.within ? *options.within : *options.reach);
+  throw Failure{ExitCode::differs, text};
+}
+
+void run(AdviseOptions options) {
+  if (!options.json.empty()) {
+    requireExtension(options.json, ".json", "--json");
+    requireWritable(options.json);
+  }
+  const Frame frame = failingWith(ExitCode::input, [&] { return readRenders(options); });
+  printWarnings(frame.warnings());
+  Advice advice{.low = options.low, .full = options.full};
+  const auto& auxiliary = frame.auxiliary();
+  advice.width = auxiliary[0].width;
+  advice.height = auxiliary[0].height;
+  advice.samples = samplesOf(options, frame);
+  advice.scene = failingWith(ExitCode::input, [&] {
+    return sceneFeatures({frame.colour(), auxiliary[2], auxiliary[0], auxiliary[1], advice.samples});
+  });
+  if (!options.sceneOnly) {
+    advice.cost = failingWith(ExitCode::usage, [&] { return costOf(options, frame, advice.samples); });
+    const std::vector<Way> ways = failingWith(ExitCode::model, [&] { return readWays(waysFile(options)); });
+    onDevice(options.device, options.quiet, [&](Device& device) { addPlans(options, ways, device, advice); });
+  }
+  if (!options.quiet) std::fputs(plainText(advice).c_str(), stdout);
+  if (!options.json.empty()) failingWith(ExitCode::output, [&] { writeText(options.json, jsonText(advice)); });
+  requireChosen(options, advice);
+}
+
+}  // namespace
+
+void addAdvise(CLI::App& app) {
+  const auto options = std::make_shared<AdviseOptions>();
+  CLI::App* verb = app.add_subcommand("advise", "Tell from two cheap renders which render to make");
+  verb->add_option("LOW", options->low,
+                   "EXR file, the frame at low resolution with few samples; this and FULL in any order")
+      ->required();
+  verb->add_option("FULL", options->full,
+                   "EXR file, the frame at full resolution with one sample: colour, albedo, normal")
+      ->required();
+  const CLI::Validator pair(validSamples, "LOW,FULL");
+  verb->add_option("--samples", options->samples, "Samples a pixel of the two renders (default: the files' metadata)")
+      ->check(pair);
+  verb->add_option("--render-seconds", options->seconds, "What the two renders took (default: the files' metadata)")
+      ->check(pair);
+  verb->add_option("--guide-seconds", options->guideSeconds,
+                   "What clean albedo and normal of the frame take, made by cheaper means than paths; 0 for\n"
+                   "rasterized ones (default: only those of path-traced renders are considered)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("SECONDS");
+  CLI::Option* within = verb->add_option("--within", options->within, "Advise the best plan that takes at most so long")
+                            ->check(CLI::PositiveNumber)
+                            ->type_name("SECONDS");
+  verb->add_option("--reach", options->reach, "Advise the quickest plan that is predicted to reach this PSNR")
+      ->check(CLI::PositiveNumber)
+      ->type_name("DB")
+      ->excludes(within);
+  verb->add_flag("--scene-only", options->sceneOnly, "Tell what the renders say of the scene, and no plans");
+  verb->add_option("--ways", options->ways, "File of ways and what their errors depend on (default: the shipped one)")
+      ->type_name("JSON");
+  addLayerOptions(*verb, options->layers);
+  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
+      ->type_name("DEVICE");
+  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
+  addQuiet(*verb, options->quiet);
+  verb->footer(
+      "Times are those of the two renders, extended to other samples, and of networks and denoiser on this device.\n"
+      "Errors are predicted from the noise and the detail of the scene; bench/advice.md tells how well.\n\n"
+      "Examples:\n"
+      "  xrds advise low_4spp.exr full_1spp.exr --within 60\n"
+      "  xrds advise low.exr full.exr --samples 4,1 --render-seconds 3.1,9.5 --reach 35 --json advice.json");
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace xrds

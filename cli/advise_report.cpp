@@ -1,0 +1,124 @@
+#include "cli/advise_report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cli/table.h"
+
+namespace xrds {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::pair<const char*, const char*> kDefinitions[] = {
+    {"noise", "log2 of the variance of one sample a pixel, of the sRGB picture"},
+    {"detail", "log2 of the mean product of the differences between neighbours in both renders, at low resolution"},
+    {"guideNoise",
+     "log2 of the mean square that a median of 3 x 3 takes from albedo and normal, for one sample a pixel"},
+    {"perSample", "seconds of one sample of one pixel"},
+    {"start", "seconds of a render before its first sample"},
+    {"afterSeconds", "predicted seconds of denoiser and network on this device"},
+    {"psnr", "predicted, dB"},
+    {"spread", "root mean square of the prediction's errors for scenes that were left out of it, dB"},
+};
+
+std::string size(const Advice& advice, int scale) {
+  return std::to_string(advice.width / scale) + " x " + std::to_string(advice.height / scale);
+}
+
+std::string samplesText(double samples) { return samples == 0 ? "" : text("%g", samples); }
+
+Row rowOf(const Advice& advice, const Plan& plan) {
+  return {plan.way.name,
+          plan.samples.low == 0 ? "" : samplesText(plan.samples.low) + " at " + size(advice, plan.way.scale),
+          plan.samples.full == 0 ? "guides" : samplesText(plan.samples.full),
+          text("%.1f", plan.renderSeconds),
+          text("%.1f", plan.afterSeconds),
+          text("%.1f", plan.psnr),
+          text("%.1f", plan.way.spread)};
+}
+
+std::string upscaleCommand(const Way& way) {
+  if (way.model.empty()) return "denoise it with Open Image Denoise and its albedo and normal";
+  std::string command = "xrds upscale low.exr full.exr -o out.exr --model " + way.model;
+  if (way.scale == 1) command = "xrds upscale full.exr -o out.exr --model " + way.model;
+  if (way.denoisesFirst) command += " --denoise-first";
+  if (way.scale > 1 && !way.merges && way.guides == Guides::rendered) command += " --aux-colour never";
+  return command;
+}
+
+// The steps of a plan, one a line.
+std::vector<std::string> stepsOf(const Advice& advice, const Plan& plan) {
+  std::vector<std::string> steps;
+  if (plan.samples.low > 0)
+    steps.push_back("render " + size(advice, plan.way.scale) + " with " + samplesText(plan.samples.low) +
+                    " samples a pixel: low.exr");
+  steps.push_back(plan.samples.full > 0 ? "render " + size(advice, 1) + " with " + samplesText(plan.samples.full) +
+                                              " samples a pixel, with albedo and normal: full.exr"
+                                        : "make clean albedo and normal of " + size(advice, 1) + ": full.exr");
+  steps.push_back(upscaleCommand(plan.way));
+  return steps;
+}
+
+Json jsonOf(const Advice& advice, const Plan& plan) {
+  return {{"way", plan.way.name},
+          {"model", plan.way.model},
+          {"scale", plan.way.scale},
+          {"samples", {{"low", plan.samples.low}, {"full", plan.samples.full}}},
+          {"freeGuides", plan.way.guides == Guides::free},
+          {"merge", plan.way.merges},
+          {"denoiseFirst", plan.way.denoisesFirst},
+          {"renderSeconds", plan.renderSeconds},
+          {"afterSeconds", plan.afterSeconds},
+          {"psnr", plan.psnr},
+          {"spread", plan.way.spread},
+          {"steps", stepsOf(advice, plan)}};
+}
+
+}  // namespace
+
+std::string plainText(const Advice& advice) {
+  const auto root = [](double logarithm) { return std::exp2(logarithm / 2); };
+  std::string lines = "One sample a pixel has a noise of " + text("%.3f", root(advice.scene.noise)) +
+                      " (root mean square, of the sRGB picture), albedo and normal of " +
+                      text("%.3f", root(advice.scene.guideNoise)) + "; neighbours at low resolution differ by " +
+                      text("%.3f", root(advice.scene.detail)) + ".\n";
+  if (!advice.cost) return lines;
+  lines +=
+      "A render takes " + text("%.2f", advice.cost->start) + " s and, for each sample of " + size(advice, 1) +
+      " pixels, " +
+      text("%.2f", advice.cost->seconds(1, static_cast<size_t>(advice.width) * advice.height) - advice.cost->start) +
+      " s.\n";
+  if (!advice.steps.denoiser) lines += "Open Image Denoise is not installed: ways with it are left out.\n";
+  std::vector<Row> rows{{"way", "low-resolution samples", "full", "render s", "then s", "PSNR dB", "+-"}};
+  for (const Plan& plan : advice.plans) rows.push_back(rowOf(advice, plan));
+  lines += "\nPlans than which no quicker one is as good, on " + advice.device + ":\n\n" + aligned(rows);
+  if (!advice.chosen) return lines;
+  lines += "\nAdvised, " + text("%.1f", advice.chosen->seconds()) + " s for " + text("%.1f", advice.chosen->psnr) +
+           " dB, give or take " + text("%.1f", advice.chosen->way.spread) + ":\n";
+  for (const std::string& step : stepsOf(advice, *advice.chosen)) lines += "  " + step + "\n";
+  return lines;
+}
+
+std::string jsonText(const Advice& advice) {
+  Json json{{"version", XRDS_VERSION}, {"low", advice.low},
+            {"full", advice.full},     {"width", advice.width},
+            {"height", advice.height}, {"samples", {{"low", advice.samples.low}, {"full", advice.samples.full}}}};
+  for (const auto& [name, definition] : kDefinitions) json["definitions"][name] = definition;
+  json["scene"] = {
+      {"noise", advice.scene.noise}, {"detail", advice.scene.detail}, {"guideNoise", advice.scene.guideNoise}};
+  if (advice.cost) {
+    json["render"] = {{"start", advice.cost->start}, {"perSample", advice.cost->perSample}};
+    json["device"] = advice.device;
+    json["modelSeconds"] = advice.steps.models;
+    json["denoiserSeconds"] = nullptr;
+    if (advice.steps.denoiser) json["denoiserSeconds"] = *advice.steps.denoiser;
+    json["plans"] = Json::array();
+    for (const Plan& plan : advice.plans) json["plans"].push_back(jsonOf(advice, plan));
+    json["advised"] = nullptr;
+    if (advice.chosen) json["advised"] = jsonOf(advice, *advice.chosen);
+  }
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace xrds
