@@ -1,6 +1,7 @@
 #include "advice/plans.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace xrds {
 namespace {
@@ -60,7 +61,9 @@ std::vector<Plan> plansOf(const SceneFeatures& scene, const std::vector<Way>& wa
         plans.push_back(
             {way, samples, renderSeconds(way, cost, steps, samples, pixels), after, way.predictedPsnr(scene, samples)});
   }
-  std::stable_sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.seconds() < b.seconds(); });
+  std::sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) {
+    return std::pair(a.seconds(), -a.psnr) < std::pair(b.seconds(), -b.psnr);
+  });
   return plans;
 }
 

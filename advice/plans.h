@@ -28,7 +28,7 @@ struct Plan {
 };
 
 /// Every plan of counts that are powers of two, as far as each way was measured (and twice as far), for a frame of
-/// `pixels` full-resolution pixels, the quickest first.
+/// `pixels` full-resolution pixels, the quickest first, of equally quick ones the best.
 std::vector<Plan> plansOf(const SceneFeatures& scene, const std::vector<Way>& ways, const RenderCost& cost,
                           const StepSeconds& steps, size_t pixels);
 

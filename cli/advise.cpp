@@ -145,6 +145,9 @@ void addAdvise(CLI::App& app) {
   verb->add_option("--ways", options->ways, "File of ways and what their errors depend on (default: the shipped one)")
       ->type_name("JSON");
   addLayerOptions(*verb, options->layers);
+  verb->add_option("--aux-colour", options->layers.names[AovRole::kFullColor],
+                   "Layer to take as the colour of the full-resolution render")
+      ->type_name("LAYER");
   verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
   verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");

@@ -1,0 +1,130 @@
+// Which render to make, told from two cheap ones.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "tests/cli/frames.h"
+#include "tests/cli/process.h"
+
+namespace xrds::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kWidth = 64, kHeight = 48, kScale = 4;
+
+// Stripes of light with noise of a standard deviation that one sample divides by the root of the samples.
+Layer noisyColour(double samples, int stripe, unsigned seed) {
+  const auto random = std::make_shared<std::mt19937>(seed);
+  return {"Combined", "RGB", [=](int x, int, int) {
+            std::normal_distribution<double> noise(0, 0.2 / std::sqrt(samples));
+            return static_cast<float>(0.3 + 0.1 * (x / stripe % 2) + noise(*random));
+          }};
+}
+
+struct CliAdvise : testing::Test {
+  TemporaryFolder folder;
+  std::string low = (folder / "low.exr").string(), full = (folder / "full.exr").string(),
+              json = (folder / "advice.json").string(), ways = (folder / "ways.json").string();
+
+  // Two ways with the smallest shipped model: noise counts 2 dB an octave with merging, 1 dB without.
+  CliAdvise() {
+    const Box small = boxOf(kWidth, kHeight), large = boxOf(kScale * kWidth, kScale * kHeight);
+    writeParts(low, {{small, small, {noisyColour(64, 8, 1)}}});
+    writeParts(full, {{large,
+                       large,
+                       {noisyColour(16, 8 * kScale, 2), albedoLayer("albedo", kScale * kWidth),
+                        normalLayer("normal", kScale * kWidth)}}});
+    Json all;
+    for (const bool merges : {false, true})
+      all["ways"].push_back(
+          {{"name", merges ? "merging" : "plain"},
+           {"model", "xrds-x4-nano"},
+           {"scale", 4},
+           {"guides", "rendered"},
+           {"merges", merges},
+           {"denoisesFirst", false},
+           {"takesFullColour", false},
+           {"ratios", {4}},
+           {"noise", {-20, 0}},
+           {"spread", 0.5},
+           {"coefficients", {{"constant", 20}, {"noise", merges ? -2 : -1}, {"detail", 0}, {"guideNoise", 0}}}});
+    std::ofstream(ways) << all;
+  }
+
+  Ended advise(const std::vector<std::string>& more) const {
+    std::vector<std::string> all{"advise", low, full, "--samples", "64,16", "--ways", ways, "--json", json};
+    all.insert(all.end(), more.begin(), more.end());
+    return runXrds(all, {.environment = {{"XRDS_KERNEL_FAMILY", "plain"}}});  // starts at once
+  }
+  Json written() const { return Json::parse(readBytes(json)); }
+};
+
+TEST_F(CliAdvise, TellsOfTheSceneAlone) {
+  const Ended ended = advise({"--scene-only"});
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  const Json scene = written()["scene"];
+  const double slope = 0.76;  // of the sRGB curve at the stripes' radiance, roughly
+  EXPECT_NEAR(scene["noise"], 2 * std::log2(0.2 * slope), 0.7);
+  EXPECT_NEAR(scene["detail"], 2 * std::log2(0.1 * slope) + std::log2(7.0 / 63), 0.5) << "7 edges among 63 steps";
+  EXPECT_FALSE(written().contains("plans"));
+  EXPECT_NE(ended.output.find("One sample a pixel has a noise of"), std::string::npos) << ended.output;
+}
+
+TEST_F(CliAdvise, TheOrderOfTheFilesIsFree) {
+  advise({"--scene-only"});
+  const Json first = written();
+  ASSERT_EQ(runXrds({"advise", full, low, "--samples", "64,16", "--scene-only", "--json", json}).exitCode, 0);
+  EXPECT_EQ(written(), first);
+}
+
+TEST_F(CliAdvise, PlansWithinATime) {
+  const Ended ended = advise({"--render-seconds", "4,16", "--within", "30"});  // 1 s a sample of all pixels
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  const Json advice = written(), advised = advice["advised"];
+  EXPECT_DOUBLE_EQ(advice["render"]["start"], 0);
+  EXPECT_EQ(advised["way"], "merging");
+  EXPECT_EQ(advised["samples"], Json({{"low", 64.0}, {"full", 16.0}})) << "20 s; the next ones would take 40";
+  EXPECT_NEAR(advised["renderSeconds"], 20, 1e-9);
+  const double noise = advice["scene"]["noise"];
+  EXPECT_NEAR(advised["psnr"], 20 - 2 * (noise - std::log2(64 + 16 * 16)), 1e-9);
+  EXPECT_GT(advice["modelSeconds"]["xrds-x4-nano"], 0);
+  EXPECT_EQ(advised["steps"].size(), 3U);
+  EXPECT_NE(ended.output.find("xrds upscale low.exr full.exr -o out.exr --model xrds-x4-nano"), std::string::npos)
+      << ended.output;
+  double seconds = 0, psnr = 0;
+  for (const Json& plan : advice["plans"]) {  // each better than all that are quicker
+    EXPECT_GT(plan["renderSeconds"].get<double>() + plan["afterSeconds"].get<double>(), seconds);
+    EXPECT_GT(plan["psnr"], psnr);
+    seconds = plan["renderSeconds"].get<double>() + plan["afterSeconds"].get<double>();
+    psnr = plan["psnr"];
+  }
+}
+
+TEST_F(CliAdvise, PlansForAnErrorAndSaysWhereThereIsNone) {
+  EXPECT_EQ(advise({"--render-seconds", "4,16", "--reach", "20"}).exitCode, 0);
+  EXPECT_GE(written()["advised"]["psnr"], 20);
+  const Ended none = advise({"--render-seconds", "4,16", "--reach", "90"});
+  EXPECT_EQ(none.exitCode, 7) << none.error;
+  EXPECT_NE(none.error.find("No plan is predicted to reach 90 dB"), std::string::npos) << none.error;
+  EXPECT_TRUE(written()["advised"].is_null());
+}
+
+TEST_F(CliAdvise, SamplesAndSecondsMustBeKnown) {
+  expectFailure(runXrds({"advise", low, full}), 2, "--samples LOW,FULL", folder, 3);
+  expectFailure(runXrds({"advise", low, full, "--samples", "64,16"}), 2, "--render-seconds LOW,FULL", folder, 3);
+  expectFailure(runXrds({"advise", full, full, "--samples", "64,16"}), 3, "same size", folder, 3);
+  expectFailure(advise({"--render-seconds", "1,2", "--within", "3", "--reach", "4"}), 2, "--reach", folder, 3);
+}
+
+TEST_F(CliAdvise, AFileThatTellsNoWaysIsRefused) {
+  std::ofstream(ways) << "{";
+  expectFailure(advise({"--render-seconds", "1,2"}), 4, "does not tell the ways", folder, 3);
+}
+
+}  // namespace
+}  // namespace xrds::test
