@@ -6,7 +6,7 @@
 namespace xrds {
 namespace {
 
-constexpr double kMostSamples = 4096;
+constexpr int kMostSamples = 4096;
 constexpr double kBeyond = 1;  // octaves of noise over what was measured
 
 bool isMeasured(const Way& way, const SceneFeatures& scene, RenderSamples samples) {
@@ -17,7 +17,8 @@ bool isMeasured(const Way& way, const SceneFeatures& scene, RenderSamples sample
 // The counts of a way: powers of two of one render, and of the other what the measured ratios give.
 std::vector<RenderSamples> countsOf(const Way& way) {
   std::vector<RenderSamples> counts;
-  for (double count = 1; count <= kMostSamples; count *= 2) {
+  for (int power = 1; power <= kMostSamples; power *= 2) {
+    const double count = power;
     if (way.scale == 1)
       counts.push_back({0, count});
     else if (way.guides == Guides::free)
@@ -36,9 +37,10 @@ double denoisedPixels(const Way& way, double pixels) {
 
 double renderSeconds(const Way& way, const RenderCost& cost, const StepSeconds& steps, RenderSamples samples,
                      size_t pixels) {
-  if (way.scale == 1) return cost.seconds(samples.full, pixels);
-  const double low = cost.seconds(samples.low, pixels / static_cast<size_t>(way.scale * way.scale));
-  return low + (way.guides == Guides::free ? *steps.freeGuides : cost.seconds(samples.full, pixels));
+  double seconds = way.guides == Guides::free ? *steps.freeGuides : 0;
+  if (samples.low > 0) seconds += cost.seconds(samples.low, pixels / static_cast<size_t>(way.scale * way.scale));
+  if (samples.full > 0) seconds += cost.seconds(samples.full, pixels);
+  return seconds;
 }
 
 bool isPossible(const Way& way, const StepSeconds& steps) {

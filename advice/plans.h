@@ -20,7 +20,7 @@ struct StepSeconds {
 /// A render to make and the way from it to the picture, with what both will take and give.
 struct Plan {
   Way way;
-  RenderSamples samples;  // low: 0 at full resolution; full: 0 with free guides
+  RenderSamples samples;  // 0 where the plan has no such render
   double renderSeconds = 0, afterSeconds = 0;
   double psnr = 0;  // predicted, dB
 

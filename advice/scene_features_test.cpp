@@ -45,7 +45,7 @@ TEST(SceneFeatures, DetailIsTheMeanSquareOfStepsBetweenNeighbours) {
   for (int y = 0; y < kFull; ++y)
     for (int x = 0; x < kFull; ++x)
       for (int c = 0; c < 3; ++c)
-        full.at(x, y, c) = low.at(x / kScale, y / kScale, c) = radianceOf(0.2 + step * (x / kScale));
+        full.at(x, y, c) = low.at(x / kScale, y / kScale, c) = radianceOf(0.2 + step * std::floor(x / double{kScale}));
   const Image guides(kFull, kFull, 3, 0.5F);
   const SceneFeatures found = sceneFeatures({low, full, guides, guides, {1, 1}});
   EXPECT_NEAR(found.detail, std::log2(step * step), 1e-3);  // in rows; columns are even

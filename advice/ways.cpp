@@ -26,7 +26,7 @@ Way wayOf(const nlohmann::json& json) {
           .leastNoise = json.at("noise").at(0),
           .mostNoise = json.at("noise").at(1),
           .spread = json.at("spread")};
-  if (way.scale < 1 || (way.scale == 1 && (way.merges || way.guides == Guides::free)))
+  if (way.scale < 1 || (way.scale == 1 && way.merges))
     throw Error("Way '" + way.name + "' of scale " + std::to_string(way.scale) + " makes no sense.");
   return way;
 }

@@ -16,7 +16,7 @@ constexpr const char* kWays = R"({"ways": [{
   "coefficients": {"constant": 10, "noise": -2, "detail": -0.5, "guideNoise": -0.25}}]})";
 
 std::filesystem::path written(const std::string& text) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "ways_test.json";
+  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "ways_test.json";
   std::ofstream(file) << text;
   return file;
 }
@@ -49,7 +49,7 @@ TEST(Ways, PredictFromTheNoiseThatIsLeft) {
 }
 
 TEST(Ways, FilesThatTellNoneAreRefused) {
-  std::string senseless = kWays;
+  std::string senseless = kWays;  // at scale 1 there is nothing to merge
   senseless.replace(senseless.find("\"scale\": 4"), 10, "\"scale\": 1");
   for (const std::string& text :
        {std::string("{"), std::string("{}"), std::string(R"({"ways": [{"name": 3}]})"), senseless})

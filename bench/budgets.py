@@ -84,11 +84,12 @@ class Measurement:
             self.quality(*here, "denoised first", self.of_scale(scale, "compact", "live"), "--denoise-first")
 
     def denoised(self, data, folder):
+        free = data != "val"
         for spp in DENOISED_SPP:
             images = self.work / f"{data}-{spp}"
-            run = subprocess.run([sys.executable, HERE / "oidn.py", folder, images, "--spp", str(spp), "--prefilter"], capture_output=True, text=True)
+            run = subprocess.run([sys.executable, HERE / "oidn.py", folder, images, "--spp", str(spp), "--prefilter", *["--free-guides"] * free], capture_output=True, text=True)
             if run.returncode == 0:
-                self.quality(data, folder, 1, spp, spp, "Open Image Denoise", [], "--also", f"OIDN={images}/*_oidn{spp}.exr")
+                self.quality(data, folder, 1, spp, "converged" if free else spp, "Open Image Denoise", [], "--also", f"OIDN={images}/*_oidn{spp}.exr")
 
 
 def measure(options):
@@ -177,10 +178,10 @@ def write():
     text = ["# What wins at which number of samples", "",
             "Which render to make, and what to make of it: mean PSNR in dB against the average samples a pixel of the output, colour samples over the square of the scale plus those",
             "of the full-resolution render. Guides that cost nothing (rasterized ones, primary hits) count as none. *OIDN* is Open Image Denoise on a full-resolution render of as",
-            "many samples, albedo and normal denoised first; *merged*: the colours of both renders; *denoised first*: `--denoise-first`. In brackets the samples of the two renders. Made by",
+            "many samples with the same guides, which it denoises first; *merged*: the colours of both renders; *denoised first*: `--denoise-first`. In brackets the samples of the two renders. Made by",
             f"`python3 bench/budgets.py write` of `{report['command']}`, commits {listed({row['commit'] for row in rows_of_all})}, on {machine['processor']}.", ""]
     for data, kind, title, image in PARTS:
-        rows = [row for row in report["rows"] if row["data"] == data and (row["model"] == "OIDN" or (row["aux"] == "converged") == (kind == "free"))]
+        rows = [row for row in report["rows"] if row["data"] == data and (row["aux"] == "converged") == (kind == "free")]
         if not rows:
             continue
         chart(rows, title, HERE / "images" / f"{image}.svg")

@@ -1,11 +1,12 @@
 """Denoises full-resolution renders with Open Image Denoise, the peer that needs no low-resolution render.
 
-    python3 bench/oidn.py VAL_FOLDER OUT_FOLDER --spp 4 [--clean-aux] [--prefilter]
+    python3 bench/oidn.py VAL_FOLDER OUT_FOLDER --spp 4 [--clean-aux] [--prefilter] [--free-guides]
     xrds bench quality VAL_FOLDER --also "OIDN 4 spp=OUT_FOLDER/*_oidn4.exr"
 
 Reads colour, albedo and normal of sNNNN_auxK.exr (K samples a pixel) and writes sNNNN_oidnK.exr, linear radiance. HDR
 is on, the quality OIDN's highest. --clean-aux tells OIDN to trust albedo and normal; --prefilter denoises them first,
-each by its own filter, and trusts them then, as OIDN's manual advises. Seconds are those of the filters' execution, the
+each by its own filter, and trusts them then, as OIDN's manual advises. --free-guides takes albedo and normal of the
+reference sNNNN_gt.exr, as if they were rasterized. Seconds are those of the filters' execution, the
 prefilters' included, once the first image has been run a time before. Needs bench/oidn-requirements.txt.
 """
 import argparse
@@ -77,6 +78,7 @@ def main():
     parser.add_argument("--spp", type=int, required=True, help="of the renders to denoise")
     parser.add_argument("--clean-aux", action="store_true")
     parser.add_argument("--prefilter", action="store_true")
+    parser.add_argument("--free-guides", action="store_true")
     options = parser.parse_args()
     suffix = f"_aux{options.spp}.exr"
     renders = sorted(options.folder.glob("*" + suffix))
@@ -89,8 +91,11 @@ def main():
         check(device)
         denoise(device, read_layers(renders[0]), options.clean_aux, options.prefilter)
         for render in renders:
-            result, seconds = denoise(device, read_layers(render), options.clean_aux, options.prefilter)
             scene = render.name[:-len(suffix)]
+            images = read_layers(render)
+            if options.free_guides:
+                images = {**read_layers(render.with_name(f"{scene}_gt.exr")), "color": images["color"]}
+            result, seconds = denoise(device, images, options.clean_aux, options.prefilter)
             write_exr(options.output / f"{scene}_oidn{options.spp}.exr", result)
             times.append(seconds)
             print(f"{scene}  {result.shape[1]} x {result.shape[0]}  {seconds:.4f} s")

@@ -31,7 +31,7 @@ std::string samplesText(double samples) { return samples == 0 ? "" : text("%g", 
 Row rowOf(const Advice& advice, const Plan& plan) {
   return {plan.way.name,
           plan.samples.low == 0 ? "" : samplesText(plan.samples.low) + " at " + size(advice, plan.way.scale),
-          plan.samples.full == 0 ? "guides" : samplesText(plan.samples.full),
+          samplesText(plan.samples.full),
           text("%.1f", plan.renderSeconds),
           text("%.1f", plan.afterSeconds),
           text("%.1f", plan.psnr),
@@ -53,9 +53,12 @@ std::vector<std::string> stepsOf(const Advice& advice, const Plan& plan) {
   if (plan.samples.low > 0)
     steps.push_back("render " + size(advice, plan.way.scale) + " with " + samplesText(plan.samples.low) +
                     " samples a pixel: low.exr");
-  steps.push_back(plan.samples.full > 0 ? "render " + size(advice, 1) + " with " + samplesText(plan.samples.full) +
-                                              " samples a pixel, with albedo and normal: full.exr"
-                                        : "make clean albedo and normal of " + size(advice, 1) + ": full.exr");
+  if (plan.samples.full > 0)
+    steps.push_back("render " + size(advice, 1) + " with " + samplesText(plan.samples.full) +
+                    " samples a pixel, with albedo and normal: full.exr");
+  if (plan.way.guides == Guides::free)
+    steps.push_back("make clean albedo and normal of " + size(advice, 1) +
+                    (plan.samples.full > 0 ? ": guides.exr" : ": full.exr"));
   steps.push_back(upscaleCommand(plan.way));
   return steps;
 }
