@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "image/image_view.h"
 #include "image/srgb.h"
 #include "xrds/error.h"
 
@@ -70,11 +71,6 @@ double meanSquareOfOutliers(const Image& image, float least) {
 }
 
 double logarithm(double meanSquare) { return std::log2(std::max(meanSquare, kLeast)); }
-
-PixelView viewOf(const Image& image) {
-  return {image.pixels.data(), static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height),
-          static_cast<uint32_t>(image.channels)};
-}
 
 }  // namespace
 

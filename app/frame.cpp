@@ -217,11 +217,6 @@ void requireKnownInputs(const Model& model, const std::string& modelName) {
                   "', which this program cannot find in an EXR file: use the library.");
 }
 
-PixelView viewOf(const Image& image) {
-  return {image.pixels.data(), static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height),
-          static_cast<uint32_t>(image.channels)};
-}
-
 std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::string>& inputs,
                                 const std::vector<Image>& images) {
   std::vector<PixelView> views;

@@ -11,6 +11,7 @@
 #include "image/exr_write.h"
 #include "image/frame_fit.h"
 #include "image/image.h"
+#include "image/image_view.h"
 #include "xrds/xrds.h"
 
 namespace xrds {
@@ -97,7 +98,6 @@ bool hasFullColour(const std::filesystem::path& colourPath, const std::filesyste
 void requireKnownInputs(const Model& model, const std::string& modelName);
 
 /// The pixels as the library takes them.
-PixelView viewOf(const Image& image);
 std::vector<PixelView> viewsOf(const std::vector<Image>& images);
 
 /// The auxiliary images that the model takes, in its order, of those there are, one for each of `inputs`. Throws Error

@@ -6,7 +6,6 @@
 `measure` asks `xrds advise --scene-only` what two cheap renders say of each scene and keeps it in bench/results/scenes.json; `write` needs that, the map
 (bench/results/budgets.json) and numpy.
 """
-import argparse
 import json
 import pathlib
 import statistics
@@ -21,7 +20,7 @@ import tables
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FEATURES = ("noise", "detail", "guideNoise")
 CHEAP = {"val": 16, "live": 4, "large": 16}     # samples of the low-resolution render, of scale 4; the other render has one
-RIDGE = 1.0                                     # of standardised features, in rows
+SHARED_RIDGE, OWN_RIDGE = 1.0, 30.0             # of standardised features, in rows: of what all ways have in common, and of what one has of its own
 KEPT = tables.RESULTS / "scenes.json"
 
 
@@ -53,14 +52,31 @@ def features_of(row, way, scene):
     return [1, scene["noise"] - np.log2(count), scene["detail"], 0 if free else scene["guideNoise"] - np.log2(row["aux"])]
 
 
-def fitted(features, values):
-    """Coefficients [4] of the ridge regression; the constant is free."""
-    features, values = np.array(features), np.array(values)
-    mean, spread = features[:, 1:].mean(0), features[:, 1:].std(0)
+def slopes_of(features, values, ridge):
+    """Slopes [3] of the ridge regression of centred features [n, 3] and values [n]."""
+    spread = features.std(0)
     spread[spread < 1e-9] = 1
-    standard = (features[:, 1:] - mean) / spread
-    slopes = np.linalg.solve(standard.T @ standard + RIDGE * np.eye(3), standard.T @ (values - values.mean())) / spread
-    return np.array([values.mean() - slopes @ mean, *slopes])
+    standard = features / spread
+    return np.linalg.solve(standard.T @ standard + ridge * np.eye(3), standard.T @ values) / spread
+
+
+def fitted(points):
+    """{way: coefficients [4]} of points of ways whose guides are of one kind. A scene that is hard for one way is hard for all: the slopes are those of all
+    ways together, corrected for each way as far as its own points ask for it."""
+    ways = {}
+    for point in points:
+        ways.setdefault(point["way"], []).append((point["features"][1:], point["psnr"]))
+    centres, centred = {}, {}
+    for name, rows in ways.items():
+        features, values = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+        centres[name] = features.mean(0), values.mean()
+        centred[name] = features - features.mean(0), values - values.mean()
+    shared = slopes_of(*(np.concatenate(parts) for parts in zip(*centred.values())), SHARED_RIDGE)
+    found = {}
+    for name, (features, values) in centred.items():
+        slopes = shared + slopes_of(features, values - features @ shared, OWN_RIDGE)
+        found[name] = np.array([centres[name][1] - slopes @ centres[name][0], *slopes])
+    return found
 
 
 class Map:
@@ -77,21 +93,22 @@ class Map:
                 self.points.append({"way": name, "scene": scene, "data": row["data"], "average": row["average"], "psnr": psnr,
                                     "features": features_of(row, way, scenes[scene])})
 
-    def of_way(self, name, without=None):
-        return [point for point in self.points if point["way"] == name and point["scene"] != without]
-
-    def fit(self, name, without=None):
-        points = self.of_way(name, without)
-        return fitted([point["features"] for point in points], [point["psnr"] for point in points])
+    def fit(self, without=None):
+        """{way: coefficients} of the scenes but for one."""
+        found = {}
+        for guides in ("rendered", "free"):
+            points = [point for point in self.points if point["scene"] != without and self.ways[point["way"]]["guides"] == guides]
+            found.update(fitted(points) if points else {})
+        return found
 
     def predict_left_out(self):
-        """Sets `predicted` of every point, from a fit that has not seen its scene."""
-        fits = {}
-        for point in self.points:
-            key = point["way"], point["scene"]
-            if key not in fits:
-                fits[key] = self.fit(*key)
-            point["predicted"] = float(fits[key] @ np.array(point["features"]))
+        """Sets `predicted` of every point, from a fit that has not seen its scene; the points of a way that only that scene has go."""
+        for scene in {point["scene"] for point in self.points}:
+            fits = self.fit(without=scene)
+            for point in self.points:
+                if point["scene"] == scene and point["way"] in fits:
+                    point["predicted"] = float(fits[point["way"]] @ np.array(point["features"]))
+        self.points = [point for point in self.points if "predicted" in point]
 
     def regrets(self):
         """[{scene, data, budget, regret, advised, best}]: for each scene and each number of average samples the best plan's PSNR less the advised one's."""
@@ -108,9 +125,8 @@ class Map:
 
 def ways_json(whole):
     ways = []
-    for name, way in whole.ways.items():
-        points = whole.of_way(name)
-        constant, *slopes = whole.fit(name)
+    for name, (constant, *slopes) in whole.fit().items():
+        way, points = whole.ways[name], [point for point in whole.points if point["way"] == name]
         noise = [point["features"][1] for point in points]
         errors = [point["predicted"] - point["psnr"] for point in points]
         ways.append({**way, "ratios": sorted(way["ratios"]), "noise": [round(min(noise), 3), round(max(noise), 3)], "spread": round(float(np.sqrt(np.mean(np.square(errors)))), 2),
@@ -149,14 +165,7 @@ def document(ways, regrets, machine):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    verbs = parser.add_subparsers(dest="verb", required=True)
-    measuring = verbs.add_parser("measure")
-    for name in CHEAP:
-        measuring.add_argument(name, type=pathlib.Path)
-    measuring.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
-    verbs.add_parser("write")
-    options = parser.parse_args()
+    options = budgets.command_line(__doc__)[0].parse_args()
     return measure(options) if options.verb == "measure" else write()
 
 

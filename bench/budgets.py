@@ -189,16 +189,22 @@ def write():
     (HERE / "budgets.md").write_text("\n".join(text))
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def command_line(description):
+    """(parser, that of its verb `measure`) of a script that measures on the three folders and writes."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     verbs = parser.add_subparsers(dest="verb", required=True)
     measuring = verbs.add_parser("measure")
     for name in ("val", "live", "large"):
         measuring.add_argument(name, type=pathlib.Path)
-    measuring.add_argument("--parts", nargs="+", choices=PART_NAMES, default=PART_NAMES, help="measure these alone")
-    measuring.add_argument("--models", nargs="+", default=(), help="of the models these alone")
     measuring.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
     verbs.add_parser("write")
+    return parser, measuring
+
+
+def main():
+    parser, measuring = command_line(__doc__)
+    measuring.add_argument("--parts", nargs="+", choices=PART_NAMES, default=PART_NAMES, help="measure these alone")
+    measuring.add_argument("--models", nargs="+", default=(), help="of the models these alone")
     options = parser.parse_args()
     return measure(options) if options.verb == "measure" else write()
 
