@@ -23,7 +23,7 @@ HERE = ROOT / "bench"
 # Renders whose guides are of the same paths: scale, samples of the colour, of the full-resolution render.
 PATH_TRACED = ((4, 64, 16), (4, 64, 4), (4, 64, 1), (4, 16, 4), (4, 16, 1), (2, 16, 4), (2, 8, 2), (2, 4, 1))
 # Renders whose guides are clean and cost nothing: scale, samples of the colour.
-FREE = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4))
+FREE = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4), (2, 16))
 DENOISED_SPP = (1, 2, 4, 8, 16)
 PART_NAMES = ("path-traced", "free", "denoised")
 KEPT = tables.RESULTS / "budgets.json"
@@ -84,12 +84,12 @@ class Measurement:
             self.quality(*here, "denoised first", self.of_scale(scale, "compact", "live"), "--denoise-first")
 
     def denoised(self, data, folder):
-        free = data != "val"
-        for spp in DENOISED_SPP:
-            images = self.work / f"{data}-{spp}"
-            run = subprocess.run([sys.executable, HERE / "oidn.py", folder, images, "--spp", str(spp), "--prefilter", *["--free-guides"] * free], capture_output=True, text=True)
-            if run.returncode == 0:
-                self.quality(data, folder, 1, spp, "converged" if free else spp, "Open Image Denoise", [], "--also", f"OIDN={images}/*_oidn{spp}.exr")
+        for free in (False, True) if data == "val" else (True,):
+            for spp in DENOISED_SPP:
+                images = self.work / f"{data}-{spp}{'-free' * free}"
+                run = subprocess.run([sys.executable, HERE / "oidn.py", folder, images, "--spp", str(spp), "--prefilter", *["--free-guides"] * free], capture_output=True, text=True)
+                if run.returncode == 0:
+                    self.quality(data, folder, 1, spp, "converged" if free else spp, "Open Image Denoise", [], "--also", f"OIDN={images}/*_oidn{spp}.exr")
 
 
 def measure(options):
@@ -101,7 +101,7 @@ def measure(options):
         for part in options.parts:
             first = len(found.rows)
             for data in ("val", "live", "large"):
-                if (data, part) not in (("live", "path-traced"), ("large", "path-traced"), ("val", "free")):      # what the folders have not, or another one shows
+                if data == "val" or part != "path-traced":      # the others have no renders for it
                     measures[part](data, getattr(options, data))
             for row in found.rows[first:]:
                 row.update(part=part, commit=tables.commit())
@@ -168,7 +168,8 @@ def chart(rows, title, path):
 
 
 PARTS = (("val", "path", "Guides of the same paths, ten scenes of 256 x 256", "budgets_val"),
-         ("live", "free", "Clean guides that cost nothing, ten scenes of 256 x 256", "budgets_live"),
+         ("val", "free", "Clean guides that cost nothing, the same scenes", "budgets_val_free"),
+         ("live", "free", "Clean guides that cost nothing, ten scenes of 256 x 256 for few samples", "budgets_live"),
          ("large", "free", "Clean guides that cost nothing, one frame of 1024 x 1024", "budgets_large"))
 
 

@@ -109,6 +109,7 @@ def main():
     parser.add_argument("checkpoint", type=pathlib.Path)
     parser.add_argument("model", type=pathlib.Path)
     parser.add_argument("--validation", type=pathlib.Path, required=True)
+    parser.add_argument("--spp", help="what the card tabulates, as 64-16,16-1: samples of the colour and of the auxiliary images (0: converged); the first in full")
     parser.add_argument("--start", default="another model", help="name of the model that training started from, for the card")
     options = parser.parse_args()
     torch.set_num_threads(1)
@@ -120,7 +121,8 @@ def main():
     provenance = {"license": "MIT", "data": data, "seed": told["seed"], "steps": str(state["step"])}
     weights.save_model(options.model, network, provenance)
 
-    settings = (spp, aux_spp), *others = [pair for pair in SETTINGS[config.scale] if pair[1] or not config.full]    # a converged colour would be the result
+    asked = train.pairs_of(options.spp) if options.spp else SETTINGS[config.scale]
+    settings = (spp, aux_spp), *others = [pair for pair in asked if pair[1] or not config.full]    # a converged colour would be the result
     methods = evaluate.methods_of(config.scale, [options.model], merge=config.full)
     results = evaluate.measure(options.validation, config.scale, spp, aux_spp, methods)
     trained, guided = (evaluate.mean_of(results[name].values()) for name in (options.model.stem, "guided"))

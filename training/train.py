@@ -200,6 +200,11 @@ def shares_of(text):
     return {int(spp): float(share or 1) for spp, _, share in pairs} or None
 
 
+def pairs_of(text):
+    """[(samples of the colour, of the auxiliary images)] of "64-16,16-1"."""
+    return [tuple(int(spp) for spp in pair.split("-")) for pair in text.split(",")]
+
+
 def train(training, scenes, options, report):
     """Runs until the budget is spent; evaluates, saves and looks for new shards every few minutes."""
     crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1),
@@ -248,7 +253,7 @@ def validation_line(network, options):
     are measured; PSNR at the others, and of denoised colours if those are trained on."""
     config = network.config
     settings = options.validation_spp or (FULL_VALIDATION_SPP if config.full else VALIDATION_SPP)[config.scale]
-    counts = [tuple(int(spp) for spp in pair.split("-")) for pair in settings.split(",")]
+    counts = pairs_of(settings)
 
     def rows_of(colour_spp, aux_spp, denoise_first=False):
         cases = evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp)
