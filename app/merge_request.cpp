@@ -5,9 +5,8 @@
 #include <cstdio>
 
 namespace xrds {
-namespace {
+namespace {}  // namespace
 
-// Samples a pixel, as Cycles ("cycles.ViewLayer.samples") and pbrt write them.
 std::optional<double> samplesOf(const ExrPart& part) {
   for (const std::string& name : part.attributes.names()) {
     const bool known = (name.starts_with("cycles.") && name.ends_with(".samples")) || name == "samplesPerPixel";
@@ -19,8 +18,6 @@ std::optional<double> samplesOf(const ExrPart& part) {
   }
   return {};
 }
-
-}  // namespace
 
 std::optional<std::pair<double, double>> parsePair(const std::string& text) {
   std::pair<double, double> pair;

@@ -36,7 +36,9 @@ std::optional<std::pair<double, double>> parsePair(const std::string& text);
 /// Empty if the text is two positive numbers with a comma between them, else what is wrong with it.
 std::string validSamples(const std::string& text);
 
-/// The samples a pixel that the two files' metadata give: Cycles' "cycles.LAYER.samples", pbrt's "samplesPerPixel".
+/// The samples a pixel that a file's metadata give: Cycles' "cycles.LAYER.samples", pbrt's "samplesPerPixel".
+std::optional<double> samplesOf(const ExrPart& part);
+/// The same of two files; nothing unless both tell.
 std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full);
 
 }  // namespace xrds

@@ -27,13 +27,16 @@ fs::path shippedFile(const std::string& name) {
   return {};
 }
 
-std::string variantName(int scale, const std::vector<std::string>& inputs) {
+std::string nameOf(int scale, const char* kind) { return "xrds-x" + std::to_string(scale) + "-" + kind; }
+
+std::string variantName(int scale, const std::vector<std::string>& inputs, std::optional<double> samples = {}) {
   const auto has = [&](const AuxiliaryInput& input) {
     return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
   };
   if (inputs.empty()) return defaultModelName(scale) + "-plain";
   if (!has(kNormal)) return defaultModelName(scale) + "-albedo";
-  return has(kFullColour) ? "xrds-x" + std::to_string(scale) + "-full" : defaultModelName(scale);
+  if (has(kFullColour)) return nameOf(scale, "full");
+  return samples && *samples <= kFewSamples ? nameOf(scale, "live") : defaultModelName(scale);
 }
 
 }  // namespace
@@ -73,7 +76,7 @@ fs::path resolveModel(const std::string& nameOrFile) {
               listed(shippedModels()) + ".");
 }
 
-std::string defaultModelName(int scale) { return "xrds-x" + std::to_string(scale) + "-compact"; }
+std::string defaultModelName(int scale) { return nameOf(scale, "compact"); }
 
 std::string liveModelName() { return "xrds-x4-mini"; }
 
@@ -86,9 +89,9 @@ fs::path shippedVariant(int scale, const std::vector<std::string>& inputs) {
   return shippedFile(variantName(scale, inputs));
 }
 
-fs::path defaultModel(int scale, const std::vector<std::string>& inputs) {
+fs::path defaultModel(int scale, const std::vector<std::string>& inputs, std::optional<double> samples) {
   if (inputs.empty()) return resolveModel(variantName(kScaleOfColourAlone, inputs));
-  if (fs::path variant = shippedVariant(scale, inputs); !variant.empty()) return variant;
+  if (fs::path variant = shippedFile(variantName(scale, inputs, samples)); !variant.empty()) return variant;
   fs::path file = shippedFile(defaultModelName(scale));
   if (file.empty() && shippedModels().empty())
     throw Error("Without --model a shipped model is taken, but " + noModels());

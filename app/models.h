@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,9 +35,15 @@ bool takes(const Model& model, const AuxiliaryInput& input);
 /// normals, with the full-resolution colour, or the default model itself. Empty if it is not shipped for the scale.
 std::filesystem::path shippedVariant(int scale, const std::vector<std::string>& inputs);
 
+/// Of the low-resolution colour: with at most so many samples a pixel the models of few samples make the better picture
+/// (bench/budgets.md).
+inline constexpr double kFewSamples = 4;
+
 /// The file of the model for frames with these auxiliary images, `scale` times the colour's size: the variant that
-/// suits them, or the default model itself where that is not shipped. The colour alone is upscaled by 4, whatever
-/// `scale` is. Throws Error as resolveModel does.
-std::filesystem::path defaultModel(int scale, const std::vector<std::string>& inputs);
+/// suits them, or the default model itself where that is not shipped. Albedo and normal with a colour of at most
+/// kFewSamples samples a pixel, where that is known, take the model of few samples, if one is shipped. The colour alone
+/// is upscaled by 4, whatever `scale` is. Throws Error as resolveModel does.
+std::filesystem::path defaultModel(int scale, const std::vector<std::string>& inputs,
+                                   std::optional<double> samples = {});
 
 }  // namespace xrds

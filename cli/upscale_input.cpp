@@ -39,15 +39,24 @@ std::vector<std::string> inputsThere(const UpscaleOptions& options, const ExrFil
   return inputs;
 }
 
+// Samples a pixel of the low-resolution colour, where they are known.
+std::optional<double> lowSamples(const UpscaleOptions& options, const Frame& frame) {
+  if (const auto given = parsePair(options.samples)) return given->first;
+  return samplesOf(frame.colourPart());
+}
+
 fs::path modelFile(const UpscaleOptions& options) {
   if (!options.model.empty()) return failingWith(ExitCode::model, [&] { return resolveModel(options.model); });
   const ExrFile file =
       failingWith(ExitCode::input, [&] { return readExrHeader(options.aux.empty() ? options.color : options.aux); });
   int scale = 0;
+  std::optional<double> samples;
   try {
-    scale = failingWith(ExitCode::input, [&] {
-      return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)}).scale();
+    const Frame frame = failingWith(ExitCode::input, [&] {
+      return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)});
     });
+    scale = frame.scale();
+    samples = lowSamples(options, frame);
   } catch (Failure& failure) {
     if (options.layers.nameOf(AovRole::kAlbedo).empty() && !hasAov(file, AovRole::kAlbedo))
       failure.message += colourAloneHint(options);
@@ -55,7 +64,7 @@ fs::path modelFile(const UpscaleOptions& options) {
   }
   const std::vector<std::string> inputs = inputsThere(options, file);
   const bool hasNormal = std::find(inputs.begin(), inputs.end(), kNormal.name) != inputs.end();
-  const fs::path model = failingWith(ExitCode::model, [&] { return defaultModel(scale, inputs); });
+  const fs::path model = failingWith(ExitCode::model, [&] { return defaultModel(scale, inputs, samples); });
   if (!hasNormal)
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
   return model;
@@ -132,7 +141,7 @@ void leaveUnmergedOut(const UpscaleOptions& options, OpenedModel& opened, Frame&
   if (frame.merged() || !takes(opened.model, kFullColour)) return;
   const auto scale = static_cast<int>(opened.model.scale());
   const fs::path file = failingWith(ExitCode::model, [&] {
-    return defaultModel(scale, {std::string(kAlbedo.name), std::string(kNormal.name)});
+    return defaultModel(scale, {std::string(kAlbedo.name), std::string(kNormal.name)}, lowSamples(options, frame));
   });
   reopen(options, file, opened, frame);
 }

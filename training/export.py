@@ -28,8 +28,8 @@ Licence: MIT, weights included.
 - Command: `{command}`
 
 ## Metrics
-{scenes} validation scenes that were not trained on, but were looked at while the trainer was written; scale {scale}, colour at {spp} samples
-per pixel, albedo and normal at {aux_spp}{merged}. Measured with the float16 weights of this file, in PyTorch, float32 (training/evaluate.py defines each number).
+{scenes} validation scenes that were not trained on, but were looked at while the trainer was written; scale {scale}, colour at {spp} sample{plural}
+per pixel, albedo and normal {aux_spp}{merged}. Measured with the float16 weights of this file, in PyTorch, float32 (training/evaluate.py defines each number).
 
 {table}
 
@@ -140,7 +140,7 @@ def main():
         parameters=sum(p.numel() for p in network.parameters()), giga=multiply_accumulates(config, 1024, 1024) / 1e9,
         data=data, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,
         device="one thread of a busy CPU" if told["device"] == "cpu" else "a CUDA device", start=f", started from {start}" if start else "",
-        precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, aux_spp=aux_spp, merged=MERGED if config.full else "",
+        precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, plural="s" * (spp > 1), aux_spp=f"at {aux_spp}" if aux_spp else "converged", merged=MERGED if config.full else "",
         scenes=len(results["guided"]), table=evaluate.tables(results),
         denoised=DENOISED.format(share=f"{100 * share_of_denoised(told):.0f} %", table=table_of_other_samples(
             options.validation, config.scale, methods, settings, denoise_first=True)) if share_of_denoised(told) else "",

@@ -33,12 +33,7 @@ struct CliAdvise : testing::Test {
 
   // Two ways with the smallest shipped model: noise counts 2 dB an octave with merging, 1 dB without.
   CliAdvise() {
-    const Box small = boxOf(kWidth, kHeight), large = boxOf(kScale * kWidth, kScale * kHeight);
-    writeParts(low, {{small, small, {noisyColour(64, 8, 1)}}});
-    writeParts(full, {{large,
-                       large,
-                       {noisyColour(16, 8 * kScale, 2), albedoLayer("albedo", kScale * kWidth),
-                        normalLayer("normal", kScale * kWidth)}}});
+    writeRenders({}, {});
     Json all;
     for (const bool merges : {false, true})
       all["ways"].push_back(
@@ -54,6 +49,18 @@ struct CliAdvise : testing::Test {
            {"spread", 0.5},
            {"coefficients", {{"constant", 20}, {"noise", merges ? -2 : -1}, {"detail", 0}, {"guideNoise", 0}}}});
     std::ofstream(ways) << all;
+  }
+
+  void writeRenders(const std::map<std::string, std::string>& lowTexts,
+                    const std::map<std::string, std::string>& fullTexts) const {
+    const Box small = boxOf(kWidth, kHeight), large = boxOf(kScale * kWidth, kScale * kHeight);
+    writeParts(low, {{small, small, {noisyColour(64, 8, 1)}, {}, lowTexts}});
+    writeParts(full, {{large,
+                       large,
+                       {noisyColour(16, 8 * kScale, 2), albedoLayer("albedo", kScale * kWidth),
+                        normalLayer("normal", kScale * kWidth)},
+                       {},
+                       fullTexts}});
   }
 
   Ended advise(const std::vector<std::string>& more) const {
@@ -112,6 +119,17 @@ TEST_F(CliAdvise, PlansForAnErrorAndSaysWhereThereIsNone) {
   EXPECT_EQ(none.exitCode, 7) << none.error;
   EXPECT_NE(none.error.find("No plan is predicted to reach 90 dB"), std::string::npos) << none.error;
   EXPECT_TRUE(written()["advised"].is_null());
+}
+
+TEST_F(CliAdvise, ReadsSamplesAndSecondsFromTheMetadata) {
+  writeRenders({{"cycles.ViewLayer.samples", "64"}, {"cycles.ViewLayer.total_time", "00:05.00"}},
+               {{"cycles.ViewLayer.samples", "16"}, {"cycles.ViewLayer.total_time", "00:17.00"}});
+  const Ended ended = runXrds({"advise", low, full, "--ways", ways, "--json", json},
+                              {.environment = {{"XRDS_KERNEL_FAMILY", "plain"}}});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(written()["samples"], Json({{"low", 64.0}, {"full", 16.0}}));
+  EXPECT_NEAR(written()["render"]["start"], 1, 1e-9);  // 5 s for 4 samples of all pixels, 17 s for 16
+  EXPECT_TRUE(written()["advised"].is_null()) << "nothing was asked for";
 }
 
 TEST_F(CliAdvise, SamplesAndSecondsMustBeKnown) {

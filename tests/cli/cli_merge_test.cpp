@@ -12,14 +12,17 @@ namespace {
 using Json = nlohmann::json;
 
 // The frame's colour is 1 everywhere, that of the full-resolution render `full`.
-void writeColours(const SmallFrame& frame, float full) {
+using Texts = std::map<std::string, std::string>;
+void writeColours(const SmallFrame& frame, float full, const Texts& lowTexts = {}, const Texts& fullTexts = {}) {
   const auto flat = [](const char* name, float value) {
     return Layer{name, "RGB", [value](int, int, int) { return value; }};
   };
-  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {flat("", 1)}}});
-  writeParts(
-      frame.aux,
-      {{boxOf(40, 32), boxOf(40, 32), {flat("Combined", full), albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {flat("", 1)}, {}, lowTexts}});
+  writeParts(frame.aux, {{boxOf(40, 32),
+                          boxOf(40, 32),
+                          {flat("Combined", full), albedoLayer("albedo", 40), normalLayer("normal", 40)},
+                          {},
+                          fullTexts}});
 }
 
 Json jsonOf(const SmallFrame& frame, const std::vector<std::string>& more) {
@@ -55,6 +58,16 @@ TEST(CliMerge, EstimatesTheShareWhereNoSamplesAreKnown) {
   EXPECT_FALSE(run["mergedColour"].contains("samples"));
 }
 
+TEST(CliMerge, TakesTheSamplesFromTheMetadata) {
+  const SmallFrame frame;
+  writeColours(frame, 1, {{"cycles.ViewLayer.samples", "64"}}, {{"cycles.ViewLayer.samples", "16"}});
+  const Json run = jsonOf(frame, {});
+  EXPECT_EQ(run["mergedColour"]["source"], "metadata");
+  EXPECT_DOUBLE_EQ(run["mergedColour"]["share"], 0.8);
+  writeColours(frame, 1, {{"samplesPerPixel", "64"}}, {});
+  EXPECT_EQ(jsonOf(frame, {})["mergedColour"]["source"], "noise") << "one file alone does not tell";
+}
+
 TEST(CliMerge, LeavesTheColourOfOtherLightAlone) {
   const SmallFrame frame;
   writeColours(frame, 0.5F);
@@ -64,12 +77,13 @@ TEST(CliMerge, LeavesTheColourOfOtherLightAlone) {
   EXPECT_DOUBLE_EQ(jsonOf(frame, {"--samples", "16,1"})["mergedColour"]["share"], 0.5);
 }
 
-// Two golden models under the names of the shipped ones.
-TEST(CliMerge, TakesTheFullModelWhereTheColourIsMerged) {
+// Golden models under the names of the shipped ones.
+TEST(CliMerge, TakesTheModelThatSuitsWhatTheFilesHold) {
   const SmallFrame frame;
   const std::filesystem::path models = frame.folder / "models";
   std::filesystem::create_directory(models);
-  for (const auto& [name, golden] : {std::pair("xrds-x4-full", "s4_full"), std::pair("xrds-x4-compact", "s4_kernels")})
+  for (const auto& [name, golden] : {std::pair("xrds-x4-full", "s4_full"), std::pair("xrds-x4-compact", "s4_kernels"),
+                                     std::pair("xrds-x4-live", "s4_guided")})
     std::filesystem::copy_file(goldenModel(golden), models / (std::string(name) + ".safetensors"));
   const std::string file = (frame.folder / "run.json").string();
   const auto chosen = [&](std::vector<std::string> more) {
@@ -78,7 +92,7 @@ TEST(CliMerge, TakesTheFullModelWhereTheColourIsMerged) {
     const Ended ended = runXrds(all, {.environment = {{"XRDS_MODELS", models.string()}}});
     EXPECT_EQ(ended.exitCode, 0) << ended.error;
     const Json json = Json::parse(readBytes(file));
-    EXPECT_EQ(json["mergedColour"].is_null(), json["model"]["name"] == "xrds-x4-compact");
+    EXPECT_EQ(json["mergedColour"].is_null(), json["model"]["name"] != "xrds-x4-full");
     return json["model"]["name"].get<std::string>();
   };
   EXPECT_EQ(chosen({}), "xrds-x4-compact");  // no colour in the auxiliary file
@@ -89,6 +103,11 @@ TEST(CliMerge, TakesTheFullModelWhereTheColourIsMerged) {
   writeColours(frame, 0.5F);  // of other light
   EXPECT_EQ(chosen({}), "xrds-x4-compact");
   EXPECT_EQ(chosen({"--samples", "64,16"}), "xrds-x4-full");
+  for (const auto& [samples, model] : {std::pair("4", "xrds-x4-live"), std::pair("16", "xrds-x4-compact")}) {
+    writeColours(frame, 0.5F, {{"cycles.ViewLayer.samples", samples}});
+    EXPECT_EQ(chosen({}), model) << samples;
+    EXPECT_EQ(chosen({"--aux-colour", "never"}), model) << samples;
+  }
 }
 
 TEST(CliMerge, RefusesAFullModelWithoutTheColour) {

@@ -28,6 +28,7 @@ Imf::Header headerFor(const Part& part) {
   for (const Layer& layer : part.layers)
     for (size_t c = 0; c < layer.channels.size(); ++c)
       header.channels().insert(channelName(layer, c), Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, text] : part.texts) header.insert(name, Imf::StringAttribute(text));
   return header;
 }
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct Part {
   Box dataWindow, displayWindow;
   std::vector<Layer> layers;
   std::string name = {};
+  std::map<std::string, std::string> texts = {};  // attributes
 };
 
 /// Writes 32-bit float parts; every header gets the text attribute "renderer" and the float "cameraZoom".
