@@ -18,7 +18,8 @@ peers=${PEERS:-python3}
 mkdir -p "$out"
 rm -f "$out"/{auxiliary,equal}.md "$out"/x*_aux*.{md,json} "$out"/oidn_*.lpips.{md,json}
 python3 "$here/tables.py" origin > "$out/origin.json"
-shipped=" $("$xrds" info | tr '\n' ' ') "
+
+is_shipped() { "$xrds" info | grep -qx "$1"; }
 
 # The --model options of the shipped models of a scale, but for those that only take merged colours.
 model_options() {
@@ -28,16 +29,17 @@ model_options() {
     *) names="xrds-x$1-compact" ;;
   esac
   for name in $names; do
-    case $shipped in
-      *" $name "*) echo "--model $name" ;;
-      *) [ $# -eq 1 ] || echo "left out: model $name is not there" >&2 ;;
-    esac
+    if is_shipped "$name"; then
+      echo "--model $name"
+    elif [ $# -gt 1 ]; then
+      echo "left out: model $name is not there" >&2
+    fi
   done
 }
 
 # full_model SCALE COLOUR AUX [OPTION...]: the --model option of the full model, where it is shipped and the colour is merged.
 full_model() {
-  case "${4:-} $shipped" in "--merge "*" xrds-x$1-full "*) echo "--model xrds-x$1-full" ;; esac
+  if [ "${4:-}" = --merge ] && is_shipped "xrds-x$1-full"; then echo "--model xrds-x$1-full"; fi
 }
 
 # table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged, with --ensemble N
