@@ -14,6 +14,7 @@ import tempfile
 
 import numpy as np
 
+import budget_tables
 import budgets
 import tables
 
@@ -40,7 +41,7 @@ def measure(options):
 def way_of(row):
     """What the rows of one way have in common, as a key and as the way itself; Open Image Denoise at full resolution has no model."""
     alone, free = row["model"] == "OIDN", row["aux"] == "converged"
-    way = {"name": budgets.name_of(row) + ", free guides" * free, "model": "" if alone else row["model"], "scale": row["scale"], "guides": "free" if free else "rendered",
+    way = {"name": budget_tables.name_of(row) + ", free guides" * free, "model": "" if alone else row["model"], "scale": row["scale"], "guides": "free" if free else "rendered",
            "merges": "merged" in row["way"], "denoisesFirst": "denoised first" in row["way"], "takesFullColour": row["model"].endswith("-full")}
     return way["name"], way
 

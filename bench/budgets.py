@@ -16,6 +16,7 @@ import sys
 import tempfile
 
 import tables
+from budget_tables import front, name_of, table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HERE = ROOT / "bench"
@@ -46,9 +47,10 @@ class Measurement:
 
     def quality(self, data, folder, scale, colour, aux, way, models, *options):
         """One setting; the rows of the models and, of denoised images, of those. No row where the folder lacks the renders."""
-        models = [model for model in models if not self.asked or model in self.asked]
-        if not models and "--also" not in options:
+        wanted = [name for name in (*models, *["OIDN"] * ("--also" in options)) if not self.asked or name in self.asked]
+        if not wanted:
             return
+        models = [model for model in models if model in wanted]
         found = self.work / "quality.json"
         command = [self.program, "bench", "quality", str(folder), "--scale", str(scale), "--samples", str(colour), "--aux", str(aux), "--json", str(found), "--quiet"]
         for model in models:
@@ -60,7 +62,7 @@ class Measurement:
         report = json.loads(found.read_text())
         average = report["averageSamples"] or colour / scale ** 2
         for method in report["methods"]:
-            if method["name"] in (*models, "OIDN"):
+            if method["name"] in wanted:
                 mean = method["mean"]
                 self.rows.append({"data": data, "way": way, "model": method["name"], "scale": scale, "colour": colour, "aux": aux, "average": average,
                                   "psnr": mean["psnr"], "relmseTrimmed": mean["relMseTrimmed"], "scenes": len(method["scenes"]),
@@ -111,40 +113,6 @@ def measure(options):
 
 def listed(names):
     return " and ".join(sorted(names))
-
-
-def name_of(row):
-    """How a line of the chart and a column of the table is called."""
-    if row["model"] == "OIDN":
-        return "OIDN, full resolution"
-    return f"{row['model'].removeprefix('xrds-')}, {row['way']}" if row["way"] != "network" else row["model"].removeprefix("xrds-")
-
-
-def front(rows):
-    """The best row of each number of average samples, as far as more samples give more."""
-    best, most = [], float("-inf")
-    for average in sorted({row["average"] for row in rows}):
-        row = max((row for row in rows if row["average"] == average), key=lambda row: row["psnr"])
-        if row["psnr"] > most:
-            best.append(row)
-            most = row["psnr"]
-    return best
-
-
-def table(rows):
-    """Markdown: a row an average, the best of each way, the best of all in bold."""
-    names = sorted({name_of(row) for row in rows}, key=lambda name: (not name.startswith("OIDN"), name))
-    lines = ["| average | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
-    for average in sorted({row["average"] for row in rows}):
-        here = [row for row in rows if row["average"] == average]
-        top = max(here, key=lambda row: row["psnr"])
-        cells = []
-        for name in names:
-            own = max((row for row in here if name_of(row) == name), key=lambda row: row["psnr"], default=None)
-            text = "" if own is None else f"{own['psnr']:.2f}" + ("" if own["model"] == "OIDN" else f" ({own['colour']}-{own['aux']})".replace("-converged", ""))
-            cells.append(f"**{text}**" if own is top else text)
-        lines.append(f"| {average:g} | " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
 
 
 def chart(rows, title, path):
@@ -205,7 +173,7 @@ def command_line(description):
 def main():
     parser, measuring = command_line(__doc__)
     measuring.add_argument("--parts", nargs="+", choices=PART_NAMES, default=PART_NAMES, help="measure these alone")
-    measuring.add_argument("--models", nargs="+", default=(), help="of the models these alone")
+    measuring.add_argument("--models", nargs="+", default=(), help="of the models, and OIDN, these alone")
     options = parser.parse_args()
     return measure(options) if options.verb == "measure" else write()
 

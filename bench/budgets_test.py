@@ -1,7 +1,7 @@
-"""The table of budgets.py: the best of each way in its column, the best of all in bold; lines that only rise."""
+"""The tables of the map: the best of each way in its column, the best of all in bold; lines that only rise."""
 import unittest
 
-import budgets
+import budget_tables
 
 
 def row(model, way, average, psnr, colour=16, aux=1):
@@ -14,16 +14,23 @@ ROWS = [row("OIDN", "Open Image Denoise", 2, 29.8), row("xrds-x4-compact", "netw
 
 class Budgets(unittest.TestCase):
     def test_names(self):
-        self.assertEqual([budgets.name_of(ROWS[k]) for k in (0, 1, 3)], ["OIDN, full resolution", "x4-compact", "x4-full, merged"])
+        self.assertEqual([budget_tables.name_of(ROWS[k]) for k in (0, 1, 3)], ["OIDN, full resolution", "x4-compact", "x4-full, merged"])
 
     def test_table(self):
-        self.assertEqual(budgets.table(ROWS).splitlines(), [
+        self.assertEqual(budget_tables.table(ROWS).splitlines(), [
             "| average | OIDN, full resolution | x4-compact | x4-full, merged |", "|---|---|---|---|",
             "| 2 | 29.80 | 27.20 (16-1) | **29.90 (16-1)** |", "| 8 | **33.10** |  | 32.00 (64) |"])
 
+    def test_front_page(self):
+        live = [{**row("xrds-x2-live", "denoised first", 1 / 4, 26.5, 1, "converged"), "data": "live"}, {**row("OIDN", "Open Image Denoise", 1, 29, 1, "converged"), "data": "live"}]
+        found = budget_tables.front_page({"rows": ROWS + live}).splitlines()
+        self.assertIn("| 1/4 |  | **26.50** x2-live, denoised first |  |  |", found)
+        self.assertIn("| 1 | **29.00** |  |  |  |", found)
+        self.assertIn("| 2 |  |  | 29.80 | **29.90** x4-full, merged |", found)
+
     def test_front_rises(self):
         worse = [row("xrds-x4-compact", "network", average, psnr) for average, psnr in ((1, 25), (2, 24), (4, 26), (4, 25.5))]
-        self.assertEqual([(found["average"], found["psnr"]) for found in budgets.front(worse)], [(1, 25), (4, 26)])
+        self.assertEqual([(found["average"], found["psnr"]) for found in budget_tables.front(worse)], [(1, 25), (4, 26)])
 
 
 if __name__ == "__main__":

@@ -119,12 +119,12 @@ def auxiliary(report):
 
 
 def merged(report):
-    """The colour as it is, and merged with that of the full-resolution render."""
+    """The colour as it is, and merged with that of the full-resolution render: of the compact and the full models."""
     rows = []
     for setting, key in MERGED:
         as_it_is = {found["name"]: trimmed_cell(found) for found in report["settings"].get(key, [])}
         rows += [[setting, found["name"], as_it_is.get(found["name"], "-"), trimmed_cell(found)]
-                 for found in report["settings"].get(key + "_merged", []) if found["name"] != "demodulated"]
+                 for found in report["settings"].get(key + "_merged", []) if found["name"].endswith(("-compact", "-full"))]
     return markdown(report, ["samples of the two renders", "method", "as it is: PSNR dB / trimmed RelMSE", "merged"], rows)
 
 

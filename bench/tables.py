@@ -21,12 +21,13 @@ import subprocess
 import sys
 import tempfile
 
+import budget_tables
 import parts_tables
 import quality_tables
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
-DOCUMENTS = ("docs/performance.md", "docs/quality.md", "bench/skip.md", "bench/tiles.md")
+DOCUMENTS = ("README.md", "docs/performance.md", "docs/quality.md", "bench/skip.md", "bench/tiles.md")
 BLOCK = re.compile(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -116,7 +117,7 @@ TABLES = {"network": ("network", network_table), "quality_means": ("quality", qu
           "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_merged": ("quality", quality_tables.merged),
           "quality_ensemble": ("quality", quality_tables.ensemble),
           "quality_equal": ("quality", quality_tables.equal), "skip": ("skip", parts_tables.skip_table),
-          "tiles": ("tiles", parts_tables.tiles_table)}
+          "tiles": ("tiles", parts_tables.tiles_table), "front_page": ("budgets", budget_tables.front_page)}
 
 
 def updated(text, results=RESULTS):

@@ -57,7 +57,7 @@ class Tables(unittest.TestCase):
         stated = {"commit": "abc1234", "machine": {"processor": "a processor", "processors": 2}, "command": "xrds bench"}
         scene = {"name": "sky", "skipped": 0.5, "work": 0.75, "medianSecondsOff": 2.0, "medianSeconds": 1.0, "faster": 2.0, "psnrOff": 40.0,
                  "psnr": 40.25, "largestChange": {"skipped": 0.001, "others": 0.0005}}
-        first, *_, row = parts_tables.skip_table({**stated, **parts_tables.together([report("xrds-x4-m", scenes=[scene])])}).splitlines()
+        first, *_, row = parts_tables.skip_table({**stated, **parts_tables.together([report("xrds-x4-compact", scenes=[scene])])}).splitlines()
         self.assertEqual(first, "`xrds bench`, commit abc1234, 2 cores of a processor, a driver, fp32, medians of 3 pairs of runs:")
         self.assertEqual(row, "| x4-m | sky | 50.0 % | 75.0 % | 2.000 | 1.000 | **2.00** | 40.000 | +0.2500 | 0.00100 | 0.00050 |")
         error = {"relativeRms": 0.01, "psnrChange": -0.125, "step": 2.5}
@@ -71,24 +71,23 @@ class Tables(unittest.TestCase):
             folder = pathlib.Path(name)
             write = lambda file, value: (folder / file).write_text(json.dumps(value))
             write("origin.json", {"commit": "abc1234", "machine": {"processor": "a processor", "processors": 2}})
-            write("x4_64_aux16.json", quality_report(4, 64, 16, {"guided": 20.0, "xrds-x4-m": 21.5}))
-            write("x4_64_aux16.lpips.json", {"xrds-x4-m": {"s1": 0.1, "s2": 0.2}})
-            write("x4_64_aux16_merged.json", quality_report(4, 64, 16, {"guided": 20.5, "xrds-x4-m": 22.5}))
-            write("x4_64_aux16_ensemble2.json", quality_report(4, 64, 16, {"xrds-x4-m": 21.5, "xrds-x4-m ensemble 2": 21.625}))
+            write("x4_64_aux16.json", quality_report(4, 64, 16, {"guided": 20.0, "xrds-x4-compact": 21.5}))
+            write("x4_64_aux16.lpips.json", {"xrds-x4-compact": {"s1": 0.1, "s2": 0.2}})
+            write("x4_64_aux16_merged.json", quality_report(4, 64, 16, {"guided": 20.5, "xrds-x4-compact": 22.5}))
+            write("x4_64_aux16_ensemble2.json", quality_report(4, 64, 16, {"xrds-x4-compact": 21.5, "xrds-x4-compact ensemble 2": 21.625}))
             write("x1_2_aux2.json", quality_report(1, 2, 2, {"guided": 20.0, "OIDN, prefiltered": 30.0}))
             write("oidn_prefiltered.lpips.json", {"oidn2": {"s1": 0.3}, "oidn4": {"s1": 0.4}})
             report = quality_tables.gather(folder)
         caption, _, _, _, *rows = quality_tables.means(report).splitlines()
         self.assertIn("commit abc1234, a device, 2 cores of a processor", caption)
         self.assertEqual(rows, ["| guided | 20.00 | - | 0.5000 | 0.2500 | 0.1250 | - | - |",
-                                "| xrds-x4-m | 21.50 | +1.50 | 0.5000 | 0.2500 | 0.1250 | 0.1500 | s1 +1.50 |"])
+                                "| xrds-x4-compact | 21.50 | +1.50 | 0.5000 | 0.2500 | 0.1250 | 0.1500 | s1 +1.50 |"])
         self.assertEqual(quality_tables.scenes(report).splitlines()[-1], "| s1 | 20.00 / 0.5000 | 21.50 / 0.5000 |")
-        self.assertIn("| xrds-x4-m | - | - | 21.50 / 0.5000 / 0.1500 | - |", quality_tables.auxiliary(report))
+        self.assertIn("| xrds-x4-compact | - | - | 21.50 / 0.5000 / 0.1500 | - |", quality_tables.auxiliary(report))
         self.assertEqual(quality_tables.ensemble(report).splitlines()[4:],
-                         ["| `xrds-x4-m`, 64 spp | 21.500 / 0.5000 | 21.625 / 0.5000 |  |"])
+                         ["| `xrds-x4-compact`, 64 spp | 21.500 / 0.5000 | 21.625 / 0.5000 |  |"])
         self.assertEqual(quality_tables.merged(report).splitlines()[4:],
-                         ["| scale 4, 64 and 16 spp | guided | 20.00 / 0.2500 | 20.50 / 0.2500 |",
-                          "| scale 4, 64 and 16 spp | xrds-x4-m | 21.50 / 0.2500 | 22.50 / 0.2500 |"])
+                         ["| scale 4, 64 and 16 spp | xrds-x4-compact | 21.50 / 0.2500 | 22.50 / 0.2500 |"])
         self.assertIn("| OIDN, prefiltered | 30.00 / 0.5000 / 0.3000 | - | - |", quality_tables.equal(report))
 
     def test_the_documents_are_those_of_the_measurements(self):
