@@ -59,7 +59,7 @@ class Tables(unittest.TestCase):
                  "psnr": 40.25, "largestChange": {"skipped": 0.001, "others": 0.0005}}
         first, *_, row = parts_tables.skip_table({**stated, **parts_tables.together([report("xrds-x4-compact", scenes=[scene])])}).splitlines()
         self.assertEqual(first, "`xrds bench`, commit abc1234, 2 cores of a processor, a driver, fp32, medians of 3 pairs of runs:")
-        self.assertEqual(row, "| x4-m | sky | 50.0 % | 75.0 % | 2.000 | 1.000 | **2.00** | 40.000 | +0.2500 | 0.00100 | 0.00050 |")
+        self.assertEqual(row, "| x4-compact | sky | 50.0 % | 75.0 % | 2.000 | 1.000 | **2.00** | 40.000 | +0.2500 | 0.00100 | 0.00050 |")
         error = {"relativeRms": 0.01, "psnrChange": -0.125, "step": 2.5}
         halos = [{"halo": halo, "mean": error, "worst": error} for halo in (8, 16)]
         table = parts_tables.tiles_table({**stated, **parts_tables.together([report(model, halos=halos) for model in ("m", "n")])})
