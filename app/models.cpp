@@ -78,7 +78,10 @@ fs::path resolveModel(const std::string& nameOrFile) {
 
 std::string defaultModelName(int scale) { return nameOf(scale, "compact"); }
 
-std::string liveModelName() { return "xrds-x4-mini"; }
+std::string liveModelName() {
+  const std::string name = nameOf(4, "live");
+  return shippedFile(name).empty() ? nameOf(4, "mini") : name;
+}
 
 bool takes(const Model& model, const AuxiliaryInput& input) {
   const auto& inputs = model.auxiliaryInputs();

@@ -25,7 +25,7 @@ std::filesystem::path resolveModel(const std::string& nameOrFile);
 /// "xrds-x<scale>-compact", whether it is shipped or not.
 std::string defaultModelName(int scale);
 
-/// "xrds-x4-mini", which is fast enough for live views, whether it is shipped or not.
+/// "xrds-x4-live", the model of few samples, fast enough for live views; "xrds-x4-mini" where that is not shipped.
 std::string liveModelName();
 
 /// Whether the input is one of the model's.
