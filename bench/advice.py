@@ -19,7 +19,8 @@ import budgets
 import tables
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FEATURES = ("noise", "detail", "guideNoise")
+FEATURES = ("noise", "detail", "guideNoise", "noiseSquared", "noiseTimesDetail")
+TYPICAL = {"noise": -9, "detail": -7}           # about which products are fitted
 CHEAP = {"val": 16, "live": 4, "large": 16}     # samples of the low-resolution render, of scale 4; the other render has one
 SHARED_RIDGE, OWN_RIDGE = 1.0, 30.0             # of standardised features, in rows: of what all ways have in common, and of what one has of its own
 KEPT = tables.RESULTS / "scenes.json"
@@ -47,26 +48,37 @@ def way_of(row):
 
 
 def features_of(row, way, scene):
-    """[1, noise, detail, guideNoise] of one render of a scene: advice/ways.h says the same in C++."""
+    """[FEATURES] of one render of a scene, the products about TYPICAL."""
     free = way["guides"] == "free"
     count = row["colour"] + (way["scale"] ** 2 * row["aux"] if way["merges"] else 0)
-    return [1, scene["noise"] - np.log2(count), scene["detail"], 0 if free else scene["guideNoise"] - np.log2(row["aux"])]
+    noise, detail = scene["noise"] - np.log2(count), scene["detail"]
+    guide_noise = 0 if free else scene["guideNoise"] - np.log2(row["aux"])
+    centred = noise - TYPICAL["noise"]
+    return [noise, detail, guide_noise, centred ** 2, centred * (detail - TYPICAL["detail"])]
+
+
+def coefficients_of(constant, noise, detail, guide_noise, squared, product):
+    """Those of plain products, as advice/ways.h has them: the same polynomial."""
+    typical = TYPICAL["noise"], TYPICAL["detail"]
+    values = (constant + squared * typical[0] ** 2 + product * typical[0] * typical[1], noise - 2 * squared * typical[0] - product * typical[1],
+              detail - product * typical[0], guide_noise, squared, product)
+    return {name: round(float(value), 5) for name, value in zip(("constant", *FEATURES), values)}
 
 
 def slopes_of(features, values, ridge):
-    """Slopes [3] of the ridge regression of centred features [n, 3] and values [n]."""
+    """Slopes [f] of the ridge regression of centred features [n, f] and values [n]."""
     spread = features.std(0)
     spread[spread < 1e-9] = 1
     standard = features / spread
-    return np.linalg.solve(standard.T @ standard + ridge * np.eye(3), standard.T @ values) / spread
+    return np.linalg.solve(standard.T @ standard + ridge * np.eye(features.shape[1]), standard.T @ values) / spread
 
 
 def fitted(points):
-    """{way: coefficients [4]} of points of ways whose guides are of one kind. A scene that is hard for one way is hard for all: the slopes are those of all
+    """{way: [constant, slopes]} of points of ways whose guides are of one kind. A scene that is hard for one way is hard for all: the slopes are those of all
     ways together, corrected for each way as far as its own points ask for it."""
     ways = {}
     for point in points:
-        ways.setdefault(point["way"], []).append((point["features"][1:], point["psnr"]))
+        ways.setdefault(point["way"], []).append((point["features"], point["psnr"]))
     centres, centred = {}, {}
     for name, rows in ways.items():
         features, values = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
@@ -108,30 +120,32 @@ class Map:
             fits = self.fit(without=scene)
             for point in self.points:
                 if point["scene"] == scene and point["way"] in fits:
-                    point["predicted"] = float(fits[point["way"]] @ np.array(point["features"]))
+                    point["predicted"] = float(fits[point["way"]] @ np.array([1, *point["features"]]))
         self.points = [point for point in self.points if "predicted" in point]
 
     def regrets(self):
-        """[{scene, data, budget, regret, advised, best}]: for each scene and each number of average samples the best plan's PSNR less the advised one's."""
-        found = []
-        for scene in sorted({point["scene"] for point in self.points}):
-            points = [point for point in self.points if point["scene"] == scene]
+        """[{scene, data, guides, budget, regret, advised, best}]: for each scene, kind of guides and number of average samples the best plan's PSNR
+        less the advised one's."""
+        found, groups = [], {}
+        for point in self.points:
+            groups.setdefault((point["data"], point["scene"], self.ways[point["way"]]["guides"]), []).append(point)
+        for (data, scene, guides), points in sorted(groups.items()):
             for budget in sorted({point["average"] for point in points}):
                 here = [point for point in points if point["average"] <= budget]
                 best, advised = (max(here, key=lambda point: point[key]) for key in ("psnr", "predicted"))
-                found.append({"scene": scene, "data": here[0]["data"], "budget": budget, "regret": best["psnr"] - advised["psnr"],
+                found.append({"scene": scene, "data": data, "guides": guides, "budget": budget, "regret": best["psnr"] - advised["psnr"],
                               "advised": advised["way"], "best": best["way"]})
         return found
 
 
 def ways_json(whole):
     ways = []
-    for name, (constant, *slopes) in whole.fit().items():
+    for name, values in whole.fit().items():
         way, points = whole.ways[name], [point for point in whole.points if point["way"] == name]
-        noise = [point["features"][1] for point in points]
+        noise = [point["features"][0] for point in points]
         errors = [point["predicted"] - point["psnr"] for point in points]
         ways.append({**way, "ratios": sorted(way["ratios"]), "noise": [round(min(noise), 3), round(max(noise), 3)], "spread": round(float(np.sqrt(np.mean(np.square(errors)))), 2),
-                     "coefficients": {"constant": round(float(constant), 4), **{key: round(float(slope), 4) for key, slope in zip(FEATURES, slopes)}}})
+                     "coefficients": coefficients_of(*values)})
     return ways
 
 
@@ -146,22 +160,25 @@ def write():
 
 def document(ways, regrets, machine):
     lines = ["# How well `xrds advise` predicts", "",
-             "`xrds advise` reads two cheap renders and predicts the PSNR of each way from samples to a picture: a straight line in the noise that is left, the detail and the noise",
-             "of the guides ([docs/advice.md](../docs/advice.md)). The lines are fitted to the map of [budgets.md](budgets.md). Here every scene is predicted by lines that have not",
-             f"seen it. Made by `python3 bench/advice.py write` of figures measured on {machine['processor']}.", "",
+             "`xrds advise` reads two cheap renders and predicts the PSNR of each way from samples to a picture, of the noise that is left, the detail and the noise of the guides",
+             "([docs/advice.md](../docs/advice.md)). The coefficients are fitted to the map of [budgets.md](budgets.md). Here every scene is predicted by coefficients that have not",
+             "seen it; which features there are, and how strongly the fit is held back, was chosen by the same figures. Made by `python3 bench/advice.py write` of figures measured",
+             f"on {machine['processor']}.", "",
              "## The advised plan against the best one", "",
-             "For each scene and each number of average samples at which the map has a plan: the PSNR of the best plan of at most so many samples, less that of the advised one.", "",
-             "| scenes | cases | median, dB | 90 % below | worst | within 0.3 dB | worst case |", "|---|---|---|---|---|---|---|"]
-    for data in (*CHEAP, "all"):
-        here = [case for case in regrets if data in (case["data"], "all")]
+             "For each scene and each number of average samples at which the map has a plan: the PSNR of the best plan of at most so many samples, less that of the advised one.",
+             "Plans with guides of the same paths and plans with free ones are told apart, as a user can make one or the other.", "",
+             "| scenes, guides | cases | median, dB | 90 % below | worst | within 0.3 dB | worst case |", "|---|---|---|---|---|---|---|"]
+    for data, guides in (("val", "rendered"), ("val", "free"), ("live", "free"), ("large", "free"), ("all", "")):
+        here = [case for case in regrets if data in (case["data"], "all") and guides in (case["guides"], "")]
+        if not here:
+            continue
         values, worst = sorted(case["regret"] for case in here), max(here, key=lambda case: case["regret"])
-        lines.append(f"| {data} | {len(here)} | {statistics.median(values):.2f} | {values[int(0.9 * (len(values) - 1))]:.2f} | {values[-1]:.2f} | {sum(value <= 0.3 for value in values) / len(values):.0%} "
+        lines.append(f"| {data} {guides} | {len(here)} | {statistics.median(values):.2f} | {values[int(0.9 * (len(values) - 1))]:.2f} | {values[-1]:.2f} | {sum(value <= 0.3 for value in values) / len(values):.0%} "
                      f"| {worst['scene']} at {worst['budget']:g}: {worst['advised']} for {worst['best']} |")
     lines += ["", "## The predicted PSNR", "", "Root mean square of the errors for scenes that were left out, dB, and the coefficients of the fit to all.", "",
-              "| way | error | constant | noise | detail | guide noise |", "|---|---|---|---|---|---|"]
+              "| way | error | constant | " + " | ".join(FEATURES) + " |", "|---" * (3 + len(FEATURES)) + "|"]
     for way in ways:
-        values = way["coefficients"]
-        lines.append(f"| {way['name']} | {way['spread']:.2f} | {values['constant']:.1f} | {values['noise']:.2f} | {values['detail']:.2f} | {values['guideNoise']:.2f} |")
+        lines.append(f"| {way['name']} | {way['spread']:.2f} | " + " | ".join(f"{value:.2f}" for value in way["coefficients"].values()) + " |")
     return "\n".join(lines) + "\n"
 
 
