@@ -36,12 +36,13 @@ def table(rows):
 
 
 # Of the front page: scenes and guides that a pair of columns is about, and the averages at which they have renders for both sides.
-FRONT = (("live", True, "clean guides for nothing", (1 / 16, 1 / 4, 1 / 2, 1)), ("val", False, "guides of the same paths", (2, 4, 8)))
+FRONT = (("live", True, "free guides", (1 / 16, 1 / 4, 1 / 2, 1)), ("val", False, "path-traced guides", (2, 4, 8)))
 FRACTIONS = {1 / 16: "1/16", 1 / 4: "1/4", 1 / 2: "1/2"}
 
 
 def front_page(report):
-    """Markdown: the denoiser at full resolution beside the best that is made of two renders, for each number of average samples."""
+    """Markdown: the denoiser at full resolution beside the best that is made of two renders, for each number of average samples; "+ OIDN": denoised
+    first."""
     lines = ["| average samples | " + " | ".join(f"{title}: OIDN | xrds" for _, _, title, _ in FRONT) + " |", "|---" * (1 + 2 * len(FRONT)) + "|"]
     for average in sorted(average for *_, averages in FRONT for average in averages):
         cells = []
@@ -51,6 +52,6 @@ def front_page(report):
             top = max((row["psnr"] for row in pair if row), default=None)
             for row in pair:
                 text = "" if row is None else f"**{row['psnr']:.2f}**" if row["psnr"] == top else f"{row['psnr']:.2f}"
-                cells.append(text if row is None or row["model"] == "OIDN" else f"{text} {name_of(row)}")
+                cells.append(text if row is None or row["model"] == "OIDN" else f"{text} {row['model'].removeprefix('xrds-')}{' + OIDN' * ('denoised' in row['way'])}")
         lines.append(f"| {FRACTIONS.get(average, f'{average:g}')} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
