@@ -13,7 +13,7 @@ enum class ExitCode : int {
   model = 4,    // a model file cannot be read or does not fit
   device = 5,   // no Vulkan device, or it failed, or not enough memory
   output = 6,   // the result cannot be written
-  differs = 7,  // --check, doctor or compare --min-psnr found too large a difference
+  differs = 7,  // --check, doctor or compare --min-psnr found too large a difference, advise no plan
   interrupted = 130
 };
 

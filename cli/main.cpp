@@ -14,7 +14,7 @@ constexpr const char* kFooter =
     "cannot\n"
     "be read or does not fit; 5 no Vulkan device or display, it failed or lacks memory; 6 a result cannot be written; "
     "7 a check\n"
-    "found a difference; 130 interrupted. Only finished files are ever written.\n\n"
+    "found a difference, or advise no plan; 130 interrupted. Only finished files are ever written.\n\n"
     "Examples:\n"
     "  xrds upscale color_64spp.exr aux_16spp.exr -o out.exr\n"
     "  xrds compare out.exr reference.exr\n"
