@@ -23,8 +23,6 @@ Way wayOf(const nlohmann::json& json) {
           .perNoise = coefficients.at("noise"),
           .perDetail = coefficients.at("detail"),
           .perGuideNoise = coefficients.at("guideNoise"),
-          .perNoiseSquared = coefficients.at("noiseSquared"),
-          .perNoiseTimesDetail = coefficients.at("noiseTimesDetail"),
           .leastNoise = json.at("noise").at(0),
           .mostNoise = json.at("noise").at(1),
           .spread = json.at("spread")};
@@ -42,10 +40,8 @@ double Way::noiseLeft(const SceneFeatures& scene, RenderSamples samples) const {
 }
 
 double Way::predictedPsnr(const SceneFeatures& scene, RenderSamples samples) const {
-  const double noise = noiseLeft(scene, samples);
   const double guideNoise = guides == Guides::free ? 0 : scene.guideNoise - std::log2(samples.full);
-  return constant + perNoise * noise + perDetail * scene.detail + perGuideNoise * guideNoise +
-         perNoiseSquared * noise * noise + perNoiseTimesDetail * noise * scene.detail;
+  return constant + perNoise * noiseLeft(scene, samples) + perDetail * scene.detail + perGuideNoise * guideNoise;
 }
 
 std::vector<Way> readWays(const std::filesystem::path& file) {

@@ -22,11 +22,9 @@ struct Way {
   Guides guides = Guides::rendered;
   bool merges = false, denoisesFirst = false, takesFullColour = false;
   std::vector<double> ratios;  // samples of the low- over those of the full-resolution render, as they were measured
-  // dB of 1, of each feature and of two products: with little noise, and where there is much detail, less noise helps
-  // less.
-  double constant = 0, perNoise = 0, perDetail = 0, perGuideNoise = 0, perNoiseSquared = 0, perNoiseTimesDetail = 0;
-  double leastNoise = 0, mostNoise = 0;  // that were measured, of noiseLeft()
-  double spread = 0;                     // dB, root mean square of the errors for scenes that were left out
+  double constant = 0, perNoise = 0, perDetail = 0, perGuideNoise = 0;  // dB, of 1 and of each feature
+  double leastNoise = 0, mostNoise = 0;                                 // that were measured, of noiseLeft()
+  double spread = 0;  // dB, root mean square of the errors for scenes that were left out
 
   bool needsDenoiser() const { return model.empty() || denoisesFirst; }
 

@@ -19,10 +19,9 @@ import budgets
 import tables
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FEATURES = ("noise", "detail", "guideNoise", "noiseSquared", "noiseTimesDetail")
-TYPICAL = {"noise": -9, "detail": -7}           # about which products are fitted
+FEATURES = ("noise", "detail", "guideNoise")
 CHEAP = {"val": 16, "live": 4, "large": 16}     # samples of the low-resolution render, of scale 4; the other render has one
-SHARED_RIDGE, OWN_RIDGE = 1.0, 30.0             # of standardised features, in rows: of what all ways have in common, and of what one has of its own
+SHARED_RIDGE, OWN_RIDGE = 1.0, 60.0             # of standardised features, in rows: of what all ways have in common, and of what one has of its own
 KEPT = tables.RESULTS / "scenes.json"
 
 
@@ -48,21 +47,10 @@ def way_of(row):
 
 
 def features_of(row, way, scene):
-    """[FEATURES] of one render of a scene, the products about TYPICAL."""
+    """[FEATURES] of one render of a scene: advice/ways.h says the same in C++."""
     free = way["guides"] == "free"
     count = row["colour"] + (way["scale"] ** 2 * row["aux"] if way["merges"] else 0)
-    noise, detail = scene["noise"] - np.log2(count), scene["detail"]
-    guide_noise = 0 if free else scene["guideNoise"] - np.log2(row["aux"])
-    centred = noise - TYPICAL["noise"]
-    return [noise, detail, guide_noise, centred ** 2, centred * (detail - TYPICAL["detail"])]
-
-
-def coefficients_of(constant, noise, detail, guide_noise, squared, product):
-    """Those of plain products, as advice/ways.h has them: the same polynomial."""
-    typical = TYPICAL["noise"], TYPICAL["detail"]
-    values = (constant + squared * typical[0] ** 2 + product * typical[0] * typical[1], noise - 2 * squared * typical[0] - product * typical[1],
-              detail - product * typical[0], guide_noise, squared, product)
-    return {name: round(float(value), 5) for name, value in zip(("constant", *FEATURES), values)}
+    return [scene["noise"] - np.log2(count), scene["detail"], 0 if free else scene["guideNoise"] - np.log2(row["aux"])]
 
 
 def slopes_of(features, values, ridge):
@@ -145,7 +133,7 @@ def ways_json(whole):
         noise = [point["features"][0] for point in points]
         errors = [point["predicted"] - point["psnr"] for point in points]
         ways.append({**way, "ratios": sorted(way["ratios"]), "noise": [round(min(noise), 3), round(max(noise), 3)], "spread": round(float(np.sqrt(np.mean(np.square(errors)))), 2),
-                     "coefficients": coefficients_of(*values)})
+                     "coefficients": {key: round(float(value), 4) for key, value in zip(("constant", *FEATURES), values)}})
     return ways
 
 

@@ -36,23 +36,18 @@ struct CliAdvise : testing::Test {
     writeRenders({}, {});
     Json all;
     for (const bool merges : {false, true})
-      all["ways"].push_back({{"name", merges ? "merging" : "plain"},
-                             {"model", "xrds-x4-nano"},
-                             {"scale", 4},
-                             {"guides", "rendered"},
-                             {"merges", merges},
-                             {"denoisesFirst", false},
-                             {"takesFullColour", false},
-                             {"ratios", {4}},
-                             {"noise", {-20, 0}},
-                             {"spread", 0.5},
-                             {"coefficients",
-                              {{"constant", 20},
-                               {"noise", merges ? -2 : -1},
-                               {"detail", 0},
-                               {"guideNoise", 0},
-                               {"noiseSquared", 0},
-                               {"noiseTimesDetail", 0}}}});
+      all["ways"].push_back(
+          {{"name", merges ? "merging" : "plain"},
+           {"model", "xrds-x4-nano"},
+           {"scale", 4},
+           {"guides", "rendered"},
+           {"merges", merges},
+           {"denoisesFirst", false},
+           {"takesFullColour", false},
+           {"ratios", {4}},
+           {"noise", {-20, 0}},
+           {"spread", 0.5},
+           {"coefficients", {{"constant", 20}, {"noise", merges ? -2 : -1}, {"detail", 0}, {"guideNoise", 0}}}});
     std::ofstream(ways) << all;
   }
 
