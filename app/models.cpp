@@ -78,10 +78,7 @@ fs::path resolveModel(const std::string& nameOrFile) {
 
 std::string defaultModelName(int scale) { return nameOf(scale, "compact"); }
 
-std::string liveModelName() {
-  const std::string name = nameOf(4, "live");
-  return shippedFile(name).empty() ? nameOf(4, "mini") : name;
-}
+std::string liveModelName() { return nameOf(4, "mini"); }
 
 bool takes(const Model& model, const AuxiliaryInput& input) {
   const auto& inputs = model.auxiliaryInputs();

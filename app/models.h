@@ -25,7 +25,8 @@ std::filesystem::path resolveModel(const std::string& nameOrFile);
 /// "xrds-x<scale>-compact", whether it is shipped or not.
 std::string defaultModelName(int scale);
 
-/// "xrds-x4-live", the model of few samples, fast enough for live views; "xrds-x4-mini" where that is not shipped.
+/// "xrds-x4-mini", fast enough for live views, whether it is shipped or not. The samples of a view that rests are soon
+/// so many that it makes the better picture than the model of few samples.
 std::string liveModelName();
 
 /// Whether the input is one of the model's.

@@ -14,7 +14,7 @@ TEST(CliUsage, NamesTheSlipAndWhatIsNearest) {
       {{"upscal", "x"}, "There is no command 'xrds upscal'; the nearest is 'upscale'; see xrds --help."},
       {{"bench", "qualty"},
        "There is no command 'xrds bench qualty'; the nearest is 'quality'; see xrds bench --help."},
-      {{"frobnicate"}, "There is no command 'xrds frobnicate'; there are upscale, compare,"},
+      {{"frobnicate"}, "There is no command 'xrds frobnicate'; there are upscale, advise, compare,"},
       {{"upscale", "a.exr", "b.exr", "-o", "c.exr", "--modle", "m"},
        "xrds upscale has no option '--modle'; the nearest is '--model'; see xrds upscale --help."},
       {{"upscale", "a.exr", "--outptu=c.exr"}, "xrds upscale has no option '--outptu'; the nearest is '--output';"},

@@ -17,7 +17,7 @@ TEST_F(ViewerDisplay, ShowsTheBuiltInScenes) {
   for (const std::string scene : {"room", "garden", "spheres"}) {
     const std::string file = "live_" + scene + ".png";
     const Ended ended = run("key P\nkey W\nwait\nscreenshot " + file + "\nwait\nprint\n", live(scene, "8"));
-    EXPECT_TRUE(has(ended.output, "model=xrds-x4-live")) << ended.output;
+    EXPECT_TRUE(has(ended.output, "model=xrds-x4-mini")) << ended.output;
     EXPECT_EQ(valuesOf(ended.output, "samples"), std::vector<double>{8});
     expectLikeStored(folder / file);
   }
