@@ -13,14 +13,12 @@ namespace {
 
 constexpr double kLeast = 0x1p-20;  // of a mean square: the logarithm of an even picture is finite
 
-double shown(float radiance) { return srgbFromLinear(std::clamp(static_cast<double>(radiance), 0.0, 1.0)); }
-
 // What the display shows of the radiance, three channels.
 Image picture(const Image& radiance) {
   Image result(radiance.width, radiance.height, 3);
   for (int y = 0; y < result.height; ++y)
     for (int x = 0; x < result.width; ++x)
-      for (int c = 0; c < 3; ++c) result.at(x, y, c) = static_cast<float>(shown(radiance.at(x, y, c)));
+      for (int c = 0; c < 3; ++c) result.at(x, y, c) = static_cast<float>(displayValue(radiance.at(x, y, c)));
   return result;
 }
 

@@ -97,7 +97,7 @@ bool hasFullColour(const std::filesystem::path& colourPath, const std::filesyste
 /// Throws Error unless a Frame can find every auxiliary input of this model: they are of kAuxiliaryInputs.
 void requireKnownInputs(const Model& model, const std::string& modelName);
 
-/// The pixels as the library takes them.
+/// viewOf() of each.
 std::vector<PixelView> viewsOf(const std::vector<Image>& images);
 
 /// The auxiliary images that the model takes, in its order, of those there are, one for each of `inputs`. Throws Error

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-namespace xrds {
-namespace {}  // namespace
+#include "app/number_pair.h"
 
+namespace xrds {
 std::optional<double> samplesOf(const ExrPart& part) {
   for (const std::string& name : part.attributes.names()) {
     const bool known = (name.starts_with("cycles.") && name.ends_with(".samples")) || name == "samplesPerPixel";
@@ -19,27 +19,10 @@ std::optional<double> samplesOf(const ExrPart& part) {
   return {};
 }
 
-std::optional<std::pair<double, double>> parsePair(const std::string& text) {
-  std::pair<double, double> pair;
-  const char *end = text.data() + text.size(), *at = text.data();
-  for (double* number : {&pair.first, &pair.second}) {
-    const auto [rest, error] = std::from_chars(at, end, *number);
-    if (error != std::errc{} || !(*number > 0) || !std::isfinite(*number)) return {};
-    const bool last = number == &pair.second;
-    if (last ? rest != end : rest == end || *rest != ',') return {};
-    at = rest + 1;
-  }
-  return pair;
-}
-
 std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full) {
   const std::optional<double> lowSamples = samplesOf(low), fullSamples = samplesOf(full);
   if (!lowSamples || !fullSamples) return {};
   return RenderSamples{*lowSamples, *fullSamples};
-}
-
-std::string validSamples(const std::string& text) {
-  return parsePair(text) ? "" : "expected two positive numbers such as 64,16, found '" + text + "'";
 }
 
 MergeRequest mergeRequest(const std::string& auxColour, const std::string& samples, AovRequest& layers) {

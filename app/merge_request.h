@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "image/aov.h"
 #include "xrds/merged_colour.h"
@@ -29,12 +28,6 @@ std::string describe(const MergedColour& merged);
 /// What --aux-colour and --samples ask for: "auto", "never" or a layer's name, which goes into `layers`; "LOW,HIGH" or
 /// nothing.
 MergeRequest mergeRequest(const std::string& auxColour, const std::string& samples, AovRequest& layers);
-
-/// The two positive numbers of "64,16"; nothing if the text is none.
-std::optional<std::pair<double, double>> parsePair(const std::string& text);
-
-/// Empty if the text is two positive numbers with a comma between them, else what is wrong with it.
-std::string validSamples(const std::string& text);
 
 /// The samples a pixel that a file's metadata give: Cycles' "cycles.LAYER.samples", pbrt's "samplesPerPixel".
 std::optional<double> samplesOf(const ExrPart& part);

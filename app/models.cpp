@@ -21,11 +21,7 @@ std::string noModels() {
   return "no model is found in " + folders + ": install xrds again, or name a .safetensors file with --model.";
 }
 
-fs::path shippedFile(const std::string& name) {
-  for (const fs::path& folder : modelFolders())
-    if (fs::path file = folder / (name + kSuffix); fs::exists(file)) return file;
-  return {};
-}
+fs::path shippedFile(const std::string& name) { return inModelFolders(name + kSuffix); }
 
 std::string nameOf(int scale, const char* kind) { return "xrds-x" + std::to_string(scale) + "-" + kind; }
 
@@ -53,6 +49,12 @@ std::vector<fs::path> modelFolders() {
   if (const fs::path program = programFolder(); !program.empty()) folders.push_back(program / "../share/xrds/models");
   folders.emplace_back(XRDS_MODEL_FOLDER);
   return folders;
+}
+
+fs::path inModelFolders(const std::string& fileName) {
+  for (const fs::path& folder : modelFolders())
+    if (fs::path file = folder / fileName; fs::exists(file)) return file;
+  return {};
 }
 
 std::vector<std::string> shippedModels() {

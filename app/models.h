@@ -16,6 +16,9 @@ std::filesystem::path programFolder();
 /// Folders in which shipped models are looked for: $XRDS_MODELS, beside the installed program, in the source tree.
 std::vector<std::filesystem::path> modelFolders();
 
+/// The first file of this name in modelFolders(); empty if there is none.
+std::filesystem::path inModelFolders(const std::string& fileName);
+
 /// The shipped models' names, in alphabetical order.
 std::vector<std::string> shippedModels();
 

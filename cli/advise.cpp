@@ -6,13 +6,14 @@
 #include "app/frame.h"
 #include "app/frame_files.h"
 #include "app/models.h"
+#include "app/number_pair.h"
 #include "cli/advise_report.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
 #include "cli/device_choice.h"
 #include "cli/layer_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quiet.h"
 #include "cli/step_seconds.h"
 #include "cli/warnings.h"
 
@@ -63,8 +64,7 @@ RenderCost costOf(const AdviseOptions& options, const Frame& frame, RenderSample
 
 std::filesystem::path waysFile(const AdviseOptions& options) {
   if (!options.ways.empty()) return options.ways;
-  for (const std::filesystem::path& folder : modelFolders())
-    if (std::filesystem::exists(folder / kWaysFile)) return folder / kWaysFile;
+  if (std::filesystem::path file = inModelFolders(kWaysFile); !file.empty()) return file;
   throw Error(std::string("No folder of models holds ") + kWaysFile + ": install xrds again, or name one with --ways.");
 }
 
@@ -124,7 +124,7 @@ void addAdvise(CLI::App& app) {
   verb->add_option("FULL", options->full,
                    "EXR file, the frame at full resolution with one sample: colour, albedo, normal")
       ->required();
-  const CLI::Validator pair(validSamples, "LOW,FULL");
+  const CLI::Validator pair(validPair, "LOW,FULL");
   verb->add_option("--samples", options->samples, "Samples a pixel of the two renders (default: the files' metadata)")
       ->check(pair);
   verb->add_option("--render-seconds", options->seconds, "What the two renders took (default: the files' metadata)")
@@ -148,8 +148,7 @@ void addAdvise(CLI::App& app) {
   verb->add_option("--aux-colour", options->layers.names[AovRole::kFullColor],
                    "Layer to take as the colour of the full-resolution render")
       ->type_name("LAYER");
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  addDevice(*verb, options->device);
   verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
   addQuiet(*verb, options->quiet);
   verb->footer(

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "cli/json_text.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -121,7 +122,7 @@ std::string jsonText(const Advice& advice) {
     json["advised"] = nullptr;
     if (advice.chosen) json["advised"] = jsonOf(advice, *advice.chosen);
   }
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

@@ -6,10 +6,10 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
 #include "cli/network_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quiet.h"
 
 namespace xrds {
 namespace {

@@ -7,10 +7,10 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/quality_report.h"
-#include "cli/quiet.h"
 
 namespace xrds {
 namespace {
@@ -246,8 +246,7 @@ void addBenchQuality(CLI::App& group) {
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
       ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  addDevice(*verb, options->device);
   addQuiet(*verb, options->quiet);
   verb->footer(
       "Scene NAME is NAME_gt.exr (the reference, with converged albedo and normal), the colour of K samples in\n"

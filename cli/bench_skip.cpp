@@ -9,9 +9,9 @@
 #include "app/models.h"
 #include "app/skip_bound.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quiet.h"
 #include "cli/skip_report.h"
 #include "image/metrics.h"
 
@@ -129,8 +129,7 @@ void addBenchSkip(CLI::App& group) {
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
       ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  addDevice(*verb, options->device);
   verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
   verb->add_option("--markdown", options->markdown, "File to write with the table")->type_name("MD");
   addQuiet(*verb, options->quiet);

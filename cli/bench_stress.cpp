@@ -4,9 +4,9 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quiet.h"
 #include "cli/stress_report.h"
 
 namespace xrds {
@@ -64,8 +64,7 @@ void run(const BenchStressOptions& options) {
 void addBenchStress(CLI::App& group) {
   const auto options = std::make_shared<BenchStressOptions>();
   CLI::App* verb = group.add_subcommand("stress", "Try hostile images and weights, against double precision");
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  addDevice(*verb, options->device);
   verb->add_option("--model", options->models,
                    "A shipped model's name, all of them, none, or a .safetensors file; may be repeated (default: all)")
       ->allow_extra_args(false)

@@ -7,9 +7,9 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quiet.h"
 #include "cli/tiles_report.h"
 #include "image/compose.h"
 #include "image/metrics.h"
@@ -30,7 +30,7 @@ struct BenchTilesOptions {
   bool quiet = false;
 };
 
-double level(float radiance) { return 255 * srgbFromLinear(std::clamp(static_cast<double>(radiance), 0.0, 1.0)); }
+double level(float radiance) { return 255 * displayValue(radiance); }
 
 // The largest change of the difference from one pixel to the next: a seam is such a change.
 double largestStep(const Image& tiled, const Image& whole) {
@@ -186,8 +186,7 @@ void addBenchTiles(CLI::App& group) {
   verb->add_option("--precision", options->precision, "Storage of activations and weights")
       ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  addDevice(*verb, options->device);
   verb->add_option(
           "--heat-map", options->heatMap,
           "Folder for one PNG a scene: the difference to the whole frame, a panel for each halo, 8 levels of 255 "

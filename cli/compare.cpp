@@ -4,10 +4,11 @@
 
 #include "app/failing_with.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
+#include "cli/json_text.h"
 #include "cli/metric_columns.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quiet.h"
 #include "image/aov.h"
 #include "image/compose.h"
 #include "image/flip.h"
@@ -62,7 +63,7 @@ std::string jsonText(const CompareOptions& options, const Image& image, const Me
                               {"width", image.width},
                               {"height", image.height}};
   json["metrics"] = jsonOf(metrics);
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 void run(const CompareOptions& options) {

@@ -5,6 +5,7 @@
 #include "app/failing_with.h"
 #include "cli/commands.h"
 #include "cli/device_json.h"
+#include "cli/json_text.h"
 #include "cli/output_file.h"
 #include "xrds/xrds.h"
 
@@ -18,7 +19,7 @@ std::string jsonText(const std::vector<Device::Description>& devices) {
     json["devices"].back().update(jsonOf(devices[i]));
     json["devices"].back()["kernelFamily"] = devices[i].kernelFamily;
   }
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 void print(const std::vector<Device::Description>& devices) {

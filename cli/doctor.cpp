@@ -4,11 +4,11 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "cli/commands.h"
+#include "cli/common_options.h"
 #include "cli/device_choice.h"
 #include "cli/doctor_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quiet.h"
 
 namespace xrds {
 namespace {
@@ -80,8 +80,7 @@ void addDoctor(CLI::App& app) {
       "Runs every kernel with which the device works, and a small frame whose answer is known, several times in fp32\n"
       "and fp16; compares them with double precision and with themselves, and tells what the device lacks.\n"
       "Exit code 0: trusted; 7: wrong or changing results; 5: no device, or it failed.\n\nExample:\n  xrds doctor");
-  verb->add_option("--device", options->device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  addDevice(*verb, options->device);
   verb->add_option("--runs", options->runs, "How often each runs")->check(CLI::Range(2, 1000))->capture_default_str();
   verb->add_option("--json", options->json, "File to write with every number")->type_name("JSON");
   addQuiet(*verb, options->quiet);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/device_json.h"
+#include "cli/json_text.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -129,7 +130,7 @@ std::string doctorJson(const Findings& findings, const Verdict& verdict) {
   json["verdict"] = verdict.sentence;
   json["failures"] = verdict.failures;
   json["degraded"] = verdict.degraded;
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

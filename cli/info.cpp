@@ -7,6 +7,7 @@
 #include "app/models.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
+#include "cli/json_text.h"
 #include "cli/output_file.h"
 #include "image/exr_file.h"
 #include "xrds/xrds.h"
@@ -141,8 +142,7 @@ Json jsonOf(const Model& model, const std::string& name, const Answer& answer) {
 
 void writeJson(const std::string& file, const Json& json) {
   if (file.empty()) return;
-  failingWith(ExitCode::output,
-              [&] { writeText(file, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"); });
+  failingWith(ExitCode::output, [&] { writeText(file, textOf(json)); });
 }
 
 void listModels(const InfoOptions& options) {

@@ -1,9 +1,7 @@
 #include "cli/network_measurement.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <new>
 #include <numeric>
@@ -13,17 +11,12 @@
 #include "cli/process_memory.h"
 #include "cli/progress.h"
 #include "cli/quality_report.h"
+#include "cli/timer.h"
 
 namespace xrds {
 namespace {
 
 constexpr int kErrorSide = 16;  // of the colour on which the engine is compared with its reference
-
-double seconds(const std::function<void()>& action) {
-  const auto start = std::chrono::steady_clock::now();
-  action();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 Device::Options optionsOf(const NetworkCase& networkCase) {
   return {.select = networkCase.device, .kernelFamily = networkCase.family};
@@ -77,7 +70,7 @@ void runFrames(Upscaler& upscaler, const Model& model, int side, int runs, Netwo
   std::vector<double> wall, device;
   for (int run = 0; run <= runs; ++run) {
     const double taken =
-        seconds([&] { upscaler.run(viewOf(frame.colour), views, output, [](double) { return !interrupted(); }); });
+        secondsOf([&] { upscaler.run(viewOf(frame.colour), views, output, [](double) { return !interrupted(); }); });
     stopIfInterrupted();
     if (run == 0) {
       result.first = taken;
@@ -123,12 +116,12 @@ NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs) {
   const bool ownPeak = resetPeakMemory();
   std::optional<Device> device;
   try {
-    result.open = seconds([&] { device.emplace(optionsOf(networkCase)); });
+    result.open = secondsOf([&] { device.emplace(optionsOf(networkCase)); });
     result.kernelFamily = device->description().kernelFamily;
     if (networkCase.family.empty()) result.kernelFamily = Upscaler::kernelFamily(result.kernelFamily, low, low);
     result.cost = model.cost(networkCase.side, networkCase.side, networkCase.fp16(), result.kernelFamily);
     std::optional<Upscaler> upscaler;
-    result.preparation = seconds([&] {
+    result.preparation = secondsOf([&] {
       const TileOptions inOnePiece{.columns = 1, .rows = 1};
       upscaler.emplace(*device, model, low, low,
                        Upscaler::Options{.fp16 = networkCase.fp16(), .profile = true, .tiles = inOnePiece});

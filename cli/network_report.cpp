@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "cli/device_json.h"
+#include "cli/json_text.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -188,7 +189,7 @@ std::string jsonText(const NetworkReport& report) {
   json["networks"] = json["accuracies"] = Json::array();
   for (const NetworkRow& row : report.networks) json["networks"].push_back(jsonOf(row));
   for (const AccuracyRow& row : report.accuracies) json["accuracies"].push_back(jsonOf(row));
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

@@ -1,12 +1,12 @@
 #include "cli/quality_methods.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <numeric>
 
 #include "app/models.h"
 #include "cli/progress.h"
+#include "cli/timer.h"
 
 namespace xrds {
 namespace {
@@ -32,9 +32,9 @@ Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, FrameSeco
   Image result(frame.colour().width * scale, frame.colour().height * scale, 3);
   const auto views = inputsOf(model_, frame);
   for (int pass = first ? 0 : 1; pass < 2; ++pass) {
-    const auto start = std::chrono::steady_clock::now();
+    const Timer timer;
     upscaler.run(viewOf(frame.colour()), views, result.pixels, [](double) { return !interrupted(); });
-    seconds.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds.wall = timer.seconds();
     stopIfInterrupted();
   }
   seconds.device = ensemble_ * deviceSeconds(upscaler);  // the profile is of the last pass, all do the same

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/json_text.h"
 #include "cli/metric_columns.h"
 #include "cli/table.h"
 
@@ -159,7 +160,7 @@ std::string jsonText(const QualityReport& report) {
   if (setting.auxSamples) json["auxSamples"] = *setting.auxSamples;
   if (const auto average = setting.averageSamples()) json["averageSamples"] = *average;
   for (const MethodQuality& method : report.methods) json["methods"].push_back(jsonOf(report, method));
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

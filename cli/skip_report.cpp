@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/skip_bound.h"
+#include "cli/json_text.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -124,7 +125,7 @@ std::string jsonText(const SkipReport& report) {
                     {"median", median(slower)},
                     {"lowerQuartile", quantile(slower, 0.25)},
                     {"upperQuartile", quantile(slower, 0.75)}};
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

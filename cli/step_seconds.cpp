@@ -1,32 +1,33 @@
 #include "cli/step_seconds.h"
 
-#include <chrono>
+#include <algorithm>
 
 #include "app/denoiser.h"
 #include "app/frame.h"
 #include "app/models.h"
 #include "cli/progress.h"
+#include "cli/timer.h"
 
 namespace xrds {
 namespace {
 
-constexpr int kSides[] = {256,
-                          1024};  // of the piece, full-resolution pixels; the larger one where the smaller is quick
-constexpr double kQuick = 0.05;   // seconds
+// Of the piece, full-resolution pixels; the larger one is tried where the smaller takes less than kQuick seconds.
+constexpr int kSides[] = {256, 1024};
+constexpr double kQuick = 0.05;
 
+// The first run prepares.
 template <class Action>
-double secondsOf(Action&& action) {
-  const auto start = std::chrono::steady_clock::now();
+double secondsOfSecondRun(Action&& action) {
   action();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return secondsOf(action);
 }
 
-// Of an action that makes a piece of `side` x `side` pixels, the second time that it runs; for a pixel.
-template <class MakePiece>
-double secondsPerPixel(MakePiece&& makePiece) {
+// `pieceSeconds` times a piece of side x side pixels.
+template <class PieceSeconds>
+double secondsPerPixel(PieceSeconds&& pieceSeconds) {
   double perPixel = 0;
   for (const int side : kSides) {
-    const double seconds = makePiece(side);
+    const double seconds = pieceSeconds(side);
     perPixel = seconds / (static_cast<double>(side) * side);
     stopIfInterrupted();
     if (seconds > kQuick) break;
@@ -40,9 +41,7 @@ double modelSeconds(Device& device, const Model& model, int side) {
   const std::vector<PixelView> auxiliary(model.auxiliaryInputs().size(), viewOf(full));
   Image result = full;
   Upscaler upscaler(device, model, static_cast<uint32_t>(low), static_cast<uint32_t>(low), {});
-  const auto run = [&] { upscaler.run(viewOf(colour), auxiliary, result.pixels); };
-  run();
-  return secondsOf(run);
+  return secondsOfSecondRun([&] { upscaler.run(viewOf(colour), auxiliary, result.pixels); });
 }
 
 std::optional<double> denoiserSeconds(size_t pixels) {
@@ -50,9 +49,7 @@ std::optional<double> denoiserSeconds(size_t pixels) {
     const Denoiser denoiser;
     return static_cast<double>(pixels) * secondsPerPixel([&](int side) {
              const Image image(side, side, 3, 0.5F);
-             const auto run = [&] { denoiser.denoised(image, &image, &image); };
-             run();
-             return secondsOf(run);
+             return secondsOfSecondRun([&] { denoiser.denoised(image, &image, &image); });
            });
   } catch (const Error&) {
     return {};  // none is installed

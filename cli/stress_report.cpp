@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "cli/json_text.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -169,7 +170,7 @@ std::string jsonText(const StressReport& report) {
                                  {"budget", op.budget},
                                  {"where", op.where}});
   for (const std::string& exception : report.exceptions()) json["exceptions"].push_back(exception);
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cli/json_text.h"
 #include "cli/table.h"
 
 namespace xrds {
@@ -72,7 +73,7 @@ std::string jsonText(const TilesReport& report) {
   json["rows"] = report.rows;
   json["halos"] = Json::array();
   for (const HaloErrors& errors : report.halos) json["halos"].push_back(jsonOf(report, errors));
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

@@ -1,4 +1,3 @@
-#include <chrono>
 #include <cstdio>
 #include <memory>
 
@@ -10,17 +9,13 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "cli/timer.h"
 #include "cli/upscale_report.h"
 #include "cli/warnings.h"
 #include "image/png_write.h"
 
 namespace xrds {
 namespace {
-
-struct Timer {
-  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
-};
 
 std::vector<Upscaler::CheckRow> runCheck(Device& device, const Model& model, const Frame& frame,
                                          const UpscaleOptions& options) {

@@ -5,6 +5,7 @@
 #include "app/failing_with.h"
 #include "app/frame_files.h"
 #include "app/models.h"
+#include "app/number_pair.h"
 #include "app/skip_bound.h"
 #include "cli/warnings.h"
 

@@ -4,11 +4,11 @@
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
-#include "app/merge_request.h"
+#include "app/number_pair.h"
 #include "app/skip_bound.h"
+#include "cli/common_options.h"
 #include "cli/layer_options.h"
 #include "cli/output_file.h"
-#include "cli/quiet.h"
 
 namespace xrds {
 namespace {
@@ -56,8 +56,7 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("--exposure", options.exposure, "Factor that brings the colour to a mean log luminance of 0.18")
       ->check(CLI::Validator(validExposure, "auto|E"))
       ->capture_default_str();
-  verb.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  addDevice(verb, options.device);
 }
 
 void addParts(CLI::App& verb, UpscaleOptions& options) {
@@ -91,7 +90,7 @@ void addLayers(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("--samples", options.samples,
                   "Samples a pixel of the low- and the full-resolution render, for the weights of the merged colour\n"
                   "(default: the files' metadata, or an estimate from the noise)")
-      ->check(CLI::Validator(validSamples, "LOW,HIGH"));
+      ->check(CLI::Validator(validPair, "LOW,HIGH"));
 }
 
 void addReports(CLI::App& verb, UpscaleOptions& options) {

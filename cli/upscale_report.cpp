@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/skip_bound.h"
+#include "cli/json_text.h"
 #include "cli/metric_columns.h"
 #include "cli/table.h"
 
@@ -105,7 +106,7 @@ std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input
   json["methods"] = listOf(result.measured);
   json["checks"] = listOf(result.checks);
   json["profile"] = listOf(result.profile);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return textOf(json);
 }
 
 }  // namespace xrds

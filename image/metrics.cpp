@@ -16,8 +16,6 @@ namespace {
 // Trimming leaves out one pixel in so many, the worst ones.
 constexpr size_t kPixelsPerTrimmedPixel = 1000;
 
-double displayValue(float linear) { return srgbFromLinear(std::clamp(double{linear}, 0.0, 1.0)); }
-
 double meanOf(const std::vector<float>& values, size_t count) {
   return std::accumulate(values.begin(), values.begin() + static_cast<ptrdiff_t>(count), 0.0) /
          static_cast<double>(count);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace xrds {
@@ -9,7 +10,10 @@ inline double srgbFromLinear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
-/// The inverse: display value in [0, 1] to linear light in [0, 1].
+/// What a display shows of radiance, which it cuts off at [0, 1].
+inline double displayValue(float radiance) { return srgbFromLinear(std::clamp(double{radiance}, 0.0, 1.0)); }
+
+/// The inverse of srgbFromLinear(): display value in [0, 1] to linear light in [0, 1].
 inline double linearFromSrgb(double display) {
   return display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
 }

@@ -125,7 +125,8 @@ TensorView prefilteredColour(const NetworkConfig& config, Graph& graph, const Pr
     graph.nodes.push_back({"coarser.colour", DilatedMean{graph.colour, slice(op.coarser, 0, 4)}});
     graph.nodes.push_back({"coarser.auxiliary", DilatedMean{prepared.auxMean, slice(op.coarser, 4, width - 4)}});
   }
-  for (uint32_t level = 2, step = shader::kPrefilterStep; level < config.prefilter; ++level, step *= shader::kPrefilterStep)
+  for (uint32_t level = 2, step = shader::kPrefilterStep; level < config.prefilter;
+       ++level, step *= shader::kPrefilterStep)
     graph.nodes.push_back(
         {"coarser." + std::to_string(level), DilatedMean{slice(op.coarser, (level - 2) * width, width),
                                                          slice(op.coarser, (level - 1) * width, width), step}});
