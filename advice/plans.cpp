@@ -29,10 +29,13 @@ std::vector<RenderSamples> countsOf(const Way& way) {
   return counts;
 }
 
+// Of the denoiser's, which takes albedo, normal and colour of a full-resolution image.
 double denoisedPixels(const Way& way, double pixels) {
   if (way.model.empty()) return pixels;
   if (!way.denoisesFirst) return 0;
-  return pixels / (way.scale * way.scale) + (way.takesFullColour ? pixels : 0);
+  const double images =
+      (way.guides == Guides::free ? 0 : 2) + (way.takesFullColour ? 1 : 0) + 1.0 / (way.scale * way.scale);
+  return images * pixels / 3;
 }
 
 double renderSeconds(const Way& way, const RenderCost& cost, const StepSeconds& steps, RenderSamples samples,

@@ -13,6 +13,7 @@ namespace {
 using Radiance = std::array<double, 3>;
 
 constexpr uint32_t kParts = 4;  // of the frame, to a side
+constexpr double kLevelFloor = 0.01, kMostLevelRatio = 8;
 
 uint32_t scaleOf(const PixelView& low, const PixelView& full) {
   const uint32_t scale = low.width ? full.width / low.width : 0;
@@ -126,6 +127,35 @@ std::vector<float> mergedColour(const PixelView& low, const PixelView& full, dou
         merged.push_back(static_cast<float>((1 - part) * pixelOf(low, x, y)[c] + part * square.mean[c]));
     }
   return merged;
+}
+
+std::vector<float> levelledColour(const PixelView& full, const PixelView& merged) {
+  const uint32_t scale = scaleOf(merged, full);
+  const auto finite = [](float value) { return std::isfinite(value) ? std::max(value, 0.F) : 0.F; };
+  double floor = 0;
+  for (uint32_t y = 0; y < merged.height; ++y)
+    for (uint32_t x = 0; x < merged.width; ++x)
+      for (uint32_t c = 0; c < 3; ++c) floor += finite(pixelOf(merged, x, y)[c]);
+  floor *= kLevelFloor / (3.0 * merged.width * merged.height);
+
+  std::vector<float> levelled(size_t{3} * full.width * full.height);
+  const auto levelSquare = [&](uint32_t x, uint32_t y, uint32_t c) {
+    double mean = 0;
+    for (uint32_t i = 0; i < scale * scale; ++i)
+      mean += finite(pixelOf(full, scale * x + i % scale, scale * y + i / scale)[c]);
+    mean /= scale * scale;
+    const double level = finite(pixelOf(merged, x, y)[c]) + floor;
+    const double ratio = mean + floor > 0 ? std::min(level / (mean + floor), kMostLevelRatio) : 1;
+    for (uint32_t i = 0; i < scale * scale; ++i) {
+      const uint32_t column = scale * x + i % scale, row = scale * y + i / scale;
+      levelled[3 * (size_t{row} * full.width + column) + c] =
+          static_cast<float>(ratio * finite(pixelOf(full, column, row)[c]));
+    }
+  };
+  for (uint32_t y = 0; y < merged.height; ++y)
+    for (uint32_t x = 0; x < merged.width; ++x)
+      for (uint32_t c = 0; c < 3; ++c) levelSquare(x, y, c);
+  return levelled;
 }
 
 }  // namespace xrds

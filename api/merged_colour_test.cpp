@@ -86,10 +86,35 @@ TEST(MergedColour, TellsOtherLight) {
   EXPECT_GT(colourDifference(black.lowView(), black.fullView()), 0.9);
 }
 
+TEST(LevelledColour, HasTheMeansOfTheMergedOne) {
+  const Renders renders(32, 2, {16, 4});
+  const auto merged = mergedColour(renders.lowView(), renders.fullView(), 0.5);
+  const PixelView mergedView{merged.data(), 32, 32};
+  const auto levelled = levelledColour(renders.fullView(), mergedView);
+  const auto means = mergedColour(mergedView, {levelled.data(), 64, 64}, 1);
+  for (size_t i = 0; i < merged.size(); ++i) EXPECT_NEAR(means[i], merged[i], 0.02F * (0.1F + merged[i])) << i;
+  // One factor for all pixels of a square.
+  EXPECT_FLOAT_EQ(levelled[0] * renders.full[3], levelled[3] * renders.full[0]);
+}
+
+TEST(LevelledColour, KeepsItsDistanceFromDarkSquares) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> full(size_t{3} * 8, 1e-6F);
+  full[0] = nan;
+  full[1] = -5;
+  const std::vector<float> merged{1, 1, 1, 1, 1, 1}, black(6, 0), night(size_t{3} * 8, 0);
+  const auto levelled = levelledColour({full.data(), 4, 2}, {merged.data(), 2, 1});
+  EXPECT_EQ(levelled[0], 0);
+  EXPECT_EQ(levelled[1], 0);
+  EXPECT_FLOAT_EQ(levelled[2], 8e-6F);
+  EXPECT_EQ(levelledColour({night.data(), 4, 2}, {black.data(), 2, 1}), night);
+}
+
 TEST(MergedColour, RefusesWhatDoesNotFit) {
   const std::vector<float> pixels(size_t{3} * 100);
   EXPECT_THROW(mergedColour({pixels.data(), 3, 3}, {pixels.data(), 6, 5}, 0.5), Error);
   EXPECT_THROW(mergedColour({pixels.data(), 4, 4}, {pixels.data(), 2, 2}, 0.5), Error);
+  EXPECT_THROW(levelledColour({pixels.data(), 6, 5}, {pixels.data(), 3, 3}), Error);
   EXPECT_THROW(estimatedFullShare({pixels.data(), 4, 4}, {pixels.data(), 4, 4}), Error);
   EXPECT_THROW(fullShare({0, 4}, 2), Error);
   EXPECT_THROW(fullShare({4, std::numeric_limits<double>::infinity()}, 2), Error);

@@ -39,6 +39,11 @@ constexpr const char* kVariable = "XRDS_OIDN";
 // Values of enumerations of its C interface, which version 2 keeps.
 constexpr int kAnyDevice = 0, kFloat3 = 3, kHighQuality = 6;
 
+Image clampedToOne(Image image) {
+  for (float& value : image.pixels) value = std::clamp(value, 0.0F, 1.0F);
+  return image;
+}
+
 Error notThere(const std::string& what) {
   return Error(what +
                ": install Open Image Denoise 2 (a package of the system, openimagedenoise.org, or the one that " +
@@ -159,18 +164,19 @@ Denoiser::~Denoiser() = default;
 
 Image Denoiser::denoised(const Image& colour, const Image* albedo, const Image* normal) const {
   Library::Inputs inputs{{"color", &colour}};
-  Image clean[2];
-  if (albedo) {
-    clean[0] = *albedo;
-    for (float& value : clean[0].pixels) value = std::clamp(value, 0.0F, 1.0F);
-    clean[0] = library_->filtered({{"albedo", &clean[0]}}, false);
-    inputs.emplace_back("albedo", &clean[0]);
-  }
-  if (albedo && normal) {
-    clean[1] = library_->filtered({{"normal", normal}}, false);
-    inputs.emplace_back("normal", &clean[1]);
-  }
+  const Image clamped = albedo ? clampedToOne(*albedo) : Image{};
+  if (albedo) inputs.emplace_back("albedo", &clamped);
+  if (albedo && normal) inputs.emplace_back("normal", normal);
   return library_->filtered(inputs, true);
 }
+
+Image Denoiser::denoisedAlbedo(const Image& albedo) const {
+  const Image clamped = clampedToOne(albedo);
+  Image result = library_->filtered({{"albedo", &clamped}}, false);
+  for (size_t i = 0; i < result.pixels.size(); ++i) result.pixels[i] += albedo.pixels[i] - clamped.pixels[i];
+  return result;
+}
+
+Image Denoiser::denoisedNormal(const Image& normal) const { return library_->filtered({{"normal", &normal}}, false); }
 
 }  // namespace xrds

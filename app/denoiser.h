@@ -20,10 +20,14 @@ class Denoiser {
   /// "Open Image Denoise 2.5.1".
   const std::string& name() const { return name_; }
 
-  /// The radiance [h, w, 3] without its noise. `albedo` and `normal` [h, w, 3] may be null, the normal where there is
-  /// no albedo must be; they are denoised first, each by its own filter, as the manual of Open Image Denoise advises
-  /// for the best result. Throws Error.
+  /// The radiance [h, w, 3] without its noise, with the help of albedo and normal [h, w, 3] that have none. Either may
+  /// be null, the normal must be where there is no albedo. Throws Error.
   Image denoised(const Image& colour, const Image* albedo, const Image* normal) const;
+
+  /// Albedo and normal [h, w, 3] without their noise, each by a filter of its own, as the manual of Open Image Denoise
+  /// advises for the best result. What an albedo has above 1, as that of lights may, stays as it is. Throws Error.
+  Image denoisedAlbedo(const Image& albedo) const;
+  Image denoisedNormal(const Image& normal) const;
 
  private:
   struct Library;

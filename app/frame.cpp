@@ -148,18 +148,22 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
   merged_->share = estimatedFullShare(viewOf(colour_), viewOf(full));
 }
 
-void Frame::denoise(const Denoiser& denoiser) {
-  const Image *albedo = imageOf(kAlbedo.name), *normal = imageOf(kNormal.name);
+void Frame::denoise(const Denoiser& denoiser, bool cleanGuides) {
+  Image *albedo = imageOf(kAlbedo.name), *normal = imageOf(kNormal.name), *full = imageOf(kFullColour.name);
+  if (albedo && !cleanGuides) *albedo = denoiser.denoisedAlbedo(*albedo);
+  if (normal && !cleanGuides) *normal = denoiser.denoisedNormal(*normal);
+  if (full) {
+    if (merged_) full->pixels = levelledColour(viewOf(*full), viewOf(colour_));
+    *full = denoiser.denoised(*full, albedo, normal);
+  }
   std::optional<Image> lowAlbedo, lowNormal;
   if (albedo) lowAlbedo = boxMean(*albedo, scale());
   if (normal) lowNormal = boxMean(*normal, scale());
   colour_ = denoiser.denoised(colour_, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr);
-  for (size_t i = 0; i < inputs_.size(); ++i)
-    if (findAuxiliaryInput(inputs_[i])->isRadiance) auxiliary_[i] = denoiser.denoised(auxiliary_[i], albedo, normal);
   denoisedBy_ = denoiser.name();
 }
 
-const Image* Frame::imageOf(std::string_view input) const {
+Image* Frame::imageOf(std::string_view input) {
   const auto found = std::find(inputs_.begin(), inputs_.end(), input);
   return found == inputs_.end() ? nullptr : &auxiliary_[static_cast<size_t>(found - inputs_.begin())];
 }

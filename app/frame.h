@@ -45,9 +45,10 @@ class Frame {
   /// Throws Error.
   void load();
 
-  /// After load(): takes the noise out of the colour, merged or not, with the means of albedo and normal, and out of
-  /// the full-resolution colour where the model takes that. Throws Error.
-  void denoise(const Denoiser& denoiser);
+  /// After load(): takes the noise out of albedo and normal, unless they have none; out of the colour, merged or not,
+  /// with their means; and out of the full-resolution colour where the model takes that, brought to the level of the
+  /// merged one before (levelledColour()). Throws Error.
+  void denoise(const Denoiser& denoiser, bool cleanGuides);
 
   const Image& colour() const { return colour_; }
   /// What load() merged into the colour; nothing if there was nothing to merge.
@@ -70,7 +71,7 @@ class Frame {
   std::optional<ExrSelection> fullColour() const;
   void mergeColour();
   void chooseShare(const ExrSelection& layer, const Image& full);
-  const Image* imageOf(std::string_view input) const;  // null if it is none of inputs()
+  Image* imageOf(std::string_view input);  // null if it is none of inputs()
   void addWarnings(const std::vector<std::string>& more);
   void addRepaired(size_t count, const ExrSelection& layer, const char* what);
 

@@ -43,7 +43,7 @@ std::string upscaleCommand(const Way& way) {
   if (way.model.empty()) return "denoise it with Open Image Denoise and its albedo and normal";
   std::string command = "xrds upscale low.exr full.exr -o out.exr --model " + way.model;
   if (way.scale == 1) command = "xrds upscale full.exr -o out.exr --model " + way.model;
-  if (way.denoisesFirst) command += " --denoise-first";
+  if (way.denoisesFirst) command += way.guides == Guides::free ? " --denoise-first --clean-guides" : " --denoise-first";
   if (way.scale > 1 && !way.merges && way.guides == Guides::rendered) command += " --aux-colour never";
   return command;
 }

@@ -137,7 +137,8 @@ void writeImage(const BenchQualityOptions& options, const std::string& sceneName
 void measureScene(const BenchQualityOptions& options, Contest& contest, const SceneFiles& files, Device& device,
                   QualityReport& report) {
   Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, contest.setting); });
-  if (contest.denoiser) failingWith(ExitCode::device, [&] { scene.frame.denoise(*contest.denoiser); });
+  if (contest.denoiser)
+    failingWith(ExitCode::device, [&] { scene.frame.denoise(*contest.denoiser, !contest.setting.auxSamples); });
   for (const std::string& warning : scene.frame.warnings())
     std::fprintf(stderr, "xrds: warning: %s: %s\n", files.name.c_str(), warning.c_str());
   auto row = report.methods.begin();
@@ -238,8 +239,9 @@ void addBenchQuality(CLI::App& group) {
       ->capture_default_str();
   verb->add_flag("--merge", options->merge,
                  "Every method gets the merged colour: that of the full-resolution render is in it, by samples");
-  verb->add_flag("--denoise-first", options->denoiseFirst,
-                 "Open Image Denoise takes the noise out of the colours before any method sees them");
+  verb->add_flag(
+      "--denoise-first", options->denoiseFirst,
+      "Open Image Denoise takes the noise out of all images before any method sees them, but for converged guides");
   verb->add_option("--ensemble", options->ensemble, "Also measure each model as the mean of so many passes")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();

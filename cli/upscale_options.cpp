@@ -43,8 +43,11 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
       ->type_name("MODEL");
   verb.add_flag(
       "--denoise-first", options.denoiseFirst,
-      "Open Image Denoise 2, if it is installed, takes the noise out of the colours before the network sees them:\n"
+      "Open Image Denoise 2, if it is installed, takes the noise out of all images before the network sees them:\n"
       "better where they have few samples. $XRDS_OIDN names its library if the system does not find it");
+  verb.add_flag("--clean-guides", options.cleanGuides,
+                "With --denoise-first: albedo and normal have no noise, as those of a rasterizer, and stay as they are")
+      ->needs("--denoise-first");
   verb.add_option("--precision", options.precision, "Storage of activations and weights")
       ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();

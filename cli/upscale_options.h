@@ -15,7 +15,8 @@ struct UpscaleOptions {
       samples;
   AovRequest layers;
   uint32_t ensemble = 1;
-  bool half = false, profile = false, check = false, quiet = false, wrap = false, denoiseFirst = false;
+  bool half = false, profile = false, check = false, quiet = false, wrap = false;
+  bool denoiseFirst = false, cleanGuides = false;
 
   Upscaler::Options upscaler() const;
 };

@@ -37,7 +37,7 @@ class Scene:
         self.target = decoded["target"].to(device)
         self.aux = {spp: pipeline.own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
         self.full = {spp: image.to(device) for (s, spp), image in decoded["colour"].items() if s == 1 and config.full and spp in self.aux}
-        self.denoised = {}      # what Open Image Denoise made of colours, as they are asked for
+        self.denoised = {}      # what Open Image Denoise made of images, as they are asked for
         if scale == 1:
             self.imitate_renders()
         self.exposure = {spp: pipeline.auto_exposure(image.float()) for spp, image in self.colours.items()}
@@ -72,19 +72,27 @@ class Scene:
 
     def denoised_colour(self, spp, count, scale):
         """Low-resolution colour [3, h, w] of spp samples, merged where the model takes the full-resolution one, as denoise.py makes it with the
-        auxiliary images of `count` samples (0: converged), which must be the scene's own."""
-        if (spp, count) not in self.denoised:
-            colour, aux = self.colours[spp].float(), self.aux[count].float()
-            if count in self.full:
-                colour = pipeline.merged_colour(colour, spp, self.full[count].float(), count, scale)
-            self.denoised[spp, count] = denoise.denoised_low(colour, aux, scale).half()
-        return self.denoised[spp, count].float()
+        denoised_aux() of `count` samples (0: converged), which must be the scene's own."""
+        return self.denoised_once((spp, count), lambda: denoise.denoised_low(self.given_colour(spp, count, scale), self.denoised_aux(count), scale))
 
-    def denoised_full(self, count):
+    def denoised_full(self, spp, count, scale):
         """The same of the full-resolution colour [3, H, W]."""
-        if count not in self.denoised:
-            self.denoised[count] = denoise.denoised(self.full[count].float(), self.aux[count].float()).half()
-        return self.denoised[count].float()
+        return self.denoised_once((spp, count, "full"), lambda: denoise.denoised_full(
+            self.full[count].float(), self.given_colour(spp, count, scale), self.denoised_aux(count), scale))
+
+    def denoised_aux(self, count):
+        """The auxiliary images [A, H, W] of a render, denoised; converged ones as they are."""
+        return self.denoised_once(count, lambda: denoise.denoised_guides(self.aux[count])) if count else self.aux[0].float()
+
+    def given_colour(self, spp, count, scale):
+        """Low-resolution colour [3, h, w] of spp samples, merged with that of `count` where the model takes it."""
+        colour = self.colours[spp].float()
+        return pipeline.merged_colour(colour, spp, self.full[count].float(), count, scale) if count in self.full else colour
+
+    def denoised_once(self, key, make):
+        if key not in self.denoised:
+            self.denoised[key] = make().half()
+        return self.denoised[key].float()
 
 
 def nearest_render(counts, spp):
@@ -204,7 +212,7 @@ class Crops:
         if self.config.full:
             aux, full, samples = scene.noisy_render(count)
             if self.number() < self.denoised_share and count in scene.full:
-                colour, full = scene.denoised_colour(spp, count, scale), scene.denoised_full(count)
+                colour, full, aux = scene.denoised_colour(spp, count, scale), scene.denoised_full(spp, count, scale), scene.denoised_aux(count)
             else:
                 colour = pipeline.merged_colour(colour.float(), spp, full.float(), samples, scale)
             exposure = pipeline.auto_exposure(colour)
@@ -212,10 +220,11 @@ class Crops:
         elif self.config.aux_inputs:
             same = scale == 1 and self.number() < SAME_RENDER_SHARE
             count = spp if same else self.drawn(self.aux_shares)
-            high["aux"] = scene.noisy_aux(count), BORDER
+            aux = scene.noisy_aux(count)
             if self.denoised_share and count in scene.aux and self.number() < self.denoised_share:
-                colour = scene.denoised_colour(spp, count, scale)
+                colour, aux = scene.denoised_colour(spp, count, scale), scene.denoised_aux(count)
                 exposure = pipeline.auto_exposure(colour)
+            high["aux"] = aux, BORDER
         if self.config.aux_kernels:
             high["clean"] = scene.aux[0], 0
         crop = {"colour": cut(colour, y, x, size, BORDER, 1), **{key: cut(image, y, x, size, border, scale) for key, (image, border) in high.items()}}

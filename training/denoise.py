@@ -1,4 +1,4 @@
-"""Open Image Denoise on the colours of a scene, as `xrds upscale --denoise-first` runs it: needs pyoidn (bench/oidn-requirements.txt)."""
+"""Open Image Denoise on the images of a scene, as `xrds upscale --denoise-first` runs it: needs pyoidn (bench/oidn-requirements.txt)."""
 import functools
 import pathlib
 import sys
@@ -19,14 +19,32 @@ def device():
     return device
 
 
-def denoised(colour, aux):
-    """Radiance [3, h, w] of a noisy one and its albedo and normal [6 or more, h, w], which are denoised first, each by its own filter."""
+def filtered(images, flags):
+    """The filter's image [3, h, w] of {name: image [3, h, w]}."""
     import oidn
-    array = lambda image: np.ascontiguousarray(image.float().permute(1, 2, 0).numpy())
-    images = {"color": array(pipeline.finite(colour)), "albedo": array(aux[:3].clamp(0, 1)), "normal": array(aux[3:6])}
-    return torch.from_numpy(oidn.denoise(device(), images, prefilter=True)[0]).permute(2, 0, 1)
+    arrays = {name: np.ascontiguousarray(image.float().permute(1, 2, 0).numpy()) for name, image in images.items()}
+    return torch.from_numpy(oidn.filtered(device(), arrays, flags)[0]).permute(2, 0, 1)
 
 
-def denoised_low(colour, aux, scale):
-    """The same of the low-resolution colour [3, h, w], with box means of the auxiliary images [6 or more, s*h, s*w]."""
-    return denoised(colour, pipeline.box_mean(aux[None].float(), scale)[0])
+def denoised_guides(aux):
+    """The auxiliary images [6 or more, h, w], of which albedo and normal, the first six, are denoised, each by its own filter. What an albedo
+    has above 1, as that of lights and background may, stays as it is."""
+    albedo = aux[:3].float()
+    inside = albedo.clamp(0, 1)
+    return torch.cat([filtered({"albedo": inside}, {}) + albedo - inside, filtered({"normal": aux[3:6]}, {}), aux[6:].float()])
+
+
+def denoised(colour, guides):
+    """Radiance [3, h, w] of a noisy one and denoised guides [6 or more, h, w]."""
+    images = {"color": pipeline.finite(colour), "albedo": guides[:3].clamp(0, 1), "normal": guides[3:6]}
+    return filtered(images, {"hdr": True, "cleanAux": True})
+
+
+def denoised_low(colour, guides, scale):
+    """The same of the low-resolution colour [3, h, w], with box means of denoised guides [6 or more, s*h, s*w]."""
+    return denoised(colour, pipeline.box_mean(guides[None].float(), scale)[0])
+
+
+def denoised_full(full, merged, guides, scale):
+    """The same of the full-resolution colour [3, s*h, s*w], brought to the level of the merged one [3, h, w] before."""
+    return denoised(pipeline.levelled_colour(full, merged, scale), guides)

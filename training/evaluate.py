@@ -25,19 +25,22 @@ from network import NetworkConfig
 class Case:
     """One scene: low-resolution colour [3, h, w], aux [9, H, W] albedo, normal and relative depth ([6, H, W] where the file has no depth),
     full [3, H, W] the colour of the auxiliary render and merged [3, h, w] it with the low-resolution one (None and the colour itself for
-    converged auxiliary images and at scale 1), reference [3, H, W]."""
+    converged auxiliary images and at scale 1), reference [3, H, W]; clean: whether the auxiliary images are converged."""
     name: str
     colour: torch.Tensor
     aux: torch.Tensor
     full: torch.Tensor | None
     merged: torch.Tensor
     reference: torch.Tensor
+    clean: bool = False
 
     def denoised(self, scale):
-        """The case with its colours denoised by denoise.py, merged before."""
-        full = None if self.full is None else denoise.denoised(self.full, self.aux)
-        merged = denoise.denoised_low(self.merged, self.aux, scale)
-        return dataclasses.replace(self, colour=merged if full is None else denoise.denoised_low(self.colour, self.aux, scale), full=full, merged=merged)
+        """The case with its images denoised by denoise.py, the colours merged before, auxiliary images only where they are not clean."""
+        aux = self.aux if self.clean else denoise.denoised_guides(self.aux)
+        full = None if self.full is None else denoise.denoised_full(self.full, self.merged, aux, scale)
+        merged = denoise.denoised_low(self.merged, aux, scale)
+        colour = merged if full is None else denoise.denoised_low(self.colour, aux, scale)
+        return dataclasses.replace(self, colour=colour, aux=aux, full=full, merged=merged)
 
 
 def cases_of(folder, scale, spp, aux_spp):
@@ -56,7 +59,7 @@ def cases_of(folder, scale, spp, aux_spp):
             full = images.read_exr(aux, "colour") if aux_spp and scale > 1 else None
             if full is not None:
                 merged = pipeline.merged_colour(colour, spp, full, aux_spp, scale)
-            yield Case(name, colour, images.read_auxiliary(aux), full, merged, images.read_exr(reference, "colour"))
+            yield Case(name, colour, images.read_auxiliary(aux), full, merged, images.read_exr(reference, "colour"), not aux_spp)
 
 
 def result_of(network, case, merge=False, device="cpu"):
@@ -131,7 +134,7 @@ def main():
     parser.add_argument("--spp", type=int, default=64, help="of the low-resolution colour")
     parser.add_argument("--aux-spp", type=int, default=16, help="of albedo and normal; 0: converged")
     parser.add_argument("--merge", action="store_true", help="give every method the low-resolution colour merged with that of the auxiliary render")
-    parser.add_argument("--denoise-first", action="store_true", help="the colours denoised by Open Image Denoise before (pyoidn)")
+    parser.add_argument("--denoise-first", action="store_true", help="all images denoised by Open Image Denoise before (pyoidn)")
     parser.add_argument("--flip", action="store_true", help="also FLIP (pip install flip-evaluator)")
     parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()

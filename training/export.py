@@ -55,7 +55,7 @@ MERGED = ", whose render's colour is an input too; every method has the low-reso
 
 
 DENOISED = """
-With the colours denoised by Open Image Denoise first, as `xrds upscale --denoise-first` does, on which {share} of the crops were trained:
+Denoised first by Open Image Denoise, as `xrds upscale --denoise-first` does it (converged auxiliary images stay as they are), on which {share} of the crops were trained:
 
 {table}
 """

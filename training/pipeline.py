@@ -17,6 +17,7 @@ PREFILTER_STEP = 3                  # a level's step over that of the one below
 LOGIT_MAX = 8.0
 SHARE_LOGIT_MAX = 20.0               # the same of a share's
 CEILING_FACTOR, CEILING_SIDE = 4.0, 5    # of the result to the largest radiance around, low-resolution pixels
+LEVEL_FLOOR, LEVEL_RATIO_MAX = 0.01, 8.0     # of levelled_colour
 DEPTH_SCALES = (0.25, 1.0, 4.0)     # distances, over the median, that become one half
 DEPTH_MAX = 1e8                     # what is as far is background
 REC709 = (0.2126, 0.7152, 0.0722)
@@ -76,6 +77,17 @@ def merged_colour(colour, k, full, full_k, scale):
     its samples: (k L + s^2 K box(H)) / (k + s^2 K). What is negative or not finite in H counts as 0."""
     more = scale ** 2 * full_k
     return (k * colour + more * box_mean(finite(full), scale)) / (k + more)
+
+
+def levelled_colour(full, merged, scale):
+    """The full-resolution colour H [..., 3, s*h, s*w] at the level of the merged one M [..., 3, h, w]: H (M + t) / (box(H) + t), the ratio at
+    most LEVEL_RATIO_MAX, t the mean of M over pixels and channels times LEVEL_FLOOR. Its box means have the noise of both renders' samples,
+    and only what is finer that of H alone."""
+    full = finite(full)
+    floor = LEVEL_FLOOR * merged.mean((-3, -2, -1), keepdim=True)
+    means = box_mean(full.reshape(-1, *full.shape[-3:]), scale).reshape(merged.shape)
+    ratio = ((merged + floor) / (means + floor).clamp(min=1e-30)).clamp(max=LEVEL_RATIO_MAX)
+    return full * ratio.repeat_interleave(scale, -2).repeat_interleave(scale, -1)
 
 
 def finite(image):

@@ -1,4 +1,4 @@
-"""Open Image Denoise on the colours of scenes, where it is installed."""
+"""Open Image Denoise on the images of scenes, where it is installed."""
 import pytest
 import torch
 
@@ -33,25 +33,43 @@ def test_low_resolution_takes_box_means_of_the_guides():
     assert (denoise.denoised_low(colour, aux, 4) - clean).square().mean() < 0.1 * 0.2 ** 2
 
 
+def test_guides_lose_their_noise_and_lights_keep_their_albedo():
+    _, _, clean = noisy(64, 4)
+    guides = clean + 0.1 * torch.randn(clean.shape, generator=torch.Generator().manual_seed(5))
+    guides[:3, 20:40, 20:40] = 3.0
+    found = denoise.denoised_guides(torch.cat([guides, torch.full((3, 64, 64), 7.0)]))
+    dark = torch.ones(64, 64, dtype=torch.bool)
+    dark[18:42, 18:42] = False
+    assert (found[:6] - clean)[:, dark].square().mean() < 0.05 * 0.1 ** 2
+    assert (found[:3, 24:36, 24:36] - 3.0).abs().max() < 0.1
+    assert (found[6:] == 7.0).all()
+
+
 def test_a_case_is_denoised_after_merging():
     clean, full, aux = noisy(128, 4)
     low_clean, low, _ = noisy(32, 5)
-    case = evaluate.Case("s", low, aux, full, pipeline.merged_colour(low, 16, full, 1, 4), clean)
+    low = low_clean + 0.25 * (low - low_clean)
+    guides = aux + 0.1 * torch.randn(aux.shape, generator=torch.Generator().manual_seed(6))
+    case = evaluate.Case("s", low, guides, full, pipeline.merged_colour(low, 16, full, 1, 4), clean)
     found = case.denoised(4)
     assert (found.full - clean).square().mean() < 0.05 * 0.2 ** 2
     assert (found.merged - low_clean).square().mean() < (found.colour - low_clean).square().mean() + 1e-4 < 0.1 * 0.2 ** 2
-    assert evaluate.Case("s", low, aux, None, low, clean).denoised(4).full is None
+    assert (found.aux - aux).square().mean() < 0.05 * 0.1 ** 2
+    converged = evaluate.Case("s", low, guides, None, low, clean, clean=True).denoised(4)
+    assert converged.full is None and torch.equal(converged.aux, guides)
 
 
-def test_crops_of_denoised_colours_are_made_once(monkeypatch):
+def test_crops_of_denoised_images_are_made_once(monkeypatch):
     scenes, calls = FakeScenes(FULL, side=16), []
-    monkeypatch.setattr(denoise, "denoised", lambda colour, aux: calls.append(1) or torch.zeros_like(colour))
-    monkeypatch.setattr(denoise, "denoised_low", lambda colour, aux, scale: calls.append(1) or torch.ones_like(colour))
+    monkeypatch.setattr(denoise, "denoised_guides", lambda aux: calls.append("guides") or torch.full(aux.shape, 0.25))
+    monkeypatch.setattr(denoise, "denoised", lambda colour, guides: calls.append("full") or torch.zeros_like(colour))
+    monkeypatch.setattr(denoise, "denoised_low", lambda colour, guides, scale: calls.append("low") or torch.ones_like(colour))
     crops = dataset.Crops(scenes, 8, seed=1, aux_shares={16: 1}, denoised_share=1)
     for _ in range(3):
         crop = crops.one()
         assert not crop["full"].any() and (crop["colour"].amax((1, 2)) == crop["colour"].amin((1, 2))).all()
-    assert len(calls) == 2
+        assert crop["aux"][:3].eq(0.25).all()
+    assert sorted(calls) == ["full", "guides", "low"]
 
 
 def test_crops_of_models_without_the_full_colour_are_denoised_too(monkeypatch):

@@ -246,6 +246,20 @@ def test_prefilter_removes_noise():
     assert abs(radiance.mean() - 1) < 0.02
 
 
+def test_levelled_colour_has_the_means_of_the_merged_one():
+    full = torch.rand(3, 8, 12, generator=torch.Generator().manual_seed(1)) + 0.1
+    merged = torch.rand(3, 4, 6, generator=torch.Generator().manual_seed(2)) + 0.5
+    found = pipeline.levelled_colour(full, merged, 2)
+    assert torch.allclose(pipeline.box_mean(found[None], 2)[0], merged, rtol=0.02)
+    ratio = found / full
+    assert torch.allclose(ratio[:, ::2, ::2], ratio[:, 1::2, 1::2])
+    assert torch.allclose(pipeline.levelled_colour(3 * full, 3 * merged, 2), 3 * found)
+    full[:, :2, :2], full[0, 4, 4] = 1e-6, float("nan")      # far below the merged colour; not finite
+    found = pipeline.levelled_colour(full, merged, 2)
+    assert (found[:, :2, :2] <= 8.001e-6).all() and found[0, 4, 4] == 0 and found.isfinite().all()
+    assert not pipeline.levelled_colour(torch.zeros(3, 8, 12), torch.zeros(3, 4, 6), 2).any()
+
+
 def test_merged_colour_weighs_by_samples():
     torch.manual_seed(1)
     low, full = torch.rand(1, 3, 4, 5), torch.rand(1, 3, 8, 10)

@@ -55,7 +55,7 @@ def arguments_of_command_line():
     parser.add_argument("--aux-shares", help="how often each sample count of the auxiliary images is drawn (0: converged), as 1:0.3,4:0.7, or one count")
     parser.add_argument("--colour-shares", help="the same of the colour; counts that a scene lacks are left out")
     parser.add_argument("--denoised-share", type=float, default=0.0,
-                        help="of the crops, whose colours Open Image Denoise has denoised (pyoidn) with albedo and normal")
+                        help="of the crops, whose colours, albedo and normal Open Image Denoise has denoised (pyoidn)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--evaluate-every", type=float, default=3, help="minutes")

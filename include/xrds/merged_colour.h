@@ -36,4 +36,10 @@ inline constexpr double kMostColourDifference = 0.1;
 /// not count, negative ones are 0. Throws Error if the sizes are no whole multiple of each other.
 XRDS_API std::vector<float> mergedColour(const PixelView& low, const PixelView& full, double share);
 
+/// The full-resolution render's colour H [s h, s w, >= 3] at the level of the merged one M [h, w, >= 3], three floats a
+/// pixel: H (M + t) / (B + t), the ratio at most 8, with the means B of s x s pixels of H and a hundredth of the mean
+/// of M as t. What a denoiser takes best: its means have the noise of both renders, and only what is finer that of H
+/// alone. Of H what is negative or not finite is 0. Throws Error if the sizes are no whole multiple of each other.
+XRDS_API std::vector<float> levelledColour(const PixelView& full, const PixelView& merged);
+
 }  // namespace xrds

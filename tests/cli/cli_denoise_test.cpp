@@ -1,5 +1,5 @@
-// Open Image Denoise before the network: a library of the same interface that halves radiance. The pipeline is
-// homogeneous, so the result is half of that without.
+// Open Image Denoise before the network: a library of the same interface that halves radiance and albedo. The pipeline
+// is homogeneous in radiance, so with clean guides the result is half of that without.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ void expectHalved(const SmallFrame& frame, const std::vector<std::string>& optio
   const Image noisy = readColour(frame.out);
   const std::string file = (frame.folder / "run.json").string();
   std::vector<std::string> denoised = options;
-  denoised.insert(denoised.end(), {"--denoise-first", "--json", file});
+  denoised.insert(denoised.end(), {"--denoise-first", "--clean-guides", "--json", file});
   const Ended ended = runXrds(frame.arguments(denoised, model), kWithFake);
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_NE(ended.output.find("Denoised first, by Open Image Denoise 2.7.7."), std::string::npos) << ended.output;
@@ -33,14 +33,54 @@ void expectHalved(const SmallFrame& frame, const std::vector<std::string>& optio
 
 TEST(CliDenoise, GivesTheNetworkWhatTheLibraryMakes) { expectHalved(SmallFrame(), {}); }
 
+// The colour of the low-resolution render, `brighter` times, as that of the full-resolution one.
+void writeFullColour(const SmallFrame& frame, float brighter) {
+  const Pixels low = colourLayer("", 10).pixels;
+  const auto full = [&](int x, int y, int c) { return brighter * low(x / 4, y / 4, c); };
+  writeParts(frame.aux, {{boxOf(40, 32),
+                          boxOf(40, 32),
+                          {{"Combined", "RGB", full}, albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+}
+
 // Of both colours: were only one of them halved, their blend would show it.
 TEST(CliDenoise, DenoisesTheFullResolutionColourOfFullModels) {
   const SmallFrame frame;
-  writeParts(frame.aux, {{boxOf(40, 32),
-                          boxOf(40, 32),
-                          {colourLayer("Combined", 40), albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  writeFullColour(frame, 1);
   for (const char* model : {"s4_full", "s4_full_prefilter2"})
     expectHalved(frame, {"--samples", "64,16"}, goldenModel(model));
+}
+
+// A full-resolution colour 5 % brighter than the other one, four fifths of the merged one: of both is made what is 4 %
+// brighter.
+TEST(CliDenoise, BringsTheFullResolutionColourToTheLevelOfTheMergedOne) {
+  const SmallFrame frame;
+  const std::string model = goldenModel("s4_full");
+  const auto denoised = [&](float brighter) {
+    writeFullColour(frame, brighter);
+    const Ended ended =
+        runXrds(frame.arguments({"--denoise-first", "--clean-guides", "--samples", "64,16"}, model), kWithFake);
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    return readColour(frame.out);
+  };
+  const Image same = denoised(1), brighter = denoised(1.05F);
+  for (size_t i = 0; i < same.pixels.size(); ++i)
+    EXPECT_NEAR(brighter.pixels[i], 1.04F * same.pixels[i], 2e-3F * (0.1F + same.pixels[i])) << i;
+}
+
+TEST(CliDenoise, DenoisesAlbedoUnlessItIsClean) {
+  const SmallFrame frame, halved;
+  const Pixels albedo = albedoLayer("", 40).pixels;
+  const auto half = [&](int x, int y, int c) { return 0.5F * albedo(x, y, c); };
+  writeParts(halved.aux, {{boxOf(40, 32), boxOf(40, 32), {{"albedo", "RGB", half}, normalLayer("normal", 40)}}});
+  ASSERT_EQ(runXrds(frame.arguments({"--denoise-first"}), kWithFake).exitCode, 0);
+  ASSERT_EQ(runXrds(halved.arguments({"--denoise-first", "--clean-guides"}), kWithFake).exitCode, 0);
+  const Image denoised = readColour(frame.out);
+  EXPECT_EQ(denoised, readColour(halved.out));
+  ASSERT_EQ(runXrds(frame.arguments({"--denoise-first", "--clean-guides"}), kWithFake).exitCode, 0);
+  EXPECT_NE(denoised, readColour(frame.out));
+
+  const Ended alone = runXrds(frame.arguments({"--clean-guides"}));
+  EXPECT_EQ(alone.exitCode, 2) << alone.error;
 }
 
 TEST(CliDenoise, SaysHowToGetTheLibrary) {

@@ -1,5 +1,6 @@
 // A library with the C interface of Open Image Denoise 2, as far as the engine calls it, that takes no noise out: it
-// halves radiance and leaves the rest. It refuses what the real one refuses, and wants auxiliary images to be clean.
+// halves radiance and albedo and leaves the normal. It refuses what the real one refuses, and wants auxiliary images to
+// be clean.
 #include <cstddef>
 #include <cstring>
 #include <map>
@@ -84,7 +85,7 @@ API void oidnExecuteFilter(void* filter) {
   require(own.flags["cleanAux"] == (own.images.size() > 2), "auxiliary images that are not clean");
   const char* source = radiance ? "color" : own.images.count("albedo") != 0 ? "albedo" : "normal";
   for (size_t i = 0; i < 3 * own.width * own.height; ++i)
-    pixels(own.images["output"])[i] = (radiance ? 0.5F : 1.F) * pixels(own.images[source])[i];
+    pixels(own.images["output"])[i] = (source == std::string("normal") ? 1.F : 0.5F) * pixels(own.images[source])[i];
 }
 API void oidnReleaseFilter(void* filter) {
   --alive;
