@@ -11,7 +11,9 @@
 #include <dlfcn.h>
 #endif
 
+#include "image/image_view.h"
 #include "xrds/error.h"
+#include "xrds/mirror.h"
 
 namespace xrds {
 namespace {
@@ -42,6 +44,13 @@ constexpr int kAnyDevice = 0, kFloat3 = 3, kHighQuality = 6;
 Image clampedToOne(Image image) {
   for (float& value : image.pixels) value = std::clamp(value, 0.0F, 1.0F);
   return image;
+}
+
+Image mirroredImage(const Image& image, Mirror mirror, bool isNormal) {
+  Image result(mirror.transposed ? image.height : image.width, mirror.transposed ? image.width : image.height, 0);
+  result.channels = 3;
+  result.pixels = mirrored(viewOf(image), mirror, isNormal);
+  return result;
 }
 
 Error notThere(const std::string& what) {
@@ -162,12 +171,23 @@ Denoiser::Denoiser() {
 
 Denoiser::~Denoiser() = default;
 
-Image Denoiser::denoised(const Image& colour, const Image* albedo, const Image* normal) const {
-  Library::Inputs inputs{{"color", &colour}};
-  const Image clamped = albedo ? clampedToOne(*albedo) : Image{};
-  if (albedo) inputs.emplace_back("albedo", &clamped);
-  if (albedo && normal) inputs.emplace_back("normal", normal);
-  return library_->filtered(inputs, true);
+Image Denoiser::denoised(const Image& colour, const Image* albedo, const Image* normal, uint32_t passes) const {
+  const Image inside = albedo ? clampedToOne(*albedo) : Image{};
+  Image mean(colour.width, colour.height, 3);
+  for (const Mirror mirror : mirrorsOf(passes)) {
+    const Image images[] = {mirroredImage(colour, mirror, false), mirroredImage(inside, mirror, false),
+                            normal ? mirroredImage(*normal, mirror, true) : Image{}};
+    Library::Inputs inputs{{"color", &images[0]}};
+    if (albedo) inputs.emplace_back("albedo", &images[1]);
+    if (albedo && normal) inputs.emplace_back("normal", &images[2]);
+    const Image result = library_->filtered(inputs, true);
+    const auto width = static_cast<uint32_t>(result.width), height = static_cast<uint32_t>(result.height);
+    for (size_t p = 0; p < result.pixelCount(); ++p)
+      for (size_t c = 0; c < 3; ++c)
+        mean.pixels[3 * mirroredPixel(p, width, height, mirror) + c] +=
+            result.pixels[3 * p + c] / static_cast<float>(passes);
+  }
+  return mean;
 }
 
 Image Denoiser::denoisedAlbedo(const Image& albedo) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -21,8 +22,9 @@ class Denoiser {
   const std::string& name() const { return name_; }
 
   /// The radiance [h, w, 3] without its noise, with the help of albedo and normal [h, w, 3] that have none. Either may
-  /// be null, the normal must be where there is no albedo. Throws Error.
-  Image denoised(const Image& colour, const Image* albedo, const Image* normal) const;
+  /// be null, the normal must be where there is no albedo. The mean of so many `passes` over mirrored images
+  /// (mirrorsOf()), whose errors differ. Throws Error.
+  Image denoised(const Image& colour, const Image* albedo, const Image* normal, uint32_t passes = 1) const;
 
   /// Albedo and normal [h, w, 3] without their noise, each by a filter of its own, as the manual of Open Image Denoise
   /// advises for the best result. What an albedo has above 1, as that of lights may, stays as it is. Throws Error.

@@ -148,18 +148,18 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
   merged_->share = estimatedFullShare(viewOf(colour_), viewOf(full));
 }
 
-void Frame::denoise(const Denoiser& denoiser, bool cleanGuides) {
+void Frame::denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes) {
   Image *albedo = imageOf(kAlbedo.name), *normal = imageOf(kNormal.name), *full = imageOf(kFullColour.name);
   if (albedo && !cleanGuides) *albedo = denoiser.denoisedAlbedo(*albedo);
   if (normal && !cleanGuides) *normal = denoiser.denoisedNormal(*normal);
   if (full) {
     if (merged_) full->pixels = levelledColour(viewOf(*full), viewOf(colour_));
-    *full = denoiser.denoised(*full, albedo, normal);
+    *full = denoiser.denoised(*full, albedo, normal, passes);
   }
   std::optional<Image> lowAlbedo, lowNormal;
   if (albedo) lowAlbedo = boxMean(*albedo, scale());
   if (normal) lowNormal = boxMean(*normal, scale());
-  colour_ = denoiser.denoised(colour_, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr);
+  colour_ = denoiser.denoised(colour_, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr, passes);
   denoisedBy_ = denoiser.name();
 }
 

@@ -47,8 +47,8 @@ class Frame {
 
   /// After load(): takes the noise out of albedo and normal, unless they have none; out of the colour, merged or not,
   /// with their means; and out of the full-resolution colour where the model takes that, brought to the level of the
-  /// merged one before (levelledColour()). Throws Error.
-  void denoise(const Denoiser& denoiser, bool cleanGuides);
+  /// merged one before (levelledColour()). `passes`: of each colour, as Denoiser::denoised(). Throws Error.
+  void denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes = 1);
 
   const Image& colour() const { return colour_; }
   /// What load() merged into the colour; nothing if there was nothing to merge.

@@ -35,10 +35,10 @@ def composed(options, seed):
 
 
 def rendered(options, scene, recipe):
-    """(seconds, file) of the guides."""
+    """(seconds of the processor, file) of the guides."""
     path = scene.with_name(f"{scene.stem}_{recipe}.exr")
     said = blender(options, scene, "-noaudio", "-t", 1, "-P", ROOT / "scripts/blender_guides.py", "--", path, "--samples", options.samples, "--recipe", recipe)
-    return float(re.search(r"blender_guides: .* ([\d.]+) s,", said)[1]), path
+    return float(re.search(r"blender_guides: .* ([\d.]+) s of processors,", said)[1]), path
 
 
 def quality(options, seed, guides):
@@ -66,7 +66,7 @@ def measure(options):
 def markdown(rows, origin, options):
     machine = origin["machine"]
     lines = ["# What cheap guides cost", "",
-             f"Albedo and normal of {options.samples} samples by the recipes of `scripts/blender_guides.py`, which says what each leaves out of a path: time of the render over that of the full "
+             f"Albedo and normal of {options.samples} samples by the recipes of `scripts/blender_guides.py`, which says what each leaves out of a path: processor time of the render, of 256 x 256 pixels, over that of the full "
              f"path (median, and the extremes of the scenes), and PSNR and RelMSE of `xrds-x4-compact` with them, colour at 64 samples; means of {len(rows['full'])} scenes of "
              f"`training/scenes`. `python3 bench/guides.py`, commit {origin['commit']}, one core of {machine['processor']}.", "",
              "| guides | time | least | most | PSNR dB | RelMSE |", "|---|---|---|---|---|---|"]

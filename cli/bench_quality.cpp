@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -133,22 +134,32 @@ void writeImage(const BenchQualityOptions& options, const std::string& sceneName
   });
 }
 
+// What the methods see, by the passes of their ensemble, which are those of the denoiser, too.
+std::map<uint32_t, Frame> framesFor(const Contest& contest, const Frame& noisy) {
+  std::map<uint32_t, Frame> frames{{1, noisy}};
+  for (const EngineMethod& method : contest.engine) frames.emplace(method.ensemble(), noisy);
+  if (contest.denoiser)
+    for (auto& [passes, frame] : frames)
+      failingWith(ExitCode::device, [&] { frame.denoise(*contest.denoiser, !contest.setting.auxSamples, passes); });
+  return frames;
+}
+
 // Adds one scene to every method of the report; their order is that of reportFor.
 void measureScene(const BenchQualityOptions& options, Contest& contest, const SceneFiles& files, Device& device,
                   QualityReport& report) {
   Scene scene = failingWith(ExitCode::input, [&] { return loadScene(files, contest.setting); });
-  if (contest.denoiser)
-    failingWith(ExitCode::device, [&] { scene.frame.denoise(*contest.denoiser, !contest.setting.auxSamples); });
+  std::map<uint32_t, Frame> frames = framesFor(contest, scene.frame);
   for (const std::string& warning : scene.frame.warnings())
     std::fprintf(stderr, "xrds: warning: %s: %s\n", files.name.c_str(), warning.c_str());
   auto row = report.methods.begin();
-  if (options.scale == 1) (row++)->scenes.push_back({measure(scene.frame.colour(), scene.reference)});
+  if (options.scale == 1) (row++)->scenes.push_back({measure(frames.at(1).colour(), scene.reference)});
   for (EngineMethod& method : contest.engine) {
     FrameSeconds seconds;
-    const Image image = failingWith(
-        ExitCode::device, [&] { return method.run(device, scene.frame, options.precision == kFp16, seconds); });
+    const Frame& frame = frames.at(method.ensemble());
+    const Image image =
+        failingWith(ExitCode::device, [&] { return method.run(device, frame, options.precision == kFp16, seconds); });
     (row++)->scenes.push_back({measure(image, scene.reference), seconds});
-    if (!options.write.empty()) writeImage(options, files.name, scene.frame, method, image);
+    if (!options.write.empty()) writeImage(options, files.name, frame, method, image);
   }
   for (const Image& image : scene.finished) (row++)->scenes.push_back({measure(image, scene.reference)});
 }

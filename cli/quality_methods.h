@@ -27,6 +27,7 @@ class EngineMethod {
   const std::string& name() const { return name_; }
   const Model& model() const { return model_; }
   bool trained() const { return trained_; }
+  uint32_t ensemble() const { return ensemble_; }
 
   /// Upscales a frame that has the model's auxiliary inputs and adds to `seconds` its times. The first frame of a shape
   /// runs twice and the second time counts: the first one may compile. Pixels that are not finite are filled from their

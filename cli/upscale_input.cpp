@@ -165,7 +165,8 @@ UpscaleInput openInput(const UpscaleOptions& options) {
   }
   failingWith(ExitCode::input, [&] { (void)inputsOf(opened.model, frame); });  // throws if one is not there
   requireSkippable(options, opened);
-  if (options.denoiseFirst) failingWith(ExitCode::device, [&] { frame.denoise(Denoiser(), options.cleanGuides); });
+  if (options.denoiseFirst)
+    failingWith(ExitCode::device, [&] { frame.denoise(Denoiser(), options.cleanGuides, options.ensemble); });
   return {std::move(opened), std::move(frame)};
 }
 

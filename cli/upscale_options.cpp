@@ -53,7 +53,8 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
       ->capture_default_str();
   verb.add_option("--ensemble", options.ensemble,
                   "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways; 8, also on the "
-                  "diagonal. Better, and as many times slower; normals must be in the camera's axes")
+                  "diagonal. Better, and as many times slower; normals must be in the camera's axes. So many of the "
+                  "denoiser, too")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();
   verb.add_option("--exposure", options.exposure, "Factor that brings the colour to a mean log luminance of 0.18")

@@ -6,22 +6,10 @@
 #include <vector>
 
 #include "shaders/common/transfer.h"
+#include "xrds/mirror.h"
 #include "xrds/pixel_view.h"
 
 namespace xrds {
-
-/// How the frame of a pass is mirrored: first on its diagonal, so that rows become columns, then left to right and
-/// upside down, both of which are half a turn.
-struct Mirror {
-  bool leftRight = false, upsideDown = false, transposed = false;
-};
-
-/// The mirrors of 1, 2, 4 or 8 passes, those on the diagonal first, the frame as it is last. Throws Error for other
-/// counts.
-std::span<const Mirror> mirrorsOf(uint32_t passes);
-
-/// The mirrored image, three floats a pixel. The components of a normal turn along: x points right, y up.
-std::vector<float> mirrored(const PixelView& image, Mirror mirror, bool isNormal);
 
 /// A frame mirrored: copies of its images.
 class MirroredFrame {
@@ -36,9 +24,6 @@ class MirroredFrame {
   std::vector<std::vector<float>> pixels_;
   std::vector<PixelView> views_;
 };
-
-/// A pixel of a mirrored frame of that size, row by row from 0, in the frame as it is.
-uint64_t mirroredPixel(uint64_t pixel, uint32_t width, uint32_t height, Mirror mirror);
 
 /// The mean of the results of all passes, in the domain of the network: T^-1(mean T(e I)) / e, so that a pixel far too
 /// bright in one pass weighs little. (Geometric self-ensemble: Timofte, Rothe & Van Gool 2016, section 3.)

@@ -96,9 +96,10 @@ def main():
         scene.frame_set(ask.frame)
     apply(ask.recipe, scene)
     configure(scene, ask)
-    start = time.monotonic()
+    start, processor_start = time.monotonic(), time.process_time()
     bpy.ops.render.render(write_still=True)
-    print(f"blender_guides: {ask.recipe}, {ask.samples} samples, {time.monotonic() - start:.2f} s, {ask.output}", flush=True)
+    print(f"blender_guides: {ask.recipe}, {ask.samples} samples, {time.monotonic() - start:.2f} s, {time.process_time() - processor_start:.2f} s "
+          f"of processors, {ask.output}", flush=True)
 
 
 main()

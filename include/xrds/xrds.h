@@ -4,6 +4,7 @@
 #include "xrds/device.h"
 #include "xrds/error.h"
 #include "xrds/merged_colour.h"
+#include "xrds/mirror.h"
 #include "xrds/model.h"
 #include "xrds/pixel_view.h"
 #include "xrds/precision.h"
