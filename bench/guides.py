@@ -3,7 +3,8 @@
     python3 bench/guides.py DATA_FOLDER WORK_FOLDER 41000:41010 --hdri DIR --models DIR [--samples 16] [--blender blender]
 
 DATA_FOLDER holds the renders sNNNNN_lr64.exr and sNNNNN_gt.exr of the seeds (training/scenes). Each scene is composed anew, saved, rendered
-by every recipe in turn, --rounds times, and upscaled by the default model of scale 4. Prints Markdown. Run it with the Python that Blender finds, the
+by every recipe in turn, --rounds times, and upscaled by the default model of scale 4. Prints Markdown. EEVEE draws on a display of its own
+(xvfb-run), in software, so that its time says nothing of a GPU's. Run it with the Python that Blender finds, the
 system's: a Blender of the system looks for its modules beside the first python3 of the PATH.
 """
 import argparse
@@ -16,12 +17,13 @@ import subprocess
 import tables
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-RECIPES = ("full", "direct", "mirrors", "flat")
+RECIPES = ("full", "direct", "mirrors", "flat", "eevee")
+LAYERS = {"eevee": ["--albedo", "ViewLayer.DiffCol", "--normal", "ViewLayer.Normal"]}      # the others' names are known
 
 
-def blender(options, *arguments):
-    """What a run of Blender prints."""
-    return subprocess.run([options.blender, "-b", *map(str, arguments)], capture_output=True, text=True, check=True).stdout
+def blender(options, *arguments, display=False):
+    """What a run of Blender prints; with a display where it asks for one."""
+    return subprocess.run([*["xvfb-run", "-a"] * display, options.blender, "-b", *map(str, arguments)], capture_output=True, text=True, check=True).stdout
 
 
 def composed(options, seed):
@@ -37,15 +39,15 @@ def composed(options, seed):
 def rendered(options, scene, recipe):
     """(seconds of the processor, file) of the guides."""
     path = scene.with_name(f"{scene.stem}_{recipe}.exr")
-    said = blender(options, scene, "-noaudio", "-t", 1, "-P", ROOT / "scripts/blender_guides.py", "--", path, "--samples", options.samples, "--recipe", recipe)
+    said = blender(options, scene, "-noaudio", "-t", 1, "-P", ROOT / "scripts/blender_guides.py", "--", path, "--samples", options.samples, "--recipe", recipe, display=recipe == "eevee")
     return float(re.search(r"blender_guides: .* ([\d.]+) s of processors,", said)[1]), path
 
 
-def quality(options, seed, guides):
+def quality(options, seed, guides, layers=()):
     """(PSNR, RelMSE) of the upscaled colour."""
     found, data = options.work / "run.json", options.data / f"s{seed}"
     subprocess.run([options.xrds, "upscale", f"{data}_lr64.exr", str(guides), "--aux-colour", "never", "-o", str(options.work / "out.exr"), "--reference",
-                    f"{data}_gt.exr", "--json", str(found), "--quiet"], check=True, capture_output=True)
+                    f"{data}_gt.exr", "--json", str(found), "--quiet", *layers], check=True, capture_output=True)
     measured = next(row for row in json.loads(found.read_text())["methods"] if row["name"] == "xrds")
     return measured["psnr"], measured["relMse"]
 
@@ -58,7 +60,7 @@ def measure(options):
         rounds = [{recipe: rendered(options, scene, recipe) for recipe in RECIPES} for _ in range(options.rounds)]
         seconds = {recipe: statistics.median(turn[recipe][0] for turn in rounds) for recipe in RECIPES}
         for recipe in RECIPES:
-            rows[recipe].append((seconds[recipe] / seconds["full"], *quality(options, seed, rounds[0][recipe][1])))
+            rows[recipe].append((seconds[recipe] / seconds["full"], *quality(options, seed, rounds[0][recipe][1], LAYERS.get(recipe, ()))))
         rows["converged"].append((float("nan"), *quality(options, seed, options.data / f"s{seed}_gt.exr")))
     return rows
 
@@ -73,7 +75,7 @@ def markdown(rows, origin, options):
     mean = lambda found, place: statistics.mean(row[place] for row in found)
     for recipe, found in rows.items():
         shares = [row[0] for row in found]
-        time = "| - | - | - " if recipe == "converged" else f"| {statistics.median(shares):.2f} | {min(shares):.2f} | {max(shares):.2f} "
+        time = "| - | - | - " if recipe in ("converged", "eevee") else f"| {statistics.median(shares):.2f} | {min(shares):.2f} | {max(shares):.2f} "
         lines.append(f"| {recipe} {time}| {mean(found, 1):.2f} | {mean(found, 2):.4f} |")
     return "\n".join(lines) + "\n"
 

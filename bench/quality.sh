@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
 # Measures every shipped model on a folder of validation scenes, beside its rivals, and writes Markdown and JSON:
 #
-#     bench/quality.sh VAL_FOLDER OUT_FOLDER
+#     bench/quality.sh VAL_FOLDER OUT_FOLDER [merged]
 #
+# With "merged" not that, but the compact and the full models on merged colours, as they are and denoised first.
 # A table a setting (x4_64_aux16.md: scale 4, colour at 64 spp, albedo and normal at 16), and two that gather the means:
 # auxiliary.md (scale 4 with albedo and normal of growing quality) and equal.md (equal average samples, Open Image
-# Denoise included); beside each table its LPIPS (x4_64_aux16.lpips.md). `python3 bench/tables.py gather OUT_FOLDER`
-# takes all of it over for docs/quality.md. XRDS is the program (default build/release/cli/xrds). PEERS is a Python with
+# Denoise included); beside each table its LPIPS (x4_64_aux16.lpips.md). `python3 bench/tables.py gather OUT_FOLDER
+# [merged]` takes all of it over for docs/quality.md. XRDS is the program (default build/release/cli/xrds). PEERS is a Python with
 # bench/oidn-requirements.txt and bench/lpips-requirements.txt (default python3). A model that is not there, a setting
 # without renders, and OIDN and LPIPS, if they cannot run, are named and left out.
 set -euo pipefail
-[ $# -eq 2 ] || { sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -eq 2 ] || [ "${3:-}" = merged ] || { sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 val=$1 out=$2
 here=$(cd "$(dirname "$0")" && pwd)
 xrds=${XRDS:-$here/../build/release/cli/xrds}
@@ -37,25 +38,29 @@ model_options() {
   done
 }
 
-# full_model SCALE COLOUR AUX [OPTION...]: the --model option of the full model, where it is shipped and the colour is merged.
-full_model() {
-  if [ "${4:-}" = --merge ] && is_shipped "xrds-x$1-full"; then echo "--model xrds-x$1-full"; fi
+# Those of the models that are measured on merged colours.
+merging_model_options() {
+  for name in "xrds-x$1-compact" "xrds-x$1-full"; do
+    if is_shipped "$name"; then echo "--model $name"; fi
+  done
 }
 
-# table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged, with --ensemble N
-# ..._ensembleN; false if it cannot.
+# table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged, with
+# --denoise-first after it ..._merged_denoised, with --ensemble N ..._ensembleN; false if it cannot.
 table() {
+  local models=model_options
   fragment=$out/x$1_$2_aux$3
   case ${4:-} in
-    --merge) fragment+=_merged ;;
+    --merge) fragment+=_merged models=merging_model_options ;;
     --ensemble) fragment+=_ensemble$5 ;;
   esac
+  [ "${5:-}" != --denoise-first ] || fragment+=_denoised
   [ "$fragment.md" -nt "$out/started" ] && return  # by an earlier setting of this run
   echo "scale $1, colour $2 spp, aux $3" >&2
   rm -rf "$out/images"
   # shellcheck disable=SC2046 # the options are words
-  "$xrds" bench quality "$val" --scale "$1" --samples "$2" --aux "$3" $(model_options "$1") "${@:4}" \
-    $(full_model "$@") --write "$out/images" --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" || {
+  "$xrds" bench quality "$val" --scale "$1" --samples "$2" --aux "$3" $("$models" "$1") "${@:4}" \
+    --write "$out/images" --markdown "$fragment.md" --json "$fragment.json" > /dev/null 2> "$fragment.log" || {
     echo "left out: $(grep -v warning "$fragment.log" | tail -1)" >&2
     return 1
   }
@@ -93,6 +98,16 @@ denoise() {
   also=(--also "OIDN=$folder/plain/*_oidn$1.exr" --also "OIDN, prefiltered=$folder/prefiltered/*_oidn$1.exr")
 }
 
+if [ "${3:-}" = merged ]; then
+  touch "$out/started"
+  for setting in "4 64 16" "4 64 4" "4 16 1" "2 16 4" "2 4 1"; do
+    # shellcheck disable=SC2086 # three words
+    { table $setting --merge && table $setting --merge --denoise-first --ensemble 8; } || true
+  done
+  rm "$out/started"
+  exit
+fi
+
 for scale in 1 2 4 8; do model_options "$scale" loud > "$out/started"; done
 
 # The scales, with albedo and normal at 16 spp.
@@ -103,13 +118,6 @@ table 8 256 16 || true
 # Scale 4: albedo and normal of growing quality.
 for aux in 1 4 16 converged; do
   table 4 64 "$aux" && gather "$out/auxiliary.md" "x4, 64 spp, aux $aux"
-done
-
-# The same renders, the colour merged with that of the full-resolution one, which full models take, too.
-table 4 64 16 --merge || true
-for setting in "4 64 4" "4 16 1" "2 16 4" "2 4 1"; do
-  # shellcheck disable=SC2086 # three words
-  table $setting --merge || true
 done
 
 # The mean of several passes over the frame and its mirror images.

@@ -18,7 +18,7 @@ def load(path):
     return json.loads(path.read_text()) if path.exists() else {}
 
 
-def gather(folder):
+def gather(folder, part=""):
     """{"commit", "machine", "command", "device", "settings": {"x4_64_aux16": [methods with their means]}} of quality.sh's folder."""
     settings, device = {}, ""
     oidn = {name: load(folder / f"oidn_{kind}.lpips.json") for name, kind in (("OIDN", "plain"), ("OIDN, prefiltered", "prefiltered"))}
@@ -32,7 +32,7 @@ def gather(folder):
             if f"oidn{report['colourSamples']}" in table}}) for found in report["methods"]]
     if not settings:
         raise SystemExit(f"{folder} has no results of bench/quality.sh")
-    return {**json.loads((folder / "origin.json").read_text()), "command": "bench/quality.sh VAL_FOLDER OUT_FOLDER", "device": device,
+    return {**json.loads((folder / "origin.json").read_text()), "command": f"bench/quality.sh VAL_FOLDER OUT_FOLDER {part}".strip(), "device": device,
             "settings": settings}
 
 
@@ -119,13 +119,12 @@ def auxiliary(report):
 
 
 def merged(report):
-    """The colour as it is, and merged with that of the full-resolution render: of the compact and the full models."""
+    """Colours of two renders: of the compact and the full models, denoised first or not, and the mean of eight passes."""
     rows = []
     for setting, key in MERGED:
-        as_it_is = {found["name"]: trimmed_cell(found) for found in report["settings"].get(key, [])}
-        rows += [[setting, found["name"], as_it_is.get(found["name"], "-"), trimmed_cell(found)]
-                 for found in report["settings"].get(key + "_merged", []) if found["name"].endswith(("-compact", "-full"))]
-    return markdown(report, ["samples of the two renders", "method", "as it is: PSNR dB / trimmed RelMSE", "merged"], rows)
+        plain, denoised = ({found["name"]: trimmed_cell(found) for found in report["settings"].get(key + end, [])} for end in ("_merged", "_merged_denoised"))
+        rows += [[setting, name, cell, denoised.get(name, "-"), denoised.get(f"{name} ensemble 8", "-")] for name, cell in plain.items() if name.startswith("xrds")]
+    return markdown(report, ["samples of the two renders", "PSNR dB / trimmed RelMSE", "merged", "denoised first", "and the mean of 8 passes"], rows)
 
 
 def trimmed_cell(found):

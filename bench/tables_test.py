@@ -74,6 +74,7 @@ class Tables(unittest.TestCase):
             write("x4_64_aux16.json", quality_report(4, 64, 16, {"guided": 20.0, "xrds-x4-compact": 21.5}))
             write("x4_64_aux16.lpips.json", {"xrds-x4-compact": {"s1": 0.1, "s2": 0.2}})
             write("x4_64_aux16_merged.json", quality_report(4, 64, 16, {"guided": 20.5, "xrds-x4-compact": 22.5}))
+            write("x4_64_aux16_merged_denoised.json", quality_report(4, 64, 16, {"xrds-x4-compact": 23.5, "xrds-x4-compact ensemble 8": 23.75}))
             write("x4_64_aux16_ensemble2.json", quality_report(4, 64, 16, {"xrds-x4-compact": 21.5, "xrds-x4-compact ensemble 2": 21.625}))
             write("x1_2_aux2.json", quality_report(1, 2, 2, {"guided": 20.0, "OIDN, prefiltered": 30.0}))
             write("oidn_prefiltered.lpips.json", {"oidn2": {"s1": 0.3}, "oidn4": {"s1": 0.4}})
@@ -87,7 +88,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(quality_tables.ensemble(report).splitlines()[4:],
                          ["| `xrds-x4-compact`, 64 spp | 21.500 / 0.5000 | 21.625 / 0.5000 |  |"])
         self.assertEqual(quality_tables.merged(report).splitlines()[4:],
-                         ["| scale 4, 64 and 16 spp | xrds-x4-compact | 21.50 / 0.2500 | 22.50 / 0.2500 |"])
+                         ["| scale 4, 64 and 16 spp | xrds-x4-compact | 22.50 / 0.2500 | 23.50 / 0.2500 | 23.75 / 0.2500 |"])
         self.assertIn("| OIDN, prefiltered | 30.00 / 0.5000 / 0.3000 | - | - |", quality_tables.equal(report))
 
     def test_the_documents_are_those_of_the_measurements(self):

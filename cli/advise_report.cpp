@@ -40,7 +40,9 @@ Row rowOf(const Advice& advice, const Plan& plan) {
 }
 
 std::string upscaleCommand(const Way& way) {
-  if (way.model.empty()) return "denoise it with Open Image Denoise and its albedo and normal";
+  if (way.model.empty())
+    return std::string("denoise it with Open Image Denoise and ") +
+           (way.guides == Guides::free ? "the albedo and normal of guides.exr" : "its albedo and normal");
   std::string command = "xrds upscale low.exr full.exr -o out.exr --model " + way.model;
   if (way.scale == 1) command = "xrds upscale full.exr -o out.exr --model " + way.model;
   if (way.denoisesFirst) command += way.guides == Guides::free ? " --denoise-first --clean-guides" : " --denoise-first";

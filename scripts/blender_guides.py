@@ -10,6 +10,8 @@ the passes of its denoising data; without light it is of no use, which --aux-col
     direct     every bounce
     mirrors    light, and every bounce but those of mirrors and glass, behind which the guides show what is seen
     flat       light and every bounce
+    eevee      paths: EEVEE's rasterizer. It needs a display and is for GPUs. Its layers must be named, --albedo ViewLayer.DiffCol --normal
+               ViewLayer.Normal; metals have no albedo in them, and mirrors and glass show themselves
 
 `bench/guides.py` measures their cost and what each does to the result. The .blend file is not changed.
 """
@@ -20,7 +22,7 @@ import time
 
 import bpy
 
-RECIPES = ("full", "direct", "mirrors", "flat")
+RECIPES = ("full", "direct", "mirrors", "flat", "eevee")
 
 
 def arguments():
@@ -56,18 +58,30 @@ def bounces(scene, glossy, transmission):
     cycles.caustics_reflective = cycles.caustics_refractive = False
 
 
+def rasterize(scene, samples):
+    """EEVEE, without what only its colour would show."""
+    engines = {item.identifier for item in type(scene.render).bl_rna.properties["engine"].enum_items}
+    scene.render.engine = "BLENDER_EEVEE_NEXT" if "BLENDER_EEVEE_NEXT" in engines else "BLENDER_EEVEE"
+    scene.eevee.taa_render_samples = samples
+    for effect in ("use_soft_shadows", "use_shadows", "use_ssr", "use_raytracing", "use_gtao", "use_bloom"):
+        if hasattr(scene.eevee, effect):
+            setattr(scene.eevee, effect, False)
+
+
 def apply(recipe, scene):
-    if recipe in ("mirrors", "flat"):
+    if recipe in ("mirrors", "flat", "eevee"):
         without_light(scene)
     if recipe == "mirrors":
         bounces(scene, min(scene.cycles.glossy_bounces, 4), min(scene.cycles.transmission_bounces, 8))
-    elif recipe != "full":
+    elif recipe in ("direct", "flat"):
         bounces(scene, 0, 0)
 
 
 def configure(scene, ask):
     """Passes, samples and file; whatever would change or filter the passes goes."""
     scene.render.engine = "CYCLES"
+    if ask.recipe == "eevee":
+        rasterize(scene, ask.samples)
     scene.render.resolution_percentage = ask.percent
     scene.render.use_compositing = scene.render.use_sequencer = False
     scene.cycles.samples = ask.samples
@@ -78,6 +92,8 @@ def configure(scene, ask):
         for name in dir(layer):
             if name.startswith("use_pass_"):
                 setattr(layer, name, False)
+        if ask.recipe == "eevee":
+            layer.use_pass_diffuse_color = layer.use_pass_normal = layer.use_pass_z = True
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):     # Blender 5
         settings.media_type = "MULTI_LAYER_IMAGE"

@@ -18,6 +18,8 @@ import torch
 
 from cost import multiply_accumulates
 
+# Of the full-resolution render, alike for both of table 6.
+LAYERS = ["--aux-kernels", "5", "--aux-shares", "1:0.35,2:0.15,4:0.25,8:0.1,16:0.15"]
 # name: (what it belongs to, flags of train.py beside the compact defaults)
 VARIANTS = {
     "compact": ("all", []),
@@ -28,6 +30,8 @@ VARIANTS = {
     "plain-albedo": ("table 5, the paper's form", ["--aux", "albedo", "--kernels", "0", "--aux-skip", "0", "--base", "none"]),
     "plain-normal": ("table 5, the paper's form", ["--aux", "normal", "--kernels", "0", "--aux-skip", "0", "--base", "none"]),
     "plain-none": ("table 5, the paper's form", ["--aux", "", "--kernels", "0", "--aux-skip", "0", "--base", "none"]),
+    "fast": ("table 6, layers of the full-resolution render", LAYERS),
+    "full": ("table 6, its colour, too", ["--aux", "albedo,normal,colour", "--colour-kernels", "5", *LAYERS]),
     "rdb": ("table 8, blocks", ["--block", "rdb", "--cross", "concat"]),
     "rstb": ("table 8", ["--block", "rstb", "--cross", "concat"]),
     "rdst": ("table 8", ["--cross", "concat"]),
