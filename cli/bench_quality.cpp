@@ -139,8 +139,9 @@ std::map<uint32_t, Frame> framesFor(const Contest& contest, const Frame& noisy) 
   std::map<uint32_t, Frame> frames{{1, noisy}};
   for (const EngineMethod& method : contest.engine) frames.emplace(method.ensemble(), noisy);
   if (contest.denoiser)
-    for (auto& [passes, frame] : frames)
-      failingWith(ExitCode::device, [&] { frame.denoise(*contest.denoiser, !contest.setting.auxSamples, passes); });
+    for (auto& entry : frames)
+      failingWith(ExitCode::device,
+                  [&] { entry.second.denoise(*contest.denoiser, !contest.setting.auxSamples, entry.first); });
   return frames;
 }
 

@@ -33,6 +33,9 @@ void expectHalved(const SmallFrame& frame, const std::vector<std::string>& optio
 
 TEST(CliDenoise, GivesTheNetworkWhatTheLibraryMakes) { expectHalved(SmallFrame(), {}); }
 
+// As many passes of the denoiser: were an image mirrored to another place, the mean would not be half of the picture.
+TEST(CliDenoise, TakesTheMeanOfAnEnsemblesPasses) { expectHalved(SmallFrame(), {"--ensemble", "8"}); }
+
 // The colour of the low-resolution render, `brighter` times, as that of the full-resolution one.
 void writeFullColour(const SmallFrame& frame, float brighter) {
   const Pixels low = colourLayer("", 10).pixels;
