@@ -4,7 +4,8 @@ import subprocess
 import sys
 
 PUBLIC = {"Cancelled", "Device", "DeviceLost", "Error", "Examination", "Model", "OutOfMemory", "Upscaler",
-          "colourDifference", "estimatedFullShare", "fullShare", "mergedColour", "relativeDepth"}
+          "colourDifference", "estimatedFullShare", "fullShare", "levelledColour", "mergedColour", "mirrored", "mirroredPixel",
+          "mirrorsOf", "relativeDepth"}
 NAME = re.compile(r"^(?:typeinfo for |typeinfo name for |vtable for )?xrds::(\w+)(?!::State::)")
 
 
