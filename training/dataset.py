@@ -35,6 +35,7 @@ class Scene:
             self.colours = {4 * spp: pipeline.box_mean(image[None].float(), 2)[0].half().to(device)
                             for (s, spp), image in decoded["colour"].items() if s == 4}
         self.target = decoded["target"].to(device)
+        self.first_lights = config.first_lights
         self.aux = {spp: pipeline.own_aux(image, config).to(device) for spp, image in decoded["aux"].items()}
         self.full = {spp: image.to(device) for (s, spp), image in decoded["colour"].items() if s == 1 and config.full and spp in self.aux}
         self.denoised = {}      # what Open Image Denoise made of images, as they are asked for
@@ -82,7 +83,7 @@ class Scene:
 
     def denoised_aux(self, count):
         """The auxiliary images [A, H, W] of a render, denoised; converged ones as they are."""
-        return self.denoised_once(count, lambda: denoise.denoised_guides(self.aux[count])) if count else self.aux[0].float()
+        return self.denoised_once(count, lambda: denoise.denoised_guides(self.aux[count], self.first_lights)) if count else self.aux[0].float()
 
     def given_colour(self, spp, count, scale):
         """Low-resolution colour [3, h, w] of spp samples, merged with that of `count` where the model takes it."""
@@ -116,7 +117,7 @@ class Scenes:
             if path not in self.read:
                 self.read.add(path)
                 for _, decoded in shards.read_shard(path):
-                    if "depth" in self.config.aux_inputs and any(len(aux) < 9 for aux in decoded["aux"].values()):
+                    if any(len(aux) < pipeline.channels_for(self.config) for aux in decoded["aux"].values()):
                         continue
                     scene = Scene(decoded, self.config, self.device)
                     if scene.colours and (scene.full or not self.config.full):
@@ -248,6 +249,8 @@ class Crops:
             if "albedo" in first:
                 at = slice(first["albedo"], first["albedo"] + 3)
                 aux[at] = aux[at][order]
+            for light in self.config.first_lights:
+                aux[light:light + 3] = aux[light:light + 3][order] * tint
             if turn is not None:
                 at = slice(first["normal"], first["normal"] + 3)
                 aux[at] = torch.einsum("ij,jyx->iyx", turn, aux[at])

@@ -26,12 +26,15 @@ def filtered(images, flags):
     return torch.from_numpy(oidn.filtered(device(), arrays, flags)[0]).permute(2, 0, 1)
 
 
-def denoised_guides(aux):
-    """The auxiliary images [6 or more, h, w], of which albedo and normal, the first six, are denoised, each by its own filter. What an albedo
-    has above 1, as that of lights and background may, stays as it is."""
+def denoised_guides(aux, first_lights=()):
+    """The auxiliary images [6 or more, h, w], of which albedo and normal, the first six, are denoised, each by its own filter, and then the
+    lights that begin at `first_lights`, with those two for guides. What an albedo has above 1, as that of lights and background may, stays as it is."""
     albedo = aux[:3].float()
     inside = albedo.clamp(0, 1)
-    return torch.cat([filtered({"albedo": inside}, {}) + albedo - inside, filtered({"normal": aux[3:6]}, {}), aux[6:].float()])
+    found = torch.cat([filtered({"albedo": inside}, {}) + albedo - inside, filtered({"normal": aux[3:6]}, {}), aux[6:].float()])
+    for first in first_lights:
+        found[first:first + 3] = denoised(found[first:first + 3], found)
+    return found
 
 
 def denoised(colour, guides):

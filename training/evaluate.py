@@ -23,7 +23,7 @@ from network import NetworkConfig
 
 @dataclasses.dataclass
 class Case:
-    """One scene: low-resolution colour [3, h, w], aux [9, H, W] albedo, normal and relative depth ([6, H, W] where the file has no depth),
+    """One scene: low-resolution colour [3, h, w], aux [15, H, W] albedo, normal, relative depth, diffuse and glossy light, or the first of them,
     full [3, H, W] the colour of the auxiliary render and merged [3, h, w] it with the low-resolution one (None and the colour itself for
     converged auxiliary images and at scale 1), reference [3, H, W]; clean: whether the auxiliary images are converged."""
     name: str
@@ -36,7 +36,7 @@ class Case:
 
     def denoised(self, scale):
         """The case with its images denoised by denoise.py, the colours merged before, auxiliary images only where they are not clean."""
-        aux = self.aux if self.clean else denoise.denoised_guides(self.aux)
+        aux = self.aux if self.clean else denoise.denoised_guides(self.aux, range(9, len(self.aux), 3))
         full = None if self.full is None else denoise.denoised_full(self.full, self.merged, aux, scale)
         merged = denoise.denoised_low(self.merged, aux, scale)
         colour = merged if full is None else denoise.denoised_low(self.colour, aux, scale)

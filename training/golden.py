@@ -3,7 +3,7 @@
     python training/golden.py tests/golden
 
 NAME.model.safetensors is a model file; NAME.io.safetensors holds float32 images, channels last:
-colour [h, w, 3] linear radiance, albedo, normal, full (the full-resolution colour) [H, W, 3] and aux [H, W, 3k] (further inputs) where the model
+colour [h, w, 3] linear radiance, albedo, normal, full (the full-resolution colour), diffuse, glossy [H, W, 3] and aux [H, W, 3k] (further inputs) where the model
 has them,
 exposure [1], network [H, W, 3 (+ logits)] the raw cropped output, output [H, W, 3] linear radiance.
 """
@@ -18,11 +18,11 @@ from safetensors.torch import save_file
 
 import pipeline
 import weights
-from network import Network, NetworkConfig
+from network import LIGHTS, Network, NetworkConfig
 
 SMALL = dict(channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1, window=4)
 ALBEDO, NORMAL, NONE = ("albedo",), ("normal",), ()
-KEYS = {"albedo": "albedo", "normal": "normal", "colour": "full"}      # of auxiliary inputs, in the file of images
+KEYS = {"albedo": "albedo", "normal": "normal", "colour": "full", "diffuse": "diffuse", "glossy": "glossy"}      # of auxiliary inputs, in the file of images
 
 # name: ((h, w) of the low-resolution colour, fields that differ from SMALL)
 CASES = {
@@ -99,6 +99,9 @@ CASES = {
                                          aux_inputs=("albedo", "normal", "colour"))),
     "s2_one_pixel_full_prefilter": ((1, 1), dict(scale=2, kernels=5, aux_kernels=3, colour_kernels=3, prefilter=3,
                                                  aux_inputs=("colour", "normal", "albedo"))),
+    "s4_lights": ((8, 7), dict(kernels=5, aux_skip=1, aux_kernels=3, colour_kernels=5,
+                               aux_inputs=("albedo", "normal", "colour", "diffuse", "glossy"))),
+    "s2_lights_alone": ((5, 8), dict(scale=2, base="bicubic", transfer="none", aux_inputs=("glossy", "normal", "diffuse"))),
 }
 
 
@@ -149,7 +152,7 @@ def random_inputs(size, config, generator):
         elif kind == "normal":
             image = patches() * 0.3 + torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1)
             image = nn.functional.normalize(image, dim=1) + 0.05 * normal(1, 3, height, width)
-        elif kind == "colour":
+        elif kind in ("colour", *LIGHTS):
             image = random_radiance((height, width), generator)
             image[0, 1, 0, 0] = -1.0     # counts as 0
         else:

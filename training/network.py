@@ -11,6 +11,9 @@ import torch.nn as nn
 import torch.nn.functional as F
 
 
+LIGHTS = ("diffuse", "glossy")      # auxiliary inputs that are radiance per albedo
+
+
 @dataclasses.dataclass(frozen=True)
 class NetworkConfig:
     """Every size and option of a model; the fields are the metadata keys of the model file.
@@ -18,7 +21,7 @@ class NetworkConfig:
     Symbols of the paper: scale s, channels C, aux_channels Ca, groups N, blocks B, window w, head_channels d.
     `kernels` = 5 adds 25 kernel logits to the 3 output channels; `aux_skip` = 1 feeds H_N to the output convolution;
     `aux_kernels` = 3 or 5 adds that many squared logits of a kernel that filters the auxiliary images for the base image and the output.
-    `colour` in `aux_inputs` is the full-resolution noisy colour; `colour_kernels` = 3 or 5 adds that many squared logits of a kernel that
+    `colour` in `aux_inputs` is the full-resolution noisy colour, `diffuse` and `glossy` its light without the surfaces' albedo; `colour_kernels` = 3 or 5 adds that many squared logits of a kernel that
     filters it, and the logit of its share in the base image.
     `prefilter` = 1, 2 or 3 levels adds 25 logits a level at low resolution, of the kernels that filter the colour before the base image is made.
     `output_side` = 1 makes the output convolution 1 x 1.
@@ -82,6 +85,11 @@ class NetworkConfig:
     def guides(self):
         """The auxiliary inputs but for the colour."""
         return tuple(kind for kind in self.aux_inputs if kind != "colour")
+
+    @property
+    def first_lights(self):
+        """First channels of the diffuse and glossy light among the guides."""
+        return tuple(3 * index for index, kind in enumerate(self.guides) if kind in LIGHTS)
 
     @property
     def aux_width(self):

@@ -1,7 +1,7 @@
 """The image pipeline around the network: exposure, radiance transform, base image, padding, and their inverses.
 
 Images are [batch, channels, height, width] linear radiance; x is the transformed low-resolution colour the network sees, `full` the
-full-resolution noisy colour H of the auxiliary render, `aux` the other auxiliary images (`config.guides`).
+full-resolution noisy colour H of the auxiliary render, `aux` the other auxiliary images (`config.guides`), lights among them unexposed.
 """
 import math
 
@@ -113,9 +113,20 @@ def clamped_aux(aux, config):
     return torch.cat([aux[:, :first], clamped_albedo(aux, config), aux[:, first + 3:]], 1)
 
 
-def network_aux(aux, exposed_full, config):
-    """The auxiliary input of the network [b, A, H, W] or None: the images of clamped_aux and, at its place among them, the colour e H
-    transformed as x is, by the albedo of its own resolution."""
+def with_lights(aux, change, config):
+    """The auxiliary images [..., A, H, W] with change(light) in the place of each diffuse or glossy light [..., 3, H, W]."""
+    if not config.first_lights:
+        return aux
+    images = list(aux.split(3, -3))
+    for first in config.first_lights:
+        images[first // 3] = change(images[first // 3])
+    return torch.cat(images, -3)
+
+
+def network_aux(aux, exposed_full, exposure, config):
+    """The auxiliary input of the network [b, A, H, W] or None: the images of clamped_aux, a light L as T(e L), and, at its place among them, the
+    colour e H transformed as x is, by the albedo of its own resolution."""
+    aux = with_lights(aux, lambda light: transform(exposure * finite(light), config.transfer), config)
     if not config.full:
         return aux
     images = list(aux.split(3, 1)) if config.guides else []
@@ -123,12 +134,19 @@ def network_aux(aux, exposed_full, config):
     return torch.cat(images, 1)
 
 
+def channels_for(config):
+    """How many channels own_aux needs of the images of a scene."""
+    return 15 if config.first_lights else 9 if "depth" in config.guides else 6
+
+
 def own_aux(image, config):
-    """The auxiliary inputs of a model, but for the colour, out of albedo, normal and relative depth [..., 9, H, W] or the first two
-    [..., 6, H, W], in the model's order, the albedo clamped."""
+    """The auxiliary inputs of a model, but for the colour, out of albedo, normal, relative depth, diffuse and glossy light [..., 15, H, W], the
+    first three [..., 9, H, W] or two [..., 6, H, W], in the model's order, the albedo clamped."""
     parts = {"albedo": image[..., :3, :, :].clamp(0, ALBEDO_MAX), "normal": image[..., 3:6, :, :]}
     if image.shape[-3] > 6:
         parts["depth"] = image[..., 6:9, :, :]
+    if image.shape[-3] > 9:
+        parts["diffuse"], parts["glossy"] = image[..., 9:12, :, :], image[..., 12:15, :, :]
     return torch.cat([parts[kind] for kind in config.guides], -3) if config.guides else image[..., :0, :, :]
 
 
@@ -325,12 +343,12 @@ def upscale(network, colour, aux=None, exposure=None, full=None):
     """
     config = network.config
     exposure = auto_exposure(colour[0]) if exposure is None else exposure
-    result, raw, _ = exposed_result(network, config, colour * exposure, aux, full * exposure if config.full else None)
+    result, raw, _ = exposed_result(network, config, colour * exposure, aux, full * exposure if config.full else None, exposure)
     return result / exposure, raw, exposure
 
 
-def exposed_result(network, config, exposed, aux, exposed_full):
-    """(exposed radiance [b, 3, H, W], raw output, filtered auxiliary images) of images times their exposure; network: (x, aux) -> (raw,
+def exposed_result(network, config, exposed, aux, exposed_full, exposure):
+    """(exposed radiance [b, 3, H, W], raw output, filtered auxiliary images) of colours times their exposure; network: (x, aux) -> (raw,
     prefilter logits).
 
     With aux_kernels, base image and output are made of the filtered auxiliary images, demodulation included; the network sees the unfiltered.
@@ -339,7 +357,7 @@ def exposed_result(network, config, exposed, aux, exposed_full):
     noisy = aux
     x = network_colour(exposed, clamped_albedo(aux, config), config)
     height, width = x.shape[-2:]
-    raw, prefilter_logits = network(*pad_inputs(x, network_aux(aux, exposed_full, config), config))
+    raw, prefilter_logits = network(*pad_inputs(x, network_aux(aux, exposed_full, exposure, config), config))
     raw = raw[:, :, :height * config.scale, :width * config.scale]
     residual, logits, aux_logits, colour_logits = split_output(raw, config)
     most = None

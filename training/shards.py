@@ -77,6 +77,7 @@ def encode(folder, scene, turn, noisy_every=3, noisy_bits=NOISY_BITS):
     depths = {int(kind[3:]): image[7:8] for kind, image in [*auxiliary.items(), ("aux0", reference)] if len(image) > 6}      # of the planes the middle one
     if depths:      # a reference without depth takes that of the most samples
         arrays["depth"] = grid_codes(depths[0] if 0 in depths else depths[max(depths)], DEPTH_STEP)
+    arrays.update(light_arrays({"aux0": reference, **auxiliary}, noisy_bits))
     arrays.update(noisy_arrays(auxiliary, arrays))
     arrays.update((f"x1lr{spp}", half_codes(images.read_exr(kinds[f"aux{spp}"], "colour"), noisy_bits))
                   for spp in noisy_colours_of(kinds, turn, noisy_every))
@@ -110,6 +111,11 @@ def noisy_arrays(auxiliary, converged):
     return arrays
 
 
+def light_arrays(auxiliary, bits):
+    """Codes of the diffuse and glossy light of {"auxK": image [15, H, W]}; nothing of images without."""
+    return {kind.replace("aux", "light"): half_codes(image[9:], bits) for kind, image in auxiliary.items() if len(image) > 9}
+
+
 def noisy_colours_of(kinds, turn, noisy_every):
     """The sample counts whose full-resolution colour a scene keeps."""
     counts = [int(kind[3:]) for kind in kinds if re.fullmatch(r"aux\d+", kind)]
@@ -123,32 +129,35 @@ def completed(packed_arrays, folder, scene, noisy_bits):
     """The arrays of a packed scene {name: uint8 array} and those of the full-resolution renders of `folder`, colour included."""
     kinds = kinds_of(folder, scene)
     converged = {name: unpacked(packed_arrays[name]) for name in ("aux", "depth") if name in packed_arrays}
-    arrays = noisy_arrays(auxiliary_of(kinds), converged)
+    auxiliary = auxiliary_of(kinds)
+    arrays = {**noisy_arrays(auxiliary, converged), **light_arrays(auxiliary, noisy_bits)}
     arrays.update((f"x1lr{spp}", half_codes(images.read_exr(kinds[f"aux{spp}"], "colour"), noisy_bits)) for spp in noisy_colours_of(kinds, 0, 0))
     return {**packed_arrays, **{name: packed(codes) for name, codes in arrays.items()}}
 
 
-def with_depth(aux, relative):
-    """Albedo and normal [6, H, W] and the planes of the relative depth [1, H, W] or None, float16."""
-    return (aux if relative is None else torch.cat([aux, pipeline.depth_planes(relative.clamp(0, 1))])).half()
+def whole_aux(aux, relative, light):
+    """Albedo and normal [6, H, W], the planes of the relative depth [1, H, W] or None, and then the lights [6, H, W] or None, float16."""
+    depth = [] if relative is None else [pipeline.depth_planes(relative.clamp(0, 1))]
+    return torch.cat([aux, *depth, *([light] if depth and light is not None else [])]).half()
 
 
 def decode(arrays):
-    """What encode made -> {"target", "colour": {(scale, spp): [3, h, w]}, "aux": {spp, 0 converged: [9, H, W], [6, H, W] without
-    depth}}, float16."""
+    """What encode made -> {"target", "colour": {(scale, spp): [3, h, w]}, "aux": {spp, 0 converged: [15, H, W], [9, H, W] without
+    lights, [6, H, W] without depth}}, float16."""
     scene = {"colour": {}, "aux": {}}
     half = lambda name: torch.from_numpy(unpacked(arrays[name])).view(torch.float16)
     grid = lambda name, step: torch.from_numpy(unpacked(arrays[name])).float() * step
     converged = grid("aux", CONVERGED_STEP)
     relative = grid("depth", DEPTH_STEP) if "depth" in arrays else None
+    light = lambda spp: half(f"light{spp}") if f"light{spp}" in arrays else None
     for name in arrays:
         if match := re.fullmatch(r"aux(\d+)", name):
             noisy = converged + grid(name, noisy_step(int(match[1])))
             depth = name.replace("aux", "depth")
-            scene["aux"][int(match[1])] = with_depth(noisy, relative + grid(depth, noisy_step(int(match[1])) / 4) if depth in arrays else None)
+            scene["aux"][int(match[1])] = whole_aux(noisy, relative + grid(depth, noisy_step(int(match[1])) / 4) if depth in arrays else None, light(match[1]))
         elif match := re.fullmatch(r"(?:x(\d+))?lr(\d+)", name):
             scene["colour"][int(match[1] or 4), int(match[2])] = half(name)
-    scene["target"], scene["aux"][0] = half("target"), with_depth(converged, relative)
+    scene["target"], scene["aux"][0] = half("target"), whole_aux(converged, relative, light(0))
     return scene
 
 

@@ -183,8 +183,8 @@ def test_scale_1_takes_colour_and_aux_of_one_render():
     assert torch.allclose((crop["colour"] - crop["aux"][:3])[inner], torch.zeros(3, 8, 8), atol=4e-3)
 
 
-def write_scene(folder, name, side=16, depth_of=()):
-    """A scene of plain R, G, B colour and albedo and normal, as render.py names the files, with depth in those of `depth_of`."""
+def write_scene(folder, name, side=16, depth_of=(), lights=False):
+    """A scene of plain R, G, B colour and albedo and normal, as render.py names the files, with depth in those of `depth_of`, with `lights`."""
     import OpenEXR
     random = np.random.default_rng(7)
     def write(kind, **planes):
@@ -196,7 +196,8 @@ def write_scene(folder, name, side=16, depth_of=()):
                       "ViewLayer.Denoising Normal": 2 * image(side, side) - 1}
     for kind in ("gt", "aux1", "aux16"):
         depth = {"ViewLayer.Denoising Depth": 9 * image(side, side)[..., :1] * (random.random((side, side, 1)) < 0.8)} if kind in depth_of else {}
-        write(kind, **layers(), **depth)
+        light = {f"ViewLayer.{part}": image(side, side) for part in ("DiffDir", "DiffInd", "GlossDir", "GlossInd")} if lights else {}
+        write(kind, **layers(), **depth, **light)
     write("lr64", **{"ViewLayer.Combined": image(side // 4, side // 4)})
 
 
@@ -290,6 +291,28 @@ def test_shards_keep_depth(tmp_path, with_depth, converged):
     assert len(scenes) == 1 and scenes.scenes[0].aux[16].shape[0] == 9
     assert len(dataset.Scenes([tmp_path], SMALL)) == 2
     assert dataset.Crops(scenes, 2, seed=1).one()["aux"].shape[0] == 9
+
+
+def test_shards_keep_lights_which_crops_tint_as_colours(tmp_path):
+    write_scene(tmp_path, "s0000", depth_of=("gt", "aux1", "aux16"), lights=True)
+    write_scene(tmp_path, "s0001", depth_of=("gt", "aux1", "aux16"))
+    shards.write_shard(tmp_path / "scenes-000.npz", encoded(tmp_path, "s0000", "s0001", noisy_every=0, noisy_bits=6), 1e6)
+    (_, lit), (_, unlit) = shards.read_shard(tmp_path / "scenes-000.npz")
+    assert all(len(aux) == 9 for aux in unlit["aux"].values())
+    channels = images.channels_of(tmp_path / "s0000_aux1.exr")
+    for first, name in ((9, "Diff"), (12, "Gloss")):
+        true = channels[f"ViewLayer.{name}Dir.G"] + channels[f"ViewLayer.{name}Ind.G"]
+        assert np.allclose(lit["aux"][1][first + 1].float(), true, rtol=0.01, atol=1e-3)
+    config = NetworkConfig(**{**SMALL.__dict__, "aux_inputs": ("albedo", "normal", "colour", "diffuse", "glossy")})
+    scenes = dataset.Scenes([tmp_path], config)
+    assert len(scenes) == 1
+    scene = scenes.scenes[0]
+    for aux in scene.aux.values():      # lights that are the colour of the same render stay it
+        aux[6:9] = 0.25
+    scene.full = {spp: torch.full_like(image, 0.25) for spp, image in scene.full.items()}
+    crop = dataset.Crops(scenes, 2, seed=1).one()
+    assert torch.allclose(crop["aux"][6:9], crop["full"], rtol=1e-3) and crop["aux"].shape[0] == 12
+    assert len({round(value, 4) for value in crop["full"][:, 0, 0].tolist()}) == 3
 
 
 def test_relative_depth():

@@ -61,7 +61,7 @@ def test_a_case_is_denoised_after_merging():
 
 def test_crops_of_denoised_images_are_made_once(monkeypatch):
     scenes, calls = FakeScenes(FULL, side=16), []
-    monkeypatch.setattr(denoise, "denoised_guides", lambda aux: calls.append("guides") or torch.full(aux.shape, 0.25))
+    monkeypatch.setattr(denoise, "denoised_guides", lambda aux, first_lights: calls.append("guides") or torch.full(aux.shape, 0.25))
     monkeypatch.setattr(denoise, "denoised", lambda colour, guides: calls.append("full") or torch.zeros_like(colour))
     monkeypatch.setattr(denoise, "denoised_low", lambda colour, guides, scale: calls.append("low") or torch.ones_like(colour))
     crops = dataset.Crops(scenes, 8, seed=1, aux_shares={16: 1}, denoised_share=1)

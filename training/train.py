@@ -80,7 +80,7 @@ def forward(network, batch, device, precision):
     exposed, exposed_full = exposure * batch["colour"], exposure * batch["full"] if config.full else None
     aux = pipeline.clamped_aux(batch.get("aux"), config)
     bordered = pipeline.network_colour(exposed, pipeline.clamped_albedo(aux, config), config)
-    seen = pipeline.network_aux(aux, exposed_full, config)
+    seen = pipeline.network_aux(aux, exposed_full, exposure, config)
     channels_last = lambda image: None if image is None else image.contiguous(memory_format=torch.channels_last)
     with arithmetic.autocast(device, precision):
         raw, _ = network(channels_last(bordered[:, :, inner, inner]), channels_last(None if seen is None else seen[:, :, high, high]))
@@ -115,7 +115,7 @@ def whole_image_forward(network, batch, device, precision):
 
     high = config.scale * dataset.BORDER
     full = exposure * inner("full", high) if config.full else None
-    result, _, aux = pipeline.exposed_result(run, config, exposure * inner("colour", dataset.BORDER), inner("aux", high), full)
+    result, _, aux = pipeline.exposed_result(run, config, exposure * inner("colour", dataset.BORDER), inner("aux", high), full, exposure)
     return result, exposure * batch["target"], aux
 
 

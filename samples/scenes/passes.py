@@ -11,10 +11,11 @@ COMBINED = tuple(f"ViewLayer.Combined.{c}" for c in "RGB")
 ALBEDO = tuple(f"ViewLayer.Denoising Albedo.{c}" for c in "RGB")
 NORMAL = tuple(f"ViewLayer.Denoising Normal.{c}" for c in "XYZ")
 DEPTH = ("ViewLayer.Denoising Depth.Z",)
+LIGHTS = tuple(f"ViewLayer.{part}.{c}" for part in ("DiffDir", "DiffInd", "GlossDir", "GlossInd") for c in "RGB")
 
 
-def configure(scene, clamp=3.0, bounces=8, threads=0):
-    """The settings every render of a scene shares: no denoiser, no caustics, indirect light clamped."""
+def configure(scene, clamp=3.0, bounces=8, threads=0, lights=False):
+    """The settings every render of a scene shares: no denoiser, no caustics, indirect light clamped. lights: with the passes LIGHTS."""
     scene.render.engine = "CYCLES"
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
@@ -23,7 +24,10 @@ def configure(scene, clamp=3.0, bounces=8, threads=0):
     scene.render.threads_mode = "FIXED" if threads else "AUTO"
     scene.render.threads = threads or scene.render.threads
     scene.render.use_persistent_data = True
-    bpy.context.view_layer.cycles.denoising_store_passes = True
+    layer = bpy.context.view_layer
+    layer.cycles.denoising_store_passes = True
+    layer.use_pass_diffuse_direct = layer.use_pass_diffuse_indirect = lights
+    layer.use_pass_glossy_direct = layer.use_pass_glossy_indirect = lights
     cycles = scene.cycles
     cycles.device = "CPU"
     cycles.use_denoising = False

@@ -30,6 +30,8 @@ def arguments():
     parser.add_argument("--family", choices=families.NAMES, help="only this one")
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--lights", action="store_true", help="with the diffuse and glossy light of the full-resolution renders")
+    parser.add_argument("--only", metavar="KINDS", default="", help="not every low-resolution and noisy render but these, as lr64,x2lr4,aux4")
     parser.add_argument("--auxiliaries", metavar="SAMPLES", help="the noisy full-resolution renders alone, of these counts, as 1,2,8; "
                         "those that there are not yet")
     parser.add_argument("--preview", type=int, default=0, metavar="SAMPLES", help="only sNNNN_preview.exr, always anew")
@@ -62,7 +64,7 @@ def compose(ask, seed, name):
         scene = bpy.context.scene
         random = Random(f"{seed} {attempt}")
         importlib.import_module(f"families.{name}").build(scene, random, ask)
-        passes.configure(scene, clamp=random.choice((3.0, 6.0, 10.0)), threads=ask.threads)
+        passes.configure(scene, clamp=random.choice((3.0, 6.0, 10.0)), threads=ask.threads, lights=ask.lights)
         passes.expose(scene, ask.size // 4, ask.size // 4, random.choice((0.1, 0.18, 0.18, 0.25)), 9)
         reason = poor(passes.render(scene, ask.size // 4, ask.size // 4, 9, seed))
         if not reason:
@@ -74,10 +76,13 @@ def compose(ask, seed, name):
 def render(ask, seed, scene):
     """All files of a scene, the reference last; returns their bytes."""
     full, total = ask.size, 0
+    only = ask.only.split(",") if ask.only else None
     for scale, samples in storage.LOW:
+        if only and storage.low_kind(scale, samples) not in only:
+            continue
         low = passes.render(scene, full // scale, full // scale, samples, 7 * seed + 10 * scale + samples)
         total += storage.write(ask.out, seed, storage.low_kind(scale, samples), storage.colour(low))
-    total += render_auxiliaries(ask, seed, scene, storage.AUX)
+    total += render_auxiliaries(ask, seed, scene, [samples for samples in storage.AUX if not only or f"aux{samples}" in only])
     reference = passes.render(scene, full, full, storage.REFERENCE, 7 * seed + 2000, threshold=0.03)
     return total + storage.write(ask.out, seed, "gt", storage.reference(reference))
 

@@ -35,14 +35,19 @@ def auxiliaries(image, albedo_bits=5, normal_step=1 / 64):
     return kept
 
 
+def lights(image):
+    """The diffuse and glossy light to store, to eight bits; nothing of a render without these passes."""
+    return {name: exr.rounded(image[name], 8) for name in passes.LIGHTS if name in image}
+
+
 def noisy(image):
-    """A full-resolution render of few samples: its colour, albedo, normal and depth."""
-    return {**passes.colour(image, 8), **auxiliaries(image)}
+    """A full-resolution render of few samples: its colour, albedo, normal, depth and lights."""
+    return {**passes.colour(image, 8), **auxiliaries(image), **lights(image)}
 
 
 def reference(image):
     """Reference to store: colour to eight bits (0.2 %), albedo, normal and depth finer than the noisy ones."""
-    return {**passes.colour(image, 8), **auxiliaries(image, 7, 1 / 128)}
+    return {**passes.colour(image, 8), **auxiliaries(image, 7, 1 / 128), **lights(image)}
 
 
 def write(folder, seed, kind, channels):
