@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "app/models.h"
 #include "image/aux_check.h"
@@ -156,6 +157,9 @@ void Frame::denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes)
     if (merged_) full->pixels = levelledColour(viewOf(*full), viewOf(colour_));
     *full = denoiser.denoised(*full, albedo, normal, passes);
   }
+  for (size_t i = 0; i < inputs_.size(); ++i)
+    if (findAuxiliaryInput(inputs_[i])->isRadiance && &auxiliary_[i] != full)
+      auxiliary_[i] = denoiser.denoised(auxiliary_[i], albedo, normal, passes);
   std::optional<Image> lowAlbedo, lowNormal;
   if (albedo) lowAlbedo = boxMean(*albedo, scale());
   if (normal) lowNormal = boxMean(*normal, scale());
@@ -184,6 +188,16 @@ Image Frame::loadRadiance(const ExrSelection& layer) const {
   return image;
 }
 
+// Of the lights, which Cycles splits, the sum of direct and indirect.
+Image Frame::loadLight(AovRole role, const ExrSelection& layer) const {
+  Image image = loadRadiance(layer);
+  if (const auto indirect = indirectLight(auxFile_, role, layer)) {
+    const Image more = loadRadiance(*indirect);
+    std::transform(image.pixels.begin(), image.pixels.end(), more.pixels.begin(), image.pixels.begin(), std::plus<>());
+  }
+  return image;
+}
+
 Image Frame::loadAuxiliary(const std::string& input) {
   const ExrSelection& layer = layerOf(input);
   const Box& stored = auxFile_.parts[layer.part].dataWindow;
@@ -192,7 +206,7 @@ Image Frame::loadAuxiliary(const std::string& input) {
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");
   const AuxiliaryInput& kind = *findAuxiliaryInput(input);
-  if (kind.isRadiance) return loadRadiance(layer);
+  if (kind.isRadiance) return loadLight(roleOf(input), layer);
   Image image = readFull(layer);
   if (!kind.isDistance) addRepaired(repairNonFinite(image).nonFinitePixels, layer, kFilled);
   if (kind.isDirection) addWarnings(checkNormal({nameOf(layer), &image}));

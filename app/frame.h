@@ -46,8 +46,8 @@ class Frame {
   void load();
 
   /// After load(): takes the noise out of albedo and normal, unless they have none; out of the colour, merged or not,
-  /// with their means; and out of the full-resolution colour where the model takes that, brought to the level of the
-  /// merged one before (levelledColour()). `passes`: of each colour, as Denoiser::denoised(). Throws Error.
+  /// with their means; and out of the full-resolution light that the model takes, its colour brought to the level of
+  /// the merged one before (levelledColour()). `passes`: of each colour, as Denoiser::denoised(). Throws Error.
   void denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes = 1);
 
   const Image& colour() const { return colour_; }
@@ -67,6 +67,7 @@ class Frame {
   const ExrSelection& layerOf(std::string_view input) const;
   Image readFull(const ExrSelection& layer) const;
   Image loadRadiance(const ExrSelection& layer) const;
+  Image loadLight(AovRole role, const ExrSelection& layer) const;
   Image loadAuxiliary(const std::string& input);
   std::optional<ExrSelection> fullColour() const;
   void mergeColour();

@@ -9,7 +9,7 @@ namespace xrds {
 void addLayerOptions(CLI::App& verb, AovRequest& layers) {
   verb.add_option("--color,--colour", layers.names[AovRole::kColor], "Layer to take as colour")->type_name("LAYER");
   for (const AuxiliaryInput& input : kAuxiliaryInputs)
-    if (!input.isRadiance)
+    if (input.name != kFullColour.name)
       verb.add_option("--" + std::string(input.name), layers.names[roleOf(input.name)],
                       "Layer to take as " + std::string(input.meaning))
           ->type_name("LAYER");

@@ -45,7 +45,7 @@ std::string whyNeverQuiet(const NetworkConfig& config) {
   if (config.transfer == Transfer::none) return "works on linear radiance, where no relative bound holds";
   if (config.groups == 0) return "has no network to leave out";
   if (config.prefilter > 0) return "filters the colour further than the windows reach that the bound is asked of";
-  if (config.auxOffset(kFullColour.name) >= 0) return "takes the full-resolution colour, whose noise is nowhere quiet";
+  if (!config.radianceInputs().empty()) return "takes full-resolution light, whose noise is nowhere quiet";
   return {};
 }
 

@@ -57,7 +57,7 @@ void writeModelSeeds(const fs::path& folder) {
   configs["rdb"].cross = CrossKind::concat;
   configs["kernels"].kernels = configs["kernels"].auxKernels = 5;
   configs["kernels"].auxSkip = true;
-  configs["full"].auxInputs.emplace_back("colour");
+  for (const char* input : {"colour", "diffuse", "glossy"}) configs["full"].auxInputs.emplace_back(input);
   configs["full"].colourKernels = 3;
   configs["full"].prefilter = 2;
   configs["colour"].auxInputs.clear();

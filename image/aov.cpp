@@ -14,7 +14,9 @@ using Candidates = std::vector<AovCandidate>;
 
 std::string optionName(AovRole role) {
   if (role == AovRole::kFullColor) return "--aux-colour";
-  return role == AovRole::kColor ? "--color" : "--" + toString(role);
+  if (role == AovRole::kColor) return "--color";
+  const std::string words = toString(role);
+  return "--" + words.substr(0, words.find(' '));
 }
 
 bool isColor(AovRole role) { return role == AovRole::kColor || role == AovRole::kFullColor; }
@@ -224,6 +226,21 @@ bool hasAov(const ExrFile& file, AovRole role) {
   Candidates candidates = aovCandidates(file, role);
   keepIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
   return !bestByName(candidates, role).empty();
+}
+
+std::optional<ExrSelection> indirectLight(const ExrFile& file, AovRole role, const ExrSelection& direct) {
+  for (const AovCandidate& candidate : aovCandidates(file, role)) {
+    if (candidate.selection.part != direct.part || candidate.selection.layer != direct.layer) continue;
+    const std::optional<std::string> wanted = indirectLightName(role, candidate.stem);
+    if (!wanted) return std::nullopt;
+    for (const AovCandidate& other : aovCandidates(file, role))
+      if (plainName(other.stem) == plainName(*wanted) && other.prefix == candidate.prefix &&
+          other.view == candidate.view && other.pixelCount == candidate.pixelCount)
+        return other.selection;
+    throw Error("No indirect " + toString(role) + " in '" + file.path.string() + "': expected '" + *wanted +
+                "' beside '" + printable(direct.layer) + "'; render it with both passes.");
+  }
+  return std::nullopt;
 }
 
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name) {

@@ -40,6 +40,10 @@ Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest
 /// Whether the file holds a layer that goes by one of the role's known names.
 bool hasAov(const ExrFile& file, AovRole role);
 
+/// The layer of indirect light that belongs to one of direct light (indirectLightName()), beside it in the file;
+/// nothing where the layer has no name of direct light. Throws Error if it should be there and is not.
+std::optional<ExrSelection> indirectLight(const ExrFile& file, AovRole role, const ExrSelection& direct);
+
 /// Finds one layer in one file, by convention or, when `name` is not empty, by that name. Throws as findAovs does.
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name = "");
 

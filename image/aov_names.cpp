@@ -4,6 +4,7 @@
 #include <cctype>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "xrds/auxiliary_input.h"
 
@@ -68,8 +69,17 @@ constexpr RankedName kDepthNames[] = {
     {"z", 2},                // Arnold, RenderMan, Karma and most others
 };
 
+// Cycles' alone: it divides its lights by the albedo. Arnold's diffuse_direct, which is told from Blender 5's "Diffuse
+// Direct" by its underscore, holds the albedo.
+constexpr RankedName kDiffuseNames[] = {{"diffdir", 0}, {"diffuse direct", 0}};
+constexpr RankedName kGlossyNames[] = {{"glossdir", 0}, {"glossy direct", 0}};
+
 std::span<const RankedName> namesOf(AovRole role) {
   switch (role) {
+    case AovRole::kDiffuse:
+      return kDiffuseNames;
+    case AovRole::kGlossy:
+      return kGlossyNames;
     case AovRole::kColor:
     case AovRole::kFullColor:
       return kColorNames;
@@ -80,6 +90,15 @@ std::span<const RankedName> namesOf(AovRole role) {
     default:
       return kNormalNames;
   }
+}
+
+bool isLight(AovRole role) { return role == AovRole::kDiffuse || role == AovRole::kGlossy; }
+
+std::string lowerCase(std::string_view name) {
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return lower;
 }
 
 }  // namespace
@@ -94,37 +113,46 @@ std::string toString(AovRole role) {
       return std::string(kAlbedo.name);
     case AovRole::kDepth:
       return std::string(kDepth.name);
+    case AovRole::kDiffuse:
+      return "diffuse light";
+    case AovRole::kGlossy:
+      return "glossy light";
     default:
       return std::string(kNormal.name);
   }
 }
 
 AovRole roleOf(std::string_view auxiliaryInput) {
-  if (auxiliaryInput == kFullColour.name) return AovRole::kFullColor;  // its words are not the input's name
-  for (const AovRole role : {AovRole::kAlbedo, AovRole::kNormal, AovRole::kDepth}) {
-    if (toString(role) == auxiliaryInput) {
-      return role;
-    }
-  }
+  constexpr std::pair<AuxiliaryInput, AovRole> kRoles[] = {
+      {kAlbedo, AovRole::kAlbedo},   {kNormal, AovRole::kNormal}, {kDepth, AovRole::kDepth},
+      {kDiffuse, AovRole::kDiffuse}, {kGlossy, AovRole::kGlossy}, {kFullColour, AovRole::kFullColor}};
+  for (const auto& [input, role] : kRoles)
+    if (input.name == auxiliaryInput) return role;
   throw std::logic_error("no layer is the auxiliary input " + std::string(auxiliaryInput));
 }
 
 std::string plainName(std::string_view name) {
-  std::string plain(name);
-  std::transform(plain.begin(), plain.end(), plain.begin(), [](unsigned char letter) {
-    return letter == ' ' || letter == '-' ? '_' : static_cast<char>(std::tolower(letter));
-  });
+  std::string plain = lowerCase(name);
+  std::replace_if(
+      plain.begin(), plain.end(), [](char letter) { return letter == ' ' || letter == '-'; }, '_');
   return plain;
 }
 
 std::optional<int> aovRank(AovRole role, std::string_view name) {
-  const std::string plain = plainName(name);
+  const std::string plain = isLight(role) ? lowerCase(name) : plainName(name);
   for (const RankedName& known : namesOf(role)) {
     if (known.name == plain) {
       return known.rank;
     }
   }
   return std::nullopt;
+}
+
+std::optional<std::string> indirectLightName(AovRole role, std::string_view name) {
+  if (!isLight(role) || !aovRank(role, name)) return std::nullopt;
+  const bool isShort = lowerCase(name).ends_with("dir");
+  name.remove_suffix(isShort ? 3 : 6);
+  return std::string(name) + (isShort ? "Ind" : "Indirect");
 }
 
 bool namesNoisyRender(std::string_view name) { return plainName(name) == "noisy_image"; }

@@ -254,6 +254,38 @@ TEST(Aov, FindsDepthAmongLayersOfOneChannel) {
             std::string::npos);
 }
 
+TEST(Aov, FindsBothLightsOfCycles) {
+  const std::string layers[][4] = {{"DiffDir", "DiffInd", "GlossDir", "GlossInd"},
+                                   {"Diffuse Direct", "Diffuse Indirect", "Glossy Direct", "Glossy Indirect"}};
+  for (const auto& [diffuse, diffuseMore, glossy, glossyMore] : layers) {
+    const auto layer = [](const std::string& name) { return triple("ViewLayer." + name, "RGB"); };
+    const ExrFile file =
+        fileWith({partWith(kCycles + layer(diffuse) + layer(diffuseMore) + layer(glossy) + layer(glossyMore))});
+    const ExrSelection direct = findAov(file, AovRole::kDiffuse);
+    EXPECT_EQ(direct.channelNames, layer(diffuse));
+    EXPECT_EQ(indirectLight(file, AovRole::kDiffuse, direct)->channelNames, layer(diffuseMore));
+    EXPECT_EQ(indirectLight(file, AovRole::kGlossy, findAov(file, AovRole::kGlossy))->channelNames, layer(glossyMore));
+    EXPECT_EQ(findAov(file, AovRole::kColor).channelNames, triple("ViewLayer.Combined", "RGB"));
+  }
+}
+
+TEST(Aov, TakesLightOfOtherNamesOnlyIfNamed) {
+  const ExrFile arnold =
+      fileWith({partWith(kRoot + triple("diffuse_direct", "RGB") + triple("diffuse_indirect", "RGB"))});
+  EXPECT_FALSE(hasAov(arnold, AovRole::kDiffuse));  // it holds the albedo
+  const ExrSelection named = findAov(arnold, AovRole::kDiffuse, "diffuse_direct");
+  EXPECT_FALSE(indirectLight(arnold, AovRole::kDiffuse, named));
+  const ExrFile half = fileWith({partWith(kCycles + triple("ViewLayer.DiffDir", "RGB"))});
+  const ExrSelection direct = findAov(half, AovRole::kDiffuse);
+  try {
+    indirectLight(half, AovRole::kDiffuse, direct);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("expected 'DiffInd' beside 'ViewLayer.DiffDir'"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Aov, DepthIsLookedForWhereItIsNeeded) {
   const ExrFile file = fileWith({partWith(kCycles)});
   EXPECT_FALSE(findAovs(file, file).auxiliary.contains(AovRole::kDepth));

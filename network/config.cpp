@@ -96,6 +96,13 @@ void checkCombination(const NetworkConfig& config) {
 
 }  // namespace
 
+std::vector<size_t> NetworkConfig::radianceInputs() const {
+  std::vector<size_t> found;
+  for (size_t i = 0; i < auxInputs.size(); ++i)
+    if (const AuxiliaryInput* kind = findAuxiliaryInput(auxInputs[i]); kind && kind->isRadiance) found.push_back(i);
+  return found;
+}
+
 uint32_t NetworkConfig::steps() const { return static_cast<uint32_t>(std::countr_zero(scale)); }
 
 int NetworkConfig::auxOffset(std::string_view name) const {

@@ -52,6 +52,7 @@ struct NetworkConfig {
   uint32_t prefilterLogits() const { return 25 * prefilter; }
   uint32_t steps() const;                      // n = log2 s
   int auxOffset(std::string_view name) const;  // first channel of that input; -1: the model has none
+  std::vector<size_t> radianceInputs() const;  // which of auxInputs are radiance
   bool demodulates() const { return base == BaseImage::demodulated || base == BaseImage::guided; }
   /// Whether tiles, which begin at windows, begin at multiples of four pixels too: Conv3x3::inFours.
   bool mayRoundInFours() const { return window % 4 == 0; }

@@ -24,6 +24,14 @@ TensorView blendedRows(const NetworkConfig& config, Graph& graph, const TensorVi
   return op.output;
 }
 
+// PackAuxiliary::lightChannels.
+uint32_t lightChannels(const NetworkConfig& config) {
+  uint32_t channels = 0;
+  for (const size_t input : config.radianceInputs())
+    if (config.auxInputs[input] != kFullColour.name) channels |= 7u << (3 * input);
+  return channels;
+}
+
 TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
                     RowRange rows) {
   if (config.base == BaseImage::none) return {};
@@ -74,7 +82,8 @@ Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const Grap
     pack.output = prepared.aux;
     pack.albedoOffset = config.auxOffset(kAlbedo.name);
     pack.colourOffset = config.auxOffset(kFullColour.name);
-    if (pack.colourOffset >= 0) {
+    pack.lightChannels = lightChannels(config);
+    if (pack.takesRadiance()) {
       pack.exposure = graph.exposure;
       pack.demodulates = config.demodulates();
       pack.transfer = config.transfer;

@@ -33,7 +33,7 @@ struct Golden {
     const uint32_t scale = model.config().scale;
     input.colour = {colour.values.data(), frame.width, frame.height};
     for (const std::string& kind : model.config().auxInputs) {
-      const std::string key = kind == "colour" ? "full" : kind == "albedo" || kind == "normal" ? kind : "aux";
+      const std::string key = kind == "colour" ? "full" : tensors.tensors.contains(kind) ? kind : "aux";
       const auto& values = tensors.tensors.at(key).values;
       input.auxiliary.push_back({values.data(), scale * frame.width, scale * frame.height});
     }

@@ -10,7 +10,6 @@
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
 #include "tests/print_case.h"
-#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace {
@@ -62,8 +61,7 @@ class Homogeneity : public testing::TestWithParam<std::tuple<std::string, Precis
         image[i] *= factor(static_cast<uint32_t>(i / 3 % (shape_.width * scale) / scale), i % 3);
     };
     light(frame.colour, 1);
-    const int full = model_.config().auxOffset(kFullColour.name);
-    if (full >= 0) light(frame.auxiliary[static_cast<size_t>(full) / 3], frame.scale);
+    for (const size_t input : model_.config().radianceInputs()) light(frame.auxiliary[input], frame.scale);
     session->run(frame.input(autoExposure ? std::nullopt : std::optional(exposure)), frame.output);
     return frame.output;
   }

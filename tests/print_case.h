@@ -40,11 +40,11 @@ constexpr size_t fieldCount() {
     return sizeof...(Fields);
 }
 
-/// The fields of an aggregate, of at most fourteen: C++20 has no structured binding of any number.
+/// The fields of an aggregate, of at most fifteen: C++20 has no structured binding of any number.
 template <class T>
 auto fieldsOf(const T& value) {
   constexpr size_t kCount = fieldCount<T>();
-  static_assert(kCount >= 1 && kCount <= 14, "extend fieldsOf()");
+  static_assert(kCount >= 1 && kCount <= 15, "extend fieldsOf()");
   if constexpr (kCount == 1) {
     const auto& [a] = value;
     return std::tie(a);
@@ -84,9 +84,12 @@ auto fieldsOf(const T& value) {
   } else if constexpr (kCount == 13) {
     const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = value;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
-  } else {
+  } else if constexpr (kCount == 14) {
     const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n] = value;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n);
+  } else {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o);
   }
 }
 

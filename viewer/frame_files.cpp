@@ -60,9 +60,9 @@ std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& lay
   std::vector<std::string> inputs;
   for (const AuxiliaryInput& input : kAuxiliaryInputs) {
     const AovRole role = roleOf(input.name);
-    const bool there = input.isDistance   ? hasDepth(files, layers)
-                       : input.isRadiance ? hasFullColour(files.colour, files.auxiliary, layers)
-                                          : !layers.nameOf(role).empty() || hasAov(file, role);
+    const bool there = input.isDistance              ? hasDepth(files, layers)
+                       : role == AovRole::kFullColor ? hasFullColour(files.colour, files.auxiliary, layers)
+                                                     : !layers.nameOf(role).empty() || hasAov(file, role);
     if (there) inputs.emplace_back(input.name);
   }
   return inputs;

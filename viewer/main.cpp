@@ -49,7 +49,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->type_name("DEVICE");
   app.add_option("--color", options.layers.names[xrds::AovRole::kColor], "Layer to take as colour")->type_name("LAYER");
   for (const xrds::AuxiliaryInput& input : xrds::kAuxiliaryInputs)
-    if (!input.isRadiance)
+    if (input.name != xrds::kFullColour.name)
       app.add_option("--" + std::string(input.name), options.layers.names[xrds::roleOf(input.name)],
                      "Layer to take as " + std::string(input.meaning))
           ->type_name("LAYER");

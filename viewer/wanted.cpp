@@ -6,7 +6,8 @@
 namespace xrds {
 
 bool samePixels(const AovRequest& a, const AovRequest& b) {
-  const AovRole roles[] = {AovRole::kColor, AovRole::kAlbedo, AovRole::kNormal, AovRole::kDepth, AovRole::kFullColor};
+  const AovRole roles[] = {AovRole::kColor,   AovRole::kAlbedo, AovRole::kNormal,   AovRole::kDepth,
+                           AovRole::kDiffuse, AovRole::kGlossy, AovRole::kFullColor};
   return std::all_of(std::begin(roles), std::end(roles),
                      [&](AovRole role) { return a.nameOf(role) == b.nameOf(role); });
 }

@@ -130,11 +130,12 @@ std::vector<NetworkConfig> stressConfigs() {
                        .base = BaseImage::bicubic,
                        .block = BlockKind::rstb,
                        .cross = CrossKind::concat};
-  // Both colours filtered: the low-resolution one before the base image is made, the full-resolution one into it.
+  // Both colours filtered, the low-resolution one before the base image is made, the full-resolution one into it; and
+  // light.
   NetworkConfig merged{.scale = 2,
                        .channels = 8,
                        .auxChannels = 4,
-                       .auxInputs = {"albedo", "colour", "normal"},
+                       .auxInputs = {"albedo", "colour", "glossy", "normal", "diffuse"},
                        .groups = 1,
                        .blocks = 1,
                        .window = 4,

@@ -5,7 +5,6 @@
 
 #include "checks/stress/inputs.h"
 #include "image/repair.h"
-#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace {
@@ -19,13 +18,14 @@ bool isBlackImage(const Image& image) {
 }  // namespace
 
 bool StressFrame::isBlack() const {
-  return isBlackImage(colour) && (fullColour < 0 || isBlackImage(auxiliary[static_cast<size_t>(fullColour)]));
+  return isBlackImage(colour) && std::all_of(radianceInputs.begin(), radianceInputs.end(),
+                                             [&](size_t input) { return isBlackImage(auxiliary[input]); });
 }
 
 void StressFrame::scaleLight(float factor) {
   for (float& value : colour.pixels) value *= factor;
-  if (fullColour < 0) return;
-  for (float& value : auxiliary[static_cast<size_t>(fullColour)].pixels) value *= factor;
+  for (const size_t input : radianceInputs)
+    for (float& value : auxiliary[input].pixels) value *= factor;
 }
 
 FrameInput StressFrame::input(bool autoExposure) const {
@@ -49,8 +49,7 @@ std::vector<StressFrame> stressFrames(const NetworkConfig& config, FrameShape sh
     const auto frameSeed = static_cast<uint32_t>(seed + 100 * turn + i);
     StressFrame frame{std::string(colours[i].name), natural, stressColour(i, shape, frameSeed),
                       stressAuxiliary(aux, i, config, shape, frameSeed)};
-    const int full = config.auxOffset(kFullColour.name);
-    if (full >= 0) frame.fullColour = full / 3;
+    frame.radianceInputs = config.radianceInputs();
     if (!frame.auxiliary.empty()) frame.name += ", " + std::string(auxiliaries[aux].name);
     frame.repairedPixels = repairNonFinite(frame.colour).nonFinitePixels;
     for (Image& image : frame.auxiliary) frame.repairedPixels += repairNonFinite(image).nonFinitePixels;

@@ -16,10 +16,10 @@ struct StressFrame {
   std::vector<Image> auxiliary;
   uint64_t repairedPixels = 0;
   float givenExposure = 1;
-  int fullColour = -1;  // which of the auxiliary images is the full-resolution colour
+  std::vector<size_t> radianceInputs;  // which of the auxiliary images are radiance
 
   bool isBlack() const;
-  /// Multiplies its light, of both colours.
+  /// Multiplies its light, of all images that are radiance.
   void scaleLight(float factor);
   FrameInput input(bool autoExposure) const;
 };

@@ -139,7 +139,8 @@ std::vector<Image> stressAuxiliary(size_t which, size_t colour, const NetworkCon
                                    uint32_t seed) {
   std::vector<Image> images;
   for (const std::string& kind : config.auxInputs) {
-    const bool radiance = kind == kFullColour.name;
+    const AuxiliaryInput* input = findAuxiliaryInput(kind);
+    const bool radiance = input && input->isRadiance;
     images.push_back(imageOf(radiance ? kColours[colour] : kAuxiliaries[which], config.scale * frame.height,
                              config.scale * frame.width, radiance || kind == kAlbedo.name ? 0 : 3, ++seed));
   }

@@ -24,8 +24,8 @@ std::span<const StressInput> stressAuxiliaries();
 /// The colour [h, w, 3] number `which` of the table. The same for the same seed.
 Image stressColour(size_t which, FrameShape frame, uint32_t seed);
 
-/// The auxiliary images [s h, s w, 3] number `which` of the table, in the order of the model; of the full-resolution
-/// colour that of stressColour() number `colour`.
+/// The auxiliary images [s h, s w, 3] number `which` of the table, in the order of the model; of radiance that of
+/// stressColour() number `colour`.
 std::vector<Image> stressAuxiliary(size_t which, size_t colour, const NetworkConfig& config, FrameShape frame,
                                    uint32_t seed);
 

@@ -1,5 +1,6 @@
 // out[y, x] = in[min(y, H - 1), min(x, W - 1)], the albedo's three channels a clamped to [0, 4], those of the colour as
-// T(e max(H, 0) / (a + 0.02)) or, where it is not demodulated, T(e max(H, 0)), all but the albedo clamped to +-65504.
+// T(e max(H, 0) / (a + 0.02)) or, where it is not demodulated, T(e max(H, 0)), as is light without albedo, all but the
+// albedo clamped to +-65504.
 // in: [H, W, c], out: [Hp, Wp, c] slices. One pixel an invocation, a vec4 at a time.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -11,12 +12,13 @@ layout(constant_id = 1) const int kAlbedoOffset = -1;
 layout(constant_id = 2) const int kColourOffset = -1;
 layout(constant_id = 3) const bool kDemodulates = false;
 layout(constant_id = 4) const uint kTransfer = 0;
+layout(constant_id = 5) const uint kLightChannels = 0;  // bit c: channel c
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer exposure;
 #define PARAMS PackAuxiliaryParams
 #define TARGET_BINDING 2
 #define RUN 1
-#define LANE_ID 5
+#define LANE_ID 6
 #include "shaders/common/image_kernel.glsl"
 
 // The colour as the network sees it.
@@ -25,6 +27,12 @@ vec3 colourAt(int texel) {
   if (kDemodulates) divisor = clamp(fetchThree(source, texel, kAlbedoOffset), 0.0, kAlbedoMax) + kAlbedoEpsilon;
   const vec3 radiance = max(fetchThree(source, texel, kColourOffset), 0.0);
   return encoded(kTransfer, radiance, texelFetch(exposure, p.exposure).x, divisor);
+}
+
+// Radiance without albedo as the network sees it.
+vec4 encodedLight(vec4 light) {
+  const float e = texelFetch(exposure, p.exposure).x;
+  return vec4(encoded(kTransfer, light.rgb, e, vec3(1)), encoded(kTransfer, light.aaa, e, vec3(1)).x);
 }
 
 void main() {
@@ -39,6 +47,12 @@ void main() {
       [[unroll]] for (int k = 0; k < 4; k++) {
         const int channel = 4 * q + k - kColourOffset;
         if (channel >= 0 && channel < 3) value[k] = colour[channel];
+      }
+    }
+    if ((kLightChannels >> (4 * q) & 15u) != 0) {
+      const vec4 light = encodedLight(max(value, 0.0));
+      [[unroll]] for (int k = 0; k < 4; k++) {
+        if ((kLightChannels >> (4 * q + k) & 1u) != 0) value[k] = light[k];
       }
     }
     vec4 least = vec4(-kAuxiliaryMax), most = vec4(kAuxiliaryMax);

@@ -1,6 +1,7 @@
 #include "shaders/pack_auxiliary/pack_auxiliary.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "shaders/common/example.h"
 #include "shaders/common/moments.h"
@@ -10,6 +11,15 @@ namespace {
 
 bool isOf(uint32_t channel, int offset) {
   return offset >= 0 && static_cast<int>(channel) >= offset && static_cast<int>(channel) < offset + 3;
+}
+
+// The channels beyond the mask are none.
+bool isLight(const PackAuxiliary& op, uint32_t channel) {
+  return channel < 32 && (op.lightChannels >> channel & 1) != 0;
+}
+
+bool isRadiance(const PackAuxiliary& op, uint32_t channel) {
+  return isOf(channel, op.colourOffset) || isLight(op, channel);
 }
 
 double albedoOf(double value) { return std::clamp(value, 0.0, double{shader::kAlbedoMax}); }
@@ -24,7 +34,8 @@ TensorShape outputShape(const PackAuxiliary& op) {
   XRDS_CHECK_LE(op.albedoOffset + 3, static_cast<int>(op.input.channels));
   XRDS_CHECK_LE(-1, op.colourOffset);
   XRDS_CHECK_LE(op.colourOffset + 3, static_cast<int>(op.input.channels));
-  if (op.colourOffset >= 0) checkView(op.exposure, {1, 1, 4});
+  XRDS_CHECK_LE(std::bit_width(op.lightChannels), static_cast<int>(op.input.channels));
+  if (op.takesRadiance()) checkView(op.exposure, {1, 1, 4});
   XRDS_CHECK(!op.demodulates || op.albedoOffset >= 0);
   return op.output.shape();
 }
@@ -33,13 +44,14 @@ Dispatch dispatch(const PackAuxiliary& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
   // An unread binding must still name something.
-  const TensorView& exposure = op.colourOffset >= 0 ? op.exposure : op.input;
+  const TensorView& exposure = op.takesRadiance() ? op.exposure : op.input;
   const shader::PackAuxiliaryParams params{imageOf(op.input), imageOf(op.output), targetRows(op.output, rows),
                                            imageOf(exposure).offset};
-  return imageDispatch("pack_auxiliary", device, op.output, rows, 1, params,
-                       {op.output.channels, static_cast<uint32_t>(op.albedoOffset),
-                        static_cast<uint32_t>(op.colourOffset), op.demodulates, static_cast<uint32_t>(op.transfer)},
-                       {readTexels(op.input), readTexels(exposure), writeRows(op.output, rows)});
+  return imageDispatch(
+      "pack_auxiliary", device, op.output, rows, 1, params,
+      {op.output.channels, static_cast<uint32_t>(op.albedoOffset), static_cast<uint32_t>(op.colourOffset),
+       op.demodulates, static_cast<uint32_t>(op.transfer), op.lightChannels},
+      {readTexels(op.input), readTexels(exposure), writeRows(op.output, rows)});
 }
 
 std::vector<float> packedWeights(const PackAuxiliary&, const DeviceTraits&) { return {}; }
@@ -55,10 +67,10 @@ void reference(const PackAuxiliary& op, HostMemory& memory) {
           return memory.at(op.input, std::min(y, op.input.height - 1), std::min(x, op.input.width - 1), channel);
         };
         double value = from(c);
-        if (isOf(c, op.colourOffset)) {
+        if (isRadiance(op, c)) {
           value = std::max(value, 0.0) * memory.at(op.exposure, 0, 0, 0);
           const auto albedo = static_cast<uint32_t>(op.albedoOffset + static_cast<int>(c) - op.colourOffset);
-          if (op.demodulates) value /= albedoOf(from(albedo)) + shader::kAlbedoEpsilon;
+          if (op.demodulates && !isLight(op, c)) value /= albedoOf(from(albedo)) + shader::kAlbedoEpsilon;
           value = transform(op.transfer, value);
         }
         memory.at(op.output, y, x, c) = isOf(c, op.albedoOffset) ? albedoOf(value) : std::clamp(value, -limit, limit);
@@ -66,13 +78,13 @@ void reference(const PackAuxiliary& op, HostMemory& memory) {
 }
 
 OperatorFacts facts(const PackAuxiliary& op) {
-  return {"pack_auxiliary", {op.input, op.exposure}, {op.colourOffset < 0 ? 1e-7 : 5e-7, 4e-4}};
+  return {"pack_auxiliary", {op.input, op.exposure}, {op.takesRadiance() ? 5e-7 : 1e-7, 4e-4}};
 }
 
 void propagate(const PackAuxiliary& op, Moments& moments) {
   for (uint32_t c = 0; c < op.output.channels; ++c) {
-    const Moment colour{1, 2}, albedo{0.5, 0.1}, unitVector{0, 0.33};  // the colour: T of radiances around mid-grey
-    moments.at(op.output, c) = isOf(c, op.albedoOffset) ? albedo : isOf(c, op.colourOffset) ? colour : unitVector;
+    const Moment radiance{1, 2}, albedo{0.5, 0.1}, unitVector{0, 0.33};  // radiance: T of values around mid-grey
+    moments.at(op.output, c) = isOf(c, op.albedoOffset) ? albedo : isRadiance(op, c) ? radiance : unitVector;
   }
 }
 
@@ -83,6 +95,14 @@ void addExamples(ExampleMaker& maker, std::vector<PackAuxiliary>& examples) {
                       .output = maker.view({24, 24, 12}),
                       .albedoOffset = 0,
                       .colourOffset = 6,
+                      .exposure = maker.exposure(),
+                      .demodulates = true,
+                      .transfer = Transfer::log1p});
+  examples.push_back({.input = maker.view({16, 16, 16}, DataType::f32),
+                      .output = maker.view({24, 24, 16}),
+                      .albedoOffset = 0,
+                      .colourOffset = 9,
+                      .lightChannels = 7u << 6 | 7u << 12,
                       .exposure = maker.exposure(),
                       .demodulates = true,
                       .transfer = Transfer::log1p});

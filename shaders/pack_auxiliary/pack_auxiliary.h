@@ -16,16 +16,19 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// The auxiliary images as the network reads them: padded on the right and at the bottom by edge replication, the
-/// albedo a clamped to [0, 4], the full-resolution colour H as T(e max(H, 0) / (a + 0.02)) or T(e max(H, 0)), the rest
-/// clamped to +-65504, in the type of the output.
+/// albedo a clamped to [0, 4], the full-resolution colour H as T(e max(H, 0) / (a + 0.02)) or T(e max(H, 0)), light L
+/// without albedo as T(e max(L, 0)), the rest clamped to +-65504, in the type of the output.
 struct PackAuxiliary {
   TensorView input, output;  // [H, W, c], [Hp, Wp, c]
   int albedoOffset = -1;     // first channel of the albedo; -1: there is none
-  int colourOffset = -1;     // the same of the colour, for which alone the rest is needed
-  TensorView exposure{};     // [1, 1, 4] e, 1 / e
+  int colourOffset = -1;     // the same of the colour
+  uint32_t lightChannels{};  // bit c: channel c is light without albedo
+  TensorView exposure{};     // [1, 1, 4] e, 1 / e; needed, as what follows, where there is colour or light
   bool demodulates = false;  // whether the colour is divided by the albedo
   Transfer transfer = Transfer::none;
   RowRange rows{};
+
+  bool takesRadiance() const { return colourOffset >= 0 || lightChannels != 0; }
 };
 
 /// The shape of the output, whose size states the padding. Throws std::logic_error if the input does not fit it.

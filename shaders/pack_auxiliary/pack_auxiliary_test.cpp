@@ -21,23 +21,28 @@ struct Shape {
   int colourOffset = -1;
   bool demodulates = false;
   uint32_t transfer = shader::kTransferLog1p;
+  uint32_t lightChannels = 0;
 };
 
 // Odd ones first: one pixel padded to many, no padding, the albedo across two texels, slices, rows inside and beyond;
-// the colour before and behind the albedo, with and without it.
-constexpr Shape kShapes[] = {{1, 1, 8, 8, 4, 0},
-                             {5, 7, 8, 8, 8, 0},
-                             {3, 5, 3, 5, 8},
-                             {13, 17, 16, 24, 12, 3},
-                             {13, 17, 16, 24, 12, 6, {3, 11}},
-                             {9, 31, 16, 32, 12, 9, {9, 16}},
-                             {6, 6, 8, 8, 8, 5, {0, 1}, 4, 16, 8, 20},
-                             {64, 64, 64, 64, 8, 0},
-                             {1, 1, 8, 8, 12, 0, {}, 0, 0, 0, 0, 6, true},
-                             {13, 17, 16, 24, 12, 3, {}, 0, 0, 0, 0, 0, true},
-                             {13, 17, 16, 24, 12, 0, {3, 11}, 0, 0, 0, 0, 9, false},
-                             {13, 17, 16, 24, 12, 0, {}, 0, 0, 0, 0, 5, true, shader::kTransferNone},
-                             {13, 17, 16, 24, 4, -1, {}, 0, 0, 0, 0, 0, false}};
+// the colour before and behind the albedo, with and without it; light, beside all of them and alone.
+constexpr Shape kShapes[] = {
+    {1, 1, 8, 8, 4, 0},
+    {5, 7, 8, 8, 8, 0},
+    {3, 5, 3, 5, 8},
+    {13, 17, 16, 24, 12, 3},
+    {13, 17, 16, 24, 12, 6, {3, 11}},
+    {9, 31, 16, 32, 12, 9, {9, 16}},
+    {6, 6, 8, 8, 8, 5, {0, 1}, 4, 16, 8, 20},
+    {64, 64, 64, 64, 8, 0},
+    {1, 1, 8, 8, 12, 0, {}, 0, 0, 0, 0, 6, true},
+    {13, 17, 16, 24, 12, 3, {}, 0, 0, 0, 0, 0, true},
+    {13, 17, 16, 24, 12, 0, {3, 11}, 0, 0, 0, 0, 9, false},
+    {13, 17, 16, 24, 12, 0, {}, 0, 0, 0, 0, 5, true, shader::kTransferNone},
+    {13, 17, 16, 24, 4, -1, {}, 0, 0, 0, 0, 0, false},
+    {7, 5, 8, 8, 12, 3, {}, 0, 0, 0, 0, -1, true, shader::kTransferLog1p, 7u << 9 | 7},
+    {7, 5, 8, 8, 16, 0, {2, 7}, 4, 24, 0, 0, 6, true, shader::kTransferLog1p, 7u << 3 | 7u << 12},
+    {7, 5, 8, 8, 8, -1, {}, 0, 0, 0, 0, -1, false, shader::kTransferNone, 7u << 5}};
 
 std::vector<float> values(const Shape& s) {
   auto numbers = test::randomNumbers(size_t{s.height} * s.width * (s.inputStride ? s.inputStride : s.channels), 3);
@@ -50,6 +55,7 @@ PackAuxiliary packOf(const Shape& s, DataType inputType = DataType::f32, DataTyp
           .output = view(1, outputType, s.paddedHeight, s.paddedWidth, s.channels, s.outputOffset, s.outputStride),
           .albedoOffset = s.albedoOffset,
           .colourOffset = s.colourOffset,
+          .lightChannels = s.lightChannels,
           .exposure = view(2, DataType::f32, 1, 1, 4),
           .demodulates = s.demodulates,
           .transfer = static_cast<Transfer>(s.transfer),
@@ -87,6 +93,17 @@ TEST(PackAuxiliary, TransformsTheColourAsTheNetworkSeesIt) {
   EXPECT_EQ(memory.storage(op.output)[5], 0);
 }
 
+TEST(PackAuxiliary, TransformsLightWithoutTheAlbedo) {
+  PackAuxiliary op = packOf({1, 1, 1, 1, 8, 0, {}, 0, 0, 0, 0, 3, true});
+  op.lightChannels = 3u << 6;
+  HostMemory memory;
+  memory.storage(op.input) = {0.48, 0.5, 0.5, 6, 8, 2, 3, -1};
+  memory.storage(op.exposure) = {0.5, 2, 0, 0};
+  reference(op, memory);
+  EXPECT_NEAR(memory.storage(op.output)[6], std::log1p(0.5 * 3), 1e-7);
+  EXPECT_EQ(memory.storage(op.output)[7], 0);
+}
+
 TEST(PackAuxiliary, KeepsAllElseWithinTheRangeOfAHalf) {
   const Shape shape{4, 4, 4, 4, 8, 0};
   auto numbers = values(shape);
@@ -101,6 +118,9 @@ TEST(PackAuxiliary, RefusesWhatDoesNotFit) {
   EXPECT_THROW(dispatch(packOf({8, 8, 8, 8, 8, 0, {}, 0, 0, 0, 0, 6}), {}), std::logic_error);
   EXPECT_THROW(dispatch(packOf({8, 8, 8, 8, 8, -1, {}, 0, 0, 0, 0, 3, true}), {}), std::logic_error);
   PackAuxiliary op = packOf({8, 8, 8, 8, 8, 0});
+  op.lightChannels = 7u << 6;  // one beyond the last channel
+  EXPECT_THROW(dispatch(op, {}), std::logic_error);
+  op.lightChannels = 0;
   op.output = view(1, DataType::f32, 8, 8, 4);
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
 }

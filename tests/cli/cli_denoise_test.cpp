@@ -37,12 +37,12 @@ TEST(CliDenoise, GivesTheNetworkWhatTheLibraryMakes) { expectHalved(SmallFrame()
 TEST(CliDenoise, TakesTheMeanOfAnEnsemblesPasses) { expectHalved(SmallFrame(), {"--ensemble", "8"}); }
 
 // The colour of the low-resolution render, `brighter` times, as that of the full-resolution one.
-void writeFullColour(const SmallFrame& frame, float brighter) {
+void writeFullColour(const SmallFrame& frame, float brighter, const std::vector<std::string>& lights = {}) {
   const Pixels low = colourLayer("", 10).pixels;
   const auto full = [&](int x, int y, int c) { return brighter * low(x / 4, y / 4, c); };
-  writeParts(frame.aux, {{boxOf(40, 32),
-                          boxOf(40, 32),
-                          {{"Combined", "RGB", full}, albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  std::vector<Layer> layers{{"Combined", "RGB", full}, albedoLayer("albedo", 40), normalLayer("normal", 40)};
+  for (const std::string& light : lights) layers.push_back({light, "RGB", full});
+  writeParts(frame.aux, {{boxOf(40, 32), boxOf(40, 32), layers}});
 }
 
 // Of both colours: were only one of them halved, their blend would show it.
@@ -51,6 +51,12 @@ TEST(CliDenoise, DenoisesTheFullResolutionColourOfFullModels) {
   writeFullColour(frame, 1);
   for (const char* model : {"s4_full", "s4_full_prefilter2"})
     expectHalved(frame, {"--samples", "64,16"}, goldenModel(model));
+}
+
+TEST(CliDenoise, DenoisesTheLightsOfModelsThatTakeThem) {
+  const SmallFrame frame;
+  writeFullColour(frame, 1, {"DiffDir", "DiffInd", "GlossDir", "GlossInd"});
+  expectHalved(frame, {"--samples", "64,16"}, goldenModel("s4_lights"));
 }
 
 // A full-resolution colour 5 % brighter than the other one, four fifths of the merged one: of both is made what is 4 %

@@ -113,6 +113,37 @@ TEST(CliFrame, ReadsDepthInAnyUnitForAModelThatTakesIt) {
   EXPECT_TRUE(contains(without.error, "No depth in")) << without.error;
 }
 
+TEST(CliFrame, AddsDirectAndIndirectLightForAModelThatTakesThem) {
+  const SmallFrame frame;
+  const Pixels low = colourLayer("", 10).pixels;
+  const auto light = [&](float share) { return [=](int x, int y, int c) { return share * low(x / 4, y / 4, c); }; };
+  const auto runWith = [&](const std::vector<Layer>& lights, const std::vector<std::string>& more = {}) {
+    std::vector<Layer> layers{{"Combined", "RGB", light(1)}, albedoLayer("albedo", 40), normalLayer("normal", 40)};
+    layers.insert(layers.end(), lights.begin(), lights.end());
+    writeParts(frame.aux, {{boxOf(40, 32), boxOf(40, 32), layers}});
+    std::vector<std::string> arguments{"--samples", "64,16"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runXrds(frame.arguments(arguments, goldenModel("s4_lights")));
+  };
+  const Ended split = runWith({{"DiffDir", "RGB", light(0.5F)},
+                               {"DiffInd", "RGB", light(0.25F)},
+                               {"GlossDir", "RGB", light(0.125F)},
+                               {"GlossInd", "RGB", light(0.5F)}});
+  ASSERT_EQ(split.exitCode, 0) << split.error;
+  const Image result = readColour(frame.out);
+  ASSERT_EQ(
+      runWith({{"d", "RGB", light(0.75F)}, {"g", "RGB", light(0.625F)}}, {"--diffuse", "d", "--glossy", "g"}).exitCode,
+      0);
+  EXPECT_EQ(readColour(frame.out).pixels, result.pixels);
+  ASSERT_EQ(
+      runWith({{"d", "RGB", light(0.5F)}, {"g", "RGB", light(0.625F)}}, {"--diffuse", "d", "--glossy", "g"}).exitCode,
+      0);
+  EXPECT_NE(readColour(frame.out).pixels, result.pixels);
+  const Ended without = runWith({});
+  EXPECT_TRUE(contains(without.error, "No diffuse light in") && contains(without.error, "--diffuse LAYER"))
+      << without.error;
+}
+
 TEST(CliFrame, KeepsAttributesAndAddsItsOwn) {
   const SmallFrame frame;
   ASSERT_EQ(runXrds(frame.arguments({"--quiet", "--half", "--exposure", "0.5"})).exitCode, 0);
