@@ -7,7 +7,7 @@
 
 #include "xrds/engine_access.h"
 #include "xrds/stress.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 namespace {

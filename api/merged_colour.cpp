@@ -18,9 +18,9 @@ constexpr double kLevelFloor = 0.01, kMostLevelRatio = 8;
 uint32_t scaleOf(const PixelView& low, const PixelView& full) {
   const uint32_t scale = low.width ? full.width / low.width : 0;
   if (scale == 0 || full.width != scale * low.width || full.height != scale * low.height)
-    throw Error("A colour of " + std::to_string(full.width) + " x " + std::to_string(full.height) +
-                " pixels cannot be merged with one of " + std::to_string(low.width) + " x " +
-                std::to_string(low.height) + ": expected a whole multiple.");
+    throw InvalidArgument("A colour of " + std::to_string(full.width) + " x " + std::to_string(full.height) +
+                          " pixels cannot be merged with one of " + std::to_string(low.width) + " x " +
+                          std::to_string(low.height) + ": expected a whole multiple.");
   return scale;
 }
 
@@ -64,15 +64,16 @@ double median(std::vector<double>& values) {
 
 double fullShare(RenderSamples samples, uint32_t scale) {
   if (!(samples.low > 0) || !(samples.full > 0) || !std::isfinite(samples.low) || !std::isfinite(samples.full))
-    throw Error("Samples of " + std::to_string(samples.low) + " and " + std::to_string(samples.full) +
-                " a pixel were given, expected two positive numbers.");
+    throw InvalidArgument("Samples of " + std::to_string(samples.low) + " and " + std::to_string(samples.full) +
+                          " a pixel were given, expected two positive numbers.");
   const double full = static_cast<double>(scale) * scale * samples.full;
   return full / (samples.low + full);
 }
 
 double estimatedFullShare(const PixelView& low, const PixelView& full) {
   const uint32_t scale = scaleOf(low, full);
-  if (scale < 2) throw Error("The noise of a colour of full resolution cannot be told from that of the other render.");
+  if (scale < 2)
+    throw InvalidArgument("The noise of a colour of full resolution cannot be told from that of the other render.");
   std::vector<double> ofMeans, ofBoth;
   for (uint32_t y = 0; y < low.height; ++y)
     for (uint32_t x = 0; x < low.width; ++x) {

@@ -4,7 +4,7 @@
 
 #include "engine/device.h"
 #include "frames/session.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -71,7 +71,8 @@ SessionOptions sessionOptions(const Gpu& gpu, FrameShape frame, const Upscaler::
 
 SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
   if (options.tiles.wrap)
-    throw Error("A panorama whose borders continue into each other is computed in full: skip nothing, or do not wrap.");
+    throw InvalidArgument(
+        "A panorama whose borders continue into each other is computed in full: skip nothing, or do not wrap.");
   // Around what is quiet one window is enough: bench/skip.md. Around what moved it is not.
   const uint32_t bounded =
       options.skip.keepUnchanged ? boundedHalo(config) : std::min(config.window, exactHalo(config));
@@ -292,7 +293,7 @@ void EngineAccess::download(const Upscaler& upscaler, std::span<float> output) {
 StressReport Upscaler::stress(Device& device, const StressOptions& options) {
   std::vector<StressModel> models;
   for (const auto& [name, model] : options.models) {
-    if (!model) throw Error("Model '" + name + "' of a stress run is a null pointer, expected a model.");
+    if (!model) throw InvalidArgument("Model '" + name + "' of a stress run is a null pointer, expected a model.");
     models.push_back({name, model->state_->weights, true});
   }
   return runStress(device.state_->gpu, models, options);

@@ -12,7 +12,7 @@
 #include "image/frame_fit.h"
 #include "image/image.h"
 #include "image/image_view.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -1,10 +1,10 @@
 #include "app/models.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "app/listed.h"
 #include "xrds/error.h"
+#include "xrds/shipped_models.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -20,8 +20,6 @@ std::string noModels() {
     folders += (folders.empty() ? "'" : " or '") + folder.lexically_normal().string() + "'";
   return "no model is found in " + folders + ": install xrds again, or name a .safetensors file with --model.";
 }
-
-fs::path shippedFile(const std::string& name) { return inModelFolders(name + kSuffix); }
 
 std::string nameOf(int scale, const char* kind) { return "xrds-x" + std::to_string(scale) + "-" + kind; }
 
@@ -41,14 +39,6 @@ fs::path programFolder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);  // elsewhere: $XRDS_MODELS or a path
   return error ? fs::path() : program.parent_path();
-}
-
-std::vector<fs::path> modelFolders() {
-  std::vector<fs::path> folders;
-  if (const char* folder = std::getenv("XRDS_MODELS")) folders.emplace_back(folder);
-  if (const fs::path program = programFolder(); !program.empty()) folders.push_back(program / "../share/xrds/models");
-  folders.emplace_back(XRDS_MODEL_FOLDER);
-  return folders;
 }
 
 fs::path inModelFolders(const std::string& fileName) {
@@ -71,7 +61,7 @@ std::vector<std::string> shippedModels() {
 
 fs::path resolveModel(const std::string& nameOrFile) {
   if (nameOrFile.ends_with(kSuffix) || nameOrFile.find('/') != std::string::npos) return nameOrFile;
-  if (fs::path file = shippedFile(nameOrFile); !file.empty()) return file;
+  if (fs::path file = findModel(nameOrFile); !file.empty()) return file;
   if (fs::is_regular_file(nameOrFile)) return nameOrFile;
   if (shippedModels().empty()) throw Error("There is no model '" + nameOrFile + "', and " + noModels());
   throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
@@ -88,13 +78,13 @@ bool takes(const Model& model, const AuxiliaryInput& input) {
 }
 
 fs::path shippedVariant(int scale, const std::vector<std::string>& inputs) {
-  return shippedFile(variantName(scale, inputs));
+  return findModel(variantName(scale, inputs));
 }
 
 fs::path defaultModel(int scale, const std::vector<std::string>& inputs, std::optional<double> samples) {
   if (inputs.empty()) return resolveModel(variantName(kScaleOfColourAlone, inputs));
-  if (fs::path variant = shippedFile(variantName(scale, inputs, samples)); !variant.empty()) return variant;
-  fs::path file = shippedFile(defaultModelName(scale));
+  if (fs::path variant = findModel(variantName(scale, inputs, samples)); !variant.empty()) return variant;
+  fs::path file = findModel(defaultModelName(scale));
   if (file.empty() && shippedModels().empty())
     throw Error("Without --model a shipped model is taken, but " + noModels());
   if (file.empty())

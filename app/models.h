@@ -13,9 +13,6 @@ namespace xrds {
 /// The folder of the running program; empty where the system does not tell.
 std::filesystem::path programFolder();
 
-/// Folders in which shipped models are looked for: $XRDS_MODELS, beside the installed program, in the source tree.
-std::vector<std::filesystem::path> modelFolders();
-
 /// The first file of this name in modelFolders(); empty if there is none.
 std::filesystem::path inModelFolders(const std::string& fileName);
 

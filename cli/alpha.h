@@ -1,7 +1,7 @@
 #pragma once
 
 #include "image/image.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

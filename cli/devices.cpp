@@ -7,7 +7,7 @@
 #include "cli/device_json.h"
 #include "cli/json_text.h"
 #include "cli/output_file.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 namespace {

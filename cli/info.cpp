@@ -10,7 +10,7 @@
 #include "cli/json_text.h"
 #include "cli/output_file.h"
 #include "image/exr_file.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 namespace {

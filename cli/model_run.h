@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cli/quality_scenes.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -6,7 +6,7 @@
 
 #include "cli/quality_scenes.h"
 #include "image/metrics.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

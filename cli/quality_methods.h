@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/frame.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

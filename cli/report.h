@@ -6,7 +6,7 @@
 
 #include "app/frame.h"
 #include "image/metrics.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "advice/plans.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cli/model_run.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

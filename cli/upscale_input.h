@@ -5,7 +5,7 @@
 
 #include "app/frame.h"
 #include "cli/upscale_options.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

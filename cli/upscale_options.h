@@ -4,7 +4,7 @@
 #include <string>
 
 #include "image/aov.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -14,7 +14,7 @@ constexpr Mirror kMirrors[] = {{true, false, true}, {false, true, true}, {true, 
 
 std::span<const Mirror> mirrorsOf(uint32_t passes) {
   if (passes != 1 && passes != 2 && passes != 4 && passes != 8)
-    throw Error("An ensemble of " + std::to_string(passes) + " passes was asked for, expected 1, 2, 4 or 8.");
+    throw InvalidArgument("An ensemble of " + std::to_string(passes) + " passes was asked for, expected 1, 2, 4 or 8.");
   return std::span(kMirrors).last(passes);
 }
 

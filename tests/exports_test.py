@@ -1,26 +1,45 @@
-"""libxrds exports the public API alone: python3 tests/exports_test.py LIBRARY"""
+"""libxrds exports the public API alone, and the C API is what programs were built with.
+
+    python3 tests/exports_test.py LIBRARY SIZES_PROGRAM
+
+tests/abi/abi.txt lists the functions of the C API, then what tests/abi/sizes.c prints: sizes, places and values, on a
+64-bit system. A line may be added to it; none may change or go while the number of the soname stays.
+"""
+import pathlib
 import re
 import subprocess
 import sys
 
-PUBLIC = {"Cancelled", "Device", "DeviceLost", "Error", "Examination", "Model", "OutOfMemory", "Upscaler",
-          "colourDifference", "estimatedFullShare", "fullShare", "levelledColour", "mergedColour", "mirrored", "mirroredPixel",
-          "mirrorsOf", "relativeDepth"}
+PUBLIC = {"AlphaUpscaler", "Cancelled", "Device", "DeviceLost", "Error", "Examination", "InvalidArgument", "Model", "OutOfMemory",
+          "Upscaler", "colourDifference", "estimatedFullShare", "findModel", "fullShare", "levelledColour", "mergedColour", "mirrored",
+          "mirroredPixel", "mirrorsOf", "modelFolders", "relativeDepth"}
 NAME = re.compile(r"^(?:typeinfo for |typeinfo name for |vtable for )?xrds::(\w+)(?!::State::)")
+STORED = pathlib.Path(__file__).parent / "abi" / "abi.txt"
 
 
 def exported(library):
-    lines = subprocess.run(["nm", "--dynamic", "--demangle", "--defined-only", library], capture_output=True, text=True, check=True).stdout
-    return [line.split(" ", 2)[2] for line in lines.splitlines()]
+    """Names without the version of the symbol, and these versions."""
+    command = ["nm", "--dynamic", "--demangle", "--defined-only", "--with-symbol-versions", library]
+    lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    symbols = [line.split(" ", 2)[2].rsplit("@@", 1) for line in lines if " A " not in line]
+    return [symbol[0] for symbol in symbols], {symbol[-1] for symbol in symbols}
 
 
 def main():
-    names = exported(sys.argv[1])
-    foreign = [name for name in names if not (found := NAME.match(name)) or found[1] not in PUBLIC]
-    missing = PUBLIC - {found[1] for name in names if (found := NAME.match(name))}
+    names, versions = exported(sys.argv[1])
+    functions = sorted(name for name in names if re.fullmatch(r"xrds[A-Z]\w*", name))
+    others = [name for name in names if name not in functions]
+    foreign = [name for name in others if not (found := NAME.match(name)) or found[1] not in PUBLIC]
+    missing = PUBLIC - {found[1] for name in others if (found := NAME.match(name))}
     if foreign or missing:
         sys.exit(f"Exported, but not of the public API: {foreign}\nOf the public API, but not exported: {sorted(missing)}")
-    print(f"{len(names)} names, all of the public API")
+    if versions != {"XRDS_0"}:
+        sys.exit(f"Symbols have the versions {sorted(versions)}, expected XRDS_0")
+    sizes = subprocess.run([sys.argv[2]], capture_output=True, text=True, check=True).stdout.split("\n")
+    found = functions + [line for line in sizes if line]
+    if found != STORED.read_text().splitlines():
+        sys.exit("The C API differs from tests/abi/abi.txt; it is now\n" + "\n".join(found))
+    print(f"{len(functions)} functions of the C API, {len(others)} names of the C++ one")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -14,6 +14,12 @@ class XRDS_API Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What the caller gave cannot be: an image of the wrong size, an option out of range.
+class XRDS_API InvalidArgument : public Error {
+ public:
+  using Error::Error;
+};
+
 /// A device has no room for what was asked of it. Less may fit.
 class XRDS_API OutOfMemory : public Error {
  public:

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "xrds/export.h"
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 

@@ -1,19 +1,180 @@
-#pragma once
+/* xrds in C: upscales a noisy low-resolution picture with the help of full-resolution albedo and normals.
+ *
+ *     XrdsDevice* device;  XrdsModel* model;  XrdsUpscaler* upscaler;
+ *     xrdsOpenDevice(NULL, &device);
+ *     xrdsOpenModel("xrds-x4-compact", &model);
+ *     xrdsCreateUpscaler(device, model, width, height, NULL, &upscaler);
+ *     xrdsUpscale(upscaler, &colour, auxiliary, 2, &output, NULL, NULL);
+ *
+ * Results. Functions that can fail return an XrdsResult, XRDS_OK being 0; xrdsGetMessage() then tells in one sentence
+ * what failed, what was expected and found, and what to do. They leave what they should fill untouched.
+ *
+ * Handles. What is opened or created is closed or destroyed by its own function, in any order: an upscaler keeps its
+ * device and model alive. A NULL is nothing to close. A handle that is not open is refused, XRDS_ERROR_ARGUMENT, unless
+ * a newer handle got the same address.
+ *
+ * Threads. Everything may be called from any thread. Calls on one device, and on the upscalers of one device, wait for
+ * each other; an upscaler in use on another thread is refused, XRDS_ERROR_BUSY. Models never change and may be shared.
+ * Callbacks are heard while the device is taken: they must not call functions of it, nor throw.
+ *
+ * Structures. `structSize` is sizeof the structure: later versions add fields behind those of today, which keep their
+ * meaning. The functions xrds...Default() fill a structure with what its comments call the default.
+ *
+ * Strings are UTF-8, owned by the library unless a comment says otherwise. */
+#ifndef XRDS_XRDS_H
+#define XRDS_XRDS_H
 
-#include "xrds/auxiliary_input.h"
-#include "xrds/device.h"
-#include "xrds/error.h"
-#include "xrds/merged_colour.h"
-#include "xrds/mirror.h"
-#include "xrds/model.h"
-#include "xrds/pixel_view.h"
-#include "xrds/precision.h"
-#include "xrds/preparation.h"
-#include "xrds/relative_depth.h"
-#include "xrds/skip.h"
-#include "xrds/tiling.h"
-#include "xrds/upscaler.h"
+#include <stddef.h>
+#include <stdint.h>
 
-/// xrds upscales Monte Carlo renders on any Vulkan device: open a Device, load a Model, make an Upscaler for a frame
-/// size, run it for each frame. Every function may throw Error; an object is used by one thread at a time.
-namespace xrds {}
+#include "xrds/export.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct XrdsDevice XrdsDevice;
+typedef struct XrdsModel XrdsModel;
+typedef struct XrdsUpscaler XrdsUpscaler;
+
+typedef enum XrdsResult {
+  XRDS_OK = 0,
+  XRDS_CANCELLED = 1,            /* a callback returned 0 */
+  XRDS_ERROR_ARGUMENT = -1,      /* what was given cannot be: a null pointer, a size, a handle, an option */
+  XRDS_ERROR_FAILED = -2,        /* the world: a file, a driver, no device */
+  XRDS_ERROR_OUT_OF_MEMORY = -3, /* of the device or the host; less may fit */
+  XRDS_ERROR_DEVICE_LOST = -4,   /* what was made on the device is of no more use; it may be opened again */
+  XRDS_ERROR_BUSY = -5,          /* the upscaler is in use on another thread */
+  XRDS_ERROR_INTERNAL = -6       /* an error of the library: please report the message */
+} XrdsResult;
+
+/* The version of the library: 0 for the first, 1 for the second and 2 for the third number of "0.1.0". Any may be
+ * NULL. */
+XRDS_API void xrdsGetVersion(uint32_t* major, uint32_t* minor, uint32_t* patch);
+
+/* What the last failed call of this thread has to say; "" if none failed. Valid until the next call of the thread. */
+XRDS_API const char* xrdsGetMessage(void);
+
+/* ------------------------------------------------------------------------------------------------------- Devices */
+
+typedef struct XrdsDeviceDescription {
+  uint32_t structSize;
+  char name[256], kind[16]; /* kind: "discrete", "integrated", "virtual", "cpu" or "other" */
+  char uuid[33];            /* 32 hexadecimal digits */
+  char driver[256], apiVersion[32];
+  char kernelFamily[16]; /* of the kernels that it runs: "plain", "lane", "tile", "matrix" or "fused" */
+  uint64_t memoryBytes;
+} XrdsDeviceDescription;
+
+/* Heard in the calling thread about ten times a second while programs are compiled, when a device is opened and when
+ * an upscaler is created. machineCode: 0 while the driver reads programs, seconds at most; 1 while a CPU driver
+ * compiles what its cache lacks, minutes once. Returning 0 cancels. */
+typedef int (*XrdsPreparation)(void* user, int machineCode, size_t done, size_t total);
+
+typedef struct XrdsDeviceOptions {
+  uint32_t structSize;
+  const char* select;          /* number, part of the name, or UUID; default NULL: the best device */
+  const char* cacheFolder;     /* of compiled programs; default NULL: the user's cache folder */
+  const char* kernelFamily;    /* default NULL: what suits the device */
+  XrdsPreparation preparation; /* default NULL */
+  void* preparationUser;
+} XrdsDeviceOptions;
+
+XRDS_API XrdsDeviceOptions xrdsDeviceOptionsDefault(void);
+
+/* How many devices there are; 0 and an error without a Vulkan loader. */
+XRDS_API XrdsResult xrdsCountDevices(uint32_t* count);
+
+/* Of the device number `index` below that count. The caller sets description->structSize. */
+XRDS_API XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* description);
+
+/* Opens a device for compute; options may be NULL. */
+XRDS_API XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device);
+XRDS_API void xrdsCloseDevice(XrdsDevice* device);
+
+/* -------------------------------------------------------------------------------------------------------- Models */
+
+/* The file of a shipped model, as "xrds-x4-compact", with its final zero into path[capacity]. Looked for in the folder
+ * of the environment variable XRDS_MODELS, in share/xrds/models of the folders above that of the library (as installed:
+ * lib, lib/x86_64-linux-gnu or bin beside share), and in the source tree. Fails if there is none or no room. */
+XRDS_API XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity);
+
+/* Reads a model: a .safetensors file, or the name of a shipped one. */
+XRDS_API XrdsResult xrdsOpenModel(const char* nameOrFile, XrdsModel** model);
+XRDS_API void xrdsCloseModel(XrdsModel* model);
+
+/* Output pixels to a side of a colour pixel; 0 of a handle that is not open. */
+XRDS_API uint32_t xrdsGetModelScale(const XrdsModel* model);
+
+/* The images beside the colour, in the order of xrdsUpscale(); the names "albedo", "normal", "depth", "diffuse",
+ * "glossy" and "colour". NULL beyond the last one. Valid until the model is closed. */
+XRDS_API uint32_t xrdsCountModelInputs(const XrdsModel* model);
+XRDS_API const char* xrdsGetModelInput(const XrdsModel* model, uint32_t index);
+
+/* A field of the model file's metadata, as "license"; NULL if it has none. Valid until the model is closed. */
+XRDS_API const char* xrdsGetModelMetadata(const XrdsModel* model, const char* key);
+
+/* -------------------------------------------------------------------------------------------------------- Images */
+
+typedef enum XrdsFormat { XRDS_FLOAT = 0, XRDS_HALF = 1 } XrdsFormat; /* 32 and 16 bits a number */
+
+/* Pixels of the caller, in any layout. channels: the numbers of the top left pixel, in the order red, green, blue (of a
+ * normal x, y, z; of distances one alone) and alpha, which may be NULL. A plane each, or interleaved. */
+typedef struct XrdsImage {
+  void* channels[4];
+  ptrdiff_t pixelStride, rowStride; /* bytes to the pixel on the right and to the row below; may be negative */
+  uint32_t width, height;
+  XrdsFormat format;
+} XrdsImage;
+
+/* Rows from the top without gaps, `channelCount` numbers a pixel: 1, 3, or 4 with alpha. */
+XRDS_API XrdsImage xrdsInterleavedImage(void* pixels, XrdsFormat format, uint32_t channelCount, uint32_t width,
+                                        uint32_t height);
+
+/* The low-resolution colour of a render and the colour of its full-resolution one, whose albedo and normals are the
+ * auxiliary images, as their mean weighted by samples: what models take that have the input "colour", and what makes
+ * every other one better. lowSamples and fullSamples: of a pixel; both 0: estimated from the noise. merged has the size
+ * of `low`; its alpha is that of `low`. */
+XRDS_API XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double lowSamples, double fullSamples,
+                                    const XrdsImage* merged);
+
+/* ----------------------------------------------------------------------------------------------------- Upscaling */
+
+typedef struct XrdsUpscalerOptions {
+  uint32_t structSize;
+  int32_t fp16;          /* 1: activations and weights are stored as halves, half of the memory; default 0 */
+  float exposure;        /* factor on the colour, 1e-30 to 1e30; default 0: from the mean log luminance of each frame */
+  uint32_t ensemble;     /* passes over mirrored images: 1, 2, 4 or 8; default 1 */
+  uint64_t memoryBytes;  /* of the device at most; a larger frame is cut into tiles; default 0: three quarters */
+  float skipBound;       /* windows that change by less are interpolated, as 0.005; default 0: none */
+  int32_t keepUnchanged; /* 1: windows whose inputs did not change since the last run keep their result; default 0 */
+} XrdsUpscalerOptions;
+
+XRDS_API XrdsUpscalerOptions xrdsUpscalerOptionsDefault(void);
+
+/* Makes a model ready for frames of width x height low-resolution pixels; options may be NULL. Slow, once for a size:
+ * programs are compiled, memory is planned and taken. */
+XRDS_API XrdsResult xrdsCreateUpscaler(XrdsDevice* device, const XrdsModel* model, uint32_t width, uint32_t height,
+                                       const XrdsUpscalerOptions* options, XrdsUpscaler** upscaler);
+XRDS_API void xrdsDestroyUpscaler(XrdsUpscaler* upscaler);
+
+/* Heard in the calling thread with the finished share in [0, 1]; returning 0 cancels. */
+typedef int (*XrdsProgress)(void* user, double share);
+
+/* Upscales one frame and waits for it. colour: [h, w] linear radiance. auxiliary: the model's inputs in their order,
+ * each [scale h, scale w]; of "depth" one channel of distances in any unit. output: [scale h, scale w] linear radiance,
+ * finite whatever the inputs; its alpha, if it has one, is the colour's, interpolated, or 1. Pixels that are not finite
+ * count as their neighbours. progress may be NULL; after XRDS_CANCELLED the output holds anything. */
+XRDS_API XrdsResult xrdsUpscale(XrdsUpscaler* upscaler, const XrdsImage* colour, const XrdsImage* auxiliary,
+                                uint32_t auxiliaryCount, const XrdsImage* output, XrdsProgress progress, void* user);
+
+/* Of the last run; 0 of a handle that is not open. */
+XRDS_API float xrdsGetExposure(const XrdsUpscaler* upscaler);
+
+/* Device memory that an upscaler holds, bytes; 0 of a handle that is not open. */
+XRDS_API uint64_t xrdsGetDeviceBytes(const XrdsUpscaler* upscaler);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

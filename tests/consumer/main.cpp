@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
 
 int main(int, char** arguments) {
   constexpr uint32_t kWidth = 12, kHeight = 8;

@@ -65,6 +65,21 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer -B ${WORK}/build -G ${GENERATOR
 run(${CMAKE_COMMAND} --build ${WORK}/build --config ${CONFIG})
 run(${WORK}/build/consumer ${prefix}/share/xrds/models/xrds-x4-compact.safetensors)
 
+# The example in C, from where it is installed, as its head says it is built. The library finds its models.
+find_program(PKG_CONFIG pkg-config)
+if(PKG_CONFIG AND UNIX AND NOT SANITIZE)
+  file(GLOB_RECURSE pc ${prefix}/*/xrds.pc)
+  cmake_path(GET pc PARENT_PATH folder)
+  run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${folder} ${PKG_CONFIG} --cflags --libs xrds)
+  separate_arguments(flags UNIX_COMMAND "${output}")
+  cmake_path(GET folder PARENT_PATH libraries)
+  run(cc -std=c11 -Wall -Wextra -Werror ${prefix}/share/doc/xrds/examples/upscale.c ${flags} -Wl,-rpath,${libraries} -o ${WORK}/upscale)
+  run(${WORK}/build/frames write ${WORK})
+  run(${CMAKE_COMMAND} -E env --unset=XRDS_MODELS ${WORK}/upscale xrds-x4-nano ${WORK}/colour.pfm ${WORK}/albedo.pfm ${WORK}/normal.pfm
+      ${WORK}/result.pfm)
+  run(${WORK}/build/frames check ${WORK})
+endif()
+
 run(${CMAKE_COMMAND} -E env --unset=XRDS_MODELS ${prefix}/bin/xrds upscale ${SOURCE}/samples/outdoor_lr64.exr
     ${SOURCE}/samples/outdoor_aux16.exr -o ${WORK}/out.exr --model xrds-x4-nano)
 

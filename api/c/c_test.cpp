@@ -1,0 +1,296 @@
+// The C API: the same pictures as the C++ one, in any layout of pixels, and a sentence for whatever cannot be.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "engine/half.h"
+#include "tests/environment_variable.h"
+#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kWidth = 14, kHeight = 9, kScale = 4, kWide = kScale * kWidth, kHigh = kScale * kHeight;
+const std::string kModel = XRDS_GOLDEN_FOLDER "/s4_guided.model.safetensors";
+const std::string kDepthModel = XRDS_GOLDEN_FOLDER "/s4_depth.model.safetensors";
+
+std::vector<float> noise(size_t count, uint32_t seed) {
+  std::vector<float> values(count);
+  for (float& value : values) value = 0.05F + static_cast<float>((seed = seed * 1664525 + 1013904223) >> 8) * 0x1p-24F;
+  return values;
+}
+
+XrdsImage rgb(std::vector<float>& pixels, uint32_t width, uint32_t height) {
+  return xrdsInterleavedImage(pixels.data(), XRDS_FLOAT, 3, width, height);
+}
+
+/// A device, a model and an upscaler, with a frame for them.
+class CApi : public testing::Test {
+ public:  // threads of a test use it
+  void SetUp() override {
+    ASSERT_EQ(xrdsOpenDevice(nullptr, &device_), XRDS_OK) << xrdsGetMessage();
+    ASSERT_EQ(xrdsOpenModel(kModel.c_str(), &model_), XRDS_OK) << xrdsGetMessage();
+    ASSERT_EQ(xrdsCreateUpscaler(device_, model_, kWidth, kHeight, nullptr, &upscaler_), XRDS_OK) << xrdsGetMessage();
+  }
+  void TearDown() override {  // in the order that looks wrong
+    xrdsCloseDevice(device_);
+    xrdsCloseModel(model_);
+    xrdsDestroyUpscaler(upscaler_);
+  }
+  XrdsResult run(XrdsProgress progress = nullptr, void* user = nullptr) {
+    return xrdsUpscale(upscaler_, &colour_, auxiliary_, 2, &output_, progress, user);
+  }
+  // What the C++ classes make of the frame.
+  std::vector<float> expected() const {
+    Device device;
+    const Model model(kModel);
+    Upscaler upscaler(device, model, kWidth, kHeight, {});
+    std::vector<float> output(outputPixels_.size());
+    const PixelView auxiliary[] = {{albedo_.data(), kWide, kHigh}, {normal_.data(), kWide, kHigh}};
+    upscaler.run({colourPixels_.data(), kWidth, kHeight}, auxiliary, output);
+    return output;
+  }
+
+  XrdsDevice* device_ = nullptr;
+  XrdsModel* model_ = nullptr;
+  XrdsUpscaler* upscaler_ = nullptr;
+  std::vector<float> colourPixels_ = noise(3 * kWidth * kHeight, 1), albedo_ = noise(3 * kWide * kHigh, 2),
+                     normal_ = noise(3 * kWide * kHigh, 3), outputPixels_ = std::vector<float>(3 * kWide * kHigh, -1);
+  XrdsImage colour_ = rgb(colourPixels_, kWidth, kHeight), output_ = rgb(outputPixels_, kWide, kHigh);
+  XrdsImage auxiliary_[2] = {rgb(albedo_, kWide, kHigh), rgb(normal_, kWide, kHigh)};
+};
+
+TEST_F(CApi, GivesThePictureOfTheClasses) {
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(outputPixels_, expected());
+  EXPECT_GT(xrdsGetExposure(upscaler_), 0);
+  EXPECT_GT(xrdsGetDeviceBytes(upscaler_), 1000u);
+}
+
+// Planes of halves from the bottom row up, of which the colour's values are exact.
+TEST_F(CApi, ReadsAndWritesAnyLayout) {
+  std::vector<uint16_t> planes(3 * kWidth * kHeight), result(4 * kWide * kHigh);
+  for (size_t p = 0; p < size_t{kWidth} * kHeight; ++p)
+    for (size_t c = 0; c < 3; ++c) {
+      const size_t y = p / kWidth, x = p % kWidth;
+      planes[c * kWidth * kHeight + (kHeight - 1 - y) * kWidth + x] = toHalf(colourPixels_[3 * p + c]);
+      colourPixels_[3 * p + c] = fromHalf(toHalf(colourPixels_[3 * p + c]));
+    }
+  const std::vector<float> wanted = expected();
+  for (size_t c = 0; c < 3; ++c) colour_.channels[c] = &planes[c * kWidth * kHeight + (kHeight - 1) * kWidth];
+  colour_.pixelStride = 2;
+  colour_.rowStride = -2 * ptrdiff_t{kWidth};
+  colour_.format = XRDS_HALF;
+  for (size_t c = 0; c < 3; ++c) output_.channels[c] = &result[c * kWide * kHigh + (kHigh - 1) * kWide];
+  output_.pixelStride = 2;
+  output_.rowStride = -2 * ptrdiff_t{kWide};
+  output_.format = XRDS_HALF;
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  for (size_t y = 0; y < kHigh; ++y)
+    for (size_t x = 0; x < kWide; ++x)
+      for (size_t c = 0; c < 3; ++c)
+        ASSERT_EQ(result[c * kWide * kHigh + (kHigh - 1 - y) * kWide + x], toHalf(wanted[3 * (y * kWide + x) + c]));
+}
+
+TEST_F(CApi, UpscalesAlphaAndKeepsOpaqueOpaque) {
+  std::vector<float> rgba(4 * kWidth * kHeight, 1), result(4 * kWide * kHigh, -1);
+  for (size_t p = 0; p < size_t{kWidth} * kHeight; ++p) {
+    std::copy_n(&colourPixels_[3 * p], 3, &rgba[4 * p]);
+    rgba[4 * p + 3] = p % kWidth < kWidth / 2 ? 0.F : 1.F;
+  }
+  colour_ = xrdsInterleavedImage(rgba.data(), XRDS_FLOAT, 4, kWidth, kHeight);
+  output_ = xrdsInterleavedImage(result.data(), XRDS_FLOAT, 4, kWide, kHigh);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> wanted = expected();
+  for (size_t p = 0; p < size_t{kWide} * kHigh; ++p) EXPECT_EQ(result[4 * p], wanted[3 * p]);
+  EXPECT_EQ(result[3], 0);
+  EXPECT_EQ(result[4 * kWide - 1], 1);
+  EXPECT_NEAR(result[4 * (kWide / 2) + 3], 0.5F, 0.2F);
+  colour_ = rgb(colourPixels_, kWidth, kHeight);  // without alpha all is opaque
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(result[3], 1);
+}
+
+TEST_F(CApi, TakesDistancesForTheDepth) {
+  XrdsModel* model = nullptr;
+  XrdsUpscaler* upscaler = nullptr;
+  ASSERT_EQ(xrdsOpenModel(kDepthModel.c_str(), &model), XRDS_OK);
+  ASSERT_EQ(xrdsCountModelInputs(model), 3u);
+  EXPECT_STREQ(xrdsGetModelInput(model, 2), "depth");
+  EXPECT_EQ(xrdsGetModelInput(model, 3), nullptr);
+  ASSERT_EQ(xrdsCreateUpscaler(device_, model, kWidth, kHeight, nullptr, &upscaler), XRDS_OK);
+  std::vector<float> distances = noise(kWide * kHigh, 4), relative = relativeDepth(distances);
+  XrdsImage images[] = {auxiliary_[0], auxiliary_[1],
+                        xrdsInterleavedImage(distances.data(), XRDS_FLOAT, 1, kWide, kHigh)};
+  ASSERT_EQ(xrdsUpscale(upscaler, &colour_, images, 3, &output_, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> first = outputPixels_;
+  images[2] = rgb(relative, kWide, kHigh);
+  ASSERT_EQ(xrdsUpscale(upscaler, &colour_, images, 3, &output_, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(outputPixels_, first);
+  xrdsDestroyUpscaler(upscaler);
+  xrdsCloseModel(model);
+}
+
+TEST_F(CApi, IsFiniteWhateverTheInputs) {
+  colourPixels_[5] = std::numeric_limits<float>::quiet_NaN();
+  albedo_[7] = std::numeric_limits<float>::infinity();
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  for (const float value : outputPixels_) ASSERT_TRUE(std::isfinite(value));
+}
+
+TEST_F(CApi, RefusesWhatCannotBe) {
+  const auto refused = [&](XrdsResult result, const char* words) {
+    EXPECT_EQ(result, XRDS_ERROR_ARGUMENT);
+    EXPECT_NE(std::string(xrdsGetMessage()).find(words), std::string::npos) << words << " in " << xrdsGetMessage();
+  };
+  const auto upscale = [&](const XrdsImage* colour, const XrdsImage* auxiliary, uint32_t count,
+                           const XrdsImage* output) {
+    return xrdsUpscale(upscaler_, colour, auxiliary, count, output, nullptr, nullptr);
+  };
+  refused(upscale(nullptr, auxiliary_, 2, &output_), "'colour' is a null pointer");
+  refused(upscale(&colour_, nullptr, 2, &output_), "'auxiliary' is a null pointer");
+  refused(upscale(&colour_, auxiliary_, 1, &output_), "takes 2 auxiliary images, found 1");
+  refused(upscale(&colour_, auxiliary_, 2, nullptr), "'output' is a null pointer");
+  refused(upscale(&output_, auxiliary_, 2, &output_), "The colour image is 56 x 36 pixels, expected 14 x 9");
+  refused(upscale(&colour_, auxiliary_, 2, &colour_), "The output image is 14 x 9 pixels, expected 56 x 36");
+  XrdsImage without = colour_;
+  without.channels[1] = nullptr;
+  refused(upscale(&without, auxiliary_, 2, &output_), "The colour image has no channel 1");
+  XrdsImage strange = colour_;
+  strange.format = static_cast<XrdsFormat>(7);
+  refused(upscale(&strange, auxiliary_, 2, &output_), "expected XRDS_FLOAT or XRDS_HALF");
+
+  XrdsUpscaler* upscaler = nullptr;
+  refused(xrdsCreateUpscaler(device_, model_, 0, 5, nullptr, &upscaler), "0 x 5 pixels");
+  refused(xrdsCreateUpscaler(nullptr, model_, 5, 5, nullptr, &upscaler), "The device is a null pointer");
+  refused(xrdsCreateUpscaler(device_, model_, 5, 5, nullptr, nullptr), "'upscaler' is a null pointer");
+  XrdsUpscalerOptions options = xrdsUpscalerOptionsDefault();
+  options.ensemble = 3;
+  refused(xrdsCreateUpscaler(device_, model_, 5, 5, &options, &upscaler), "expected 1, 2, 4 or 8");
+  options = xrdsUpscalerOptionsDefault();
+  options.exposure = -1;
+  refused(xrdsCreateUpscaler(device_, model_, 5, 5, &options, &upscaler), "exposure");
+  options.structSize = 4;
+  refused(xrdsCreateUpscaler(device_, model_, 5, 5, &options, &upscaler), "structSize of 4");
+  EXPECT_EQ(upscaler, nullptr);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();  // nothing of it did any harm
+}
+
+TEST_F(CApi, RefusesHandlesThatAreNotOpen) {
+  XrdsDevice* const closed = device_;
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  xrdsCloseDevice(device_);
+  xrdsCloseModel(model_);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();  // which keeps both alive
+  XrdsUpscaler* upscaler = nullptr;
+  EXPECT_EQ(xrdsCreateUpscaler(closed, model_, 5, 5, nullptr, &upscaler), XRDS_ERROR_ARGUMENT);
+  EXPECT_STREQ(xrdsGetMessage(), "The device is not open: it was closed, or is no handle at all.");
+  EXPECT_EQ(xrdsGetModelScale(model_), 0u);
+  xrdsCloseDevice(closed);
+  xrdsDestroyUpscaler(upscaler_);
+  EXPECT_EQ(run(), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsGetDeviceBytes(upscaler_), 0u);
+}
+
+TEST_F(CApi, CancelsAndSaysWhenItIsBusy) {
+  const auto cancel = [](void* user, double share) {
+    EXPECT_TRUE(share >= 0 && share <= 1);
+    ++*static_cast<int*>(user);
+    return 0;
+  };
+  int heard = 0;
+  EXPECT_EQ(run(cancel, &heard), XRDS_CANCELLED);
+  EXPECT_EQ(heard, 1);
+  const auto meanwhile = [](void* user, double) {
+    auto& test = *static_cast<CApi*>(user);
+    std::thread([&] {
+      EXPECT_EQ(test.run(), XRDS_ERROR_BUSY);
+      EXPECT_NE(std::string(xrdsGetMessage()).find("another thread"), std::string::npos);
+    }).join();
+    return 1;
+  };
+  EXPECT_EQ(run(meanwhile, this), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(outputPixels_, expected());
+}
+
+TEST_F(CApi, ThreadsWithAnUpscalerEachShareADevice) {
+  const std::vector<float> wanted = expected();
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 3; ++i)
+    threads.emplace_back([&] {
+      XrdsUpscaler* upscaler = nullptr;
+      ASSERT_EQ(xrdsCreateUpscaler(device_, model_, kWidth, kHeight, nullptr, &upscaler), XRDS_OK) << xrdsGetMessage();
+      std::vector<float> pixels(wanted.size());
+      const XrdsImage output = rgb(pixels, kWide, kHigh);
+      for (int frame = 0; frame < 3; ++frame)
+        EXPECT_EQ(xrdsUpscale(upscaler, &colour_, auxiliary_, 2, &output, nullptr, nullptr), XRDS_OK);
+      EXPECT_EQ(pixels, wanted);
+      xrdsDestroyUpscaler(upscaler);
+    });
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST(CApiModels, AreFoundByName) {
+  char path[1024] = "";
+  ASSERT_EQ(xrdsFindModel("xrds-x4-nano", path, sizeof path), XRDS_OK) << xrdsGetMessage();
+  EXPECT_TRUE(std::string(path).ends_with("xrds-x4-nano.safetensors")) << path;
+  EXPECT_EQ(xrdsFindModel("xrds-x4-nano", path, 8), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsFindModel("none", path, sizeof path), XRDS_ERROR_FAILED);
+  EXPECT_NE(std::string(xrdsGetMessage()).find("There is no model 'none' in '"), std::string::npos);
+  const test::EnvironmentVariable folder("XRDS_MODELS", XRDS_GOLDEN_FOLDER);
+  ASSERT_EQ(xrdsFindModel("s4_guided.model", path, sizeof path), XRDS_OK) << xrdsGetMessage();
+  XrdsModel* model = nullptr;
+  EXPECT_EQ(xrdsOpenModel("/nowhere/x.safetensors", &model), XRDS_ERROR_FAILED);
+  ASSERT_EQ(xrdsOpenModel("s4_guided.model", &model), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(xrdsGetModelScale(model), 4u);
+  EXPECT_STREQ(xrdsGetModelMetadata(model, "license"), "MIT");
+  EXPECT_EQ(xrdsGetModelMetadata(model, "nothing"), nullptr);
+  xrdsCloseModel(model);
+}
+
+TEST(CApiDevices, AreDescribed) {
+  uint32_t count = 0;
+  ASSERT_EQ(xrdsCountDevices(&count), XRDS_OK) << xrdsGetMessage();
+  ASSERT_GT(count, 0u);
+  XrdsDeviceDescription found{};
+  EXPECT_EQ(xrdsDescribeDevice(0, &found), XRDS_ERROR_ARGUMENT);  // structSize
+  found.structSize = sizeof found;
+  ASSERT_EQ(xrdsDescribeDevice(0, &found), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(found.name, Device::list()[0].name);
+  EXPECT_EQ(std::string(found.uuid).size(), 32u);
+  EXPECT_EQ(xrdsDescribeDevice(count, &found), XRDS_ERROR_ARGUMENT);
+  XrdsDeviceOptions options = xrdsDeviceOptionsDefault();
+  options.select = "no such device";
+  XrdsDevice* device = nullptr;
+  EXPECT_EQ(xrdsOpenDevice(&options, &device), XRDS_ERROR_FAILED);
+  EXPECT_NE(std::string(xrdsGetMessage()).find(found.name), std::string::npos) << xrdsGetMessage();
+  EXPECT_EQ(device, nullptr);
+}
+
+TEST(CApiColours, AreMerged) {
+  std::vector<float> low = noise(4 * kWidth * kHeight, 5), full = noise(3 * kWide * kHigh, 6), merged(low.size());
+  const XrdsImage from = xrdsInterleavedImage(low.data(), XRDS_FLOAT, 4, kWidth, kHeight),
+                  with = rgb(full, kWide, kHigh);
+  const XrdsImage to = xrdsInterleavedImage(merged.data(), XRDS_FLOAT, 4, kWidth, kHeight);
+  ASSERT_EQ(xrdsMergeColour(&from, &with, 64, 16, &to), XRDS_OK) << xrdsGetMessage();
+  const auto wanted =
+      mergedColour({low.data(), kWidth, kHeight, 4}, {full.data(), kWide, kHigh}, fullShare({64, 16}, 4));
+  for (size_t p = 0; p < size_t{kWidth} * kHeight; ++p) {
+    EXPECT_EQ(merged[4 * p], wanted[3 * p]);
+    EXPECT_EQ(merged[4 * p + 3], low[4 * p + 3]);
+  }
+  EXPECT_EQ(xrdsMergeColour(&with, &from, 64, 16, &with), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsMergeColour(&from, &with, 64, 0, &to), XRDS_ERROR_ARGUMENT);
+}
+
+TEST(CApiVersion, IsThatOfTheProject) {
+  uint32_t major = 9, minor = 9;
+  xrdsGetVersion(&major, &minor, nullptr);
+  EXPECT_EQ(std::to_string(major) + "." + std::to_string(minor), std::string(XRDS_VERSION).substr(0, 3));
+}
+
+}  // namespace
+}  // namespace xrds

@@ -1,0 +1,78 @@
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+
+#include "api/c/handles.h"
+#include "api/c/result.h"
+#include "api/c/sized.h"
+
+using namespace xrds::c;
+
+namespace {
+
+std::string textOr(const char* text) { return text ? text : ""; }
+
+template <size_t N>
+void setText(char (&field)[N], const std::string& text) {
+  const size_t length = std::min(text.size(), N - 1);
+  std::memcpy(field, text.data(), length);
+  field[length] = 0;
+}
+
+xrds::Device::Options optionsOf(const XrdsDeviceOptions& given) {
+  xrds::Device::Options options{.select = textOr(given.select),
+                                .cacheFolder = textOr(given.cacheFolder),
+                                .kernelFamily = textOr(given.kernelFamily)};
+  if (given.preparation)
+    options.onPreparation = [hear = given.preparation, user = given.preparationUser](const xrds::Preparation& now) {
+      return hear(user, now.phase == xrds::Preparation::Phase::machineCode, now.done, now.total) != 0;
+    };
+  return options;
+}
+
+}  // namespace
+
+XrdsDeviceOptions xrdsDeviceOptionsDefault() { return {.structSize = sizeof(XrdsDeviceOptions)}; }
+
+XrdsResult xrdsCountDevices(uint32_t* count) {
+  return guarded([&] {
+    required(count, "count") = static_cast<uint32_t>(xrds::Device::list().size());
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* description) {
+  return guarded([&] {
+    checkSize(required(description, "description"));
+    const auto devices = xrds::Device::list();
+    if (index >= devices.size())
+      throw xrds::InvalidArgument("There is no device " + std::to_string(index) + ": there are " +
+                                  std::to_string(devices.size()) + ".");
+    const xrds::Device::Description& found = devices[index];
+    XrdsDeviceDescription& out = *description;
+    setText(out.name, found.name);
+    setText(out.kind, found.kind);
+    setText(out.uuid, found.uuid);
+    setText(out.driver, found.driver);
+    setText(out.apiVersion, found.apiVersion);
+    setText(out.kernelFamily, found.kernelFamily);
+    out.memoryBytes = found.memoryBytes;
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device) {
+  return guarded([&] {
+    XrdsDevice*& out = required(device, "device");
+    out = Devices::open().add(
+        std::make_shared<XrdsDevice>(optionsOf(options ? checkSize(*options) : xrdsDeviceOptionsDefault())));
+    return XRDS_OK;
+  });
+}
+
+void xrdsCloseDevice(XrdsDevice* device) {
+  guarded([&] {
+    Devices::open().remove(device);
+    return XRDS_OK;
+  });
+}

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+
+#include "xrds/alpha.h"
+#include "xrds/xrds.h"
+#include "xrds/xrds.hpp"
+
+/// A device, which one thread at a time may use.
+struct XrdsDevice {
+  explicit XrdsDevice(const xrds::Device::Options& options) : device(options) {}
+  xrds::Device device;
+  std::mutex access;
+};
+
+struct XrdsModel {
+  explicit XrdsModel(const std::filesystem::path& file) : model(file) {}
+  const xrds::Model model;
+};
+
+/// An upscaler with what it needs alive. `use` is held by the thread that runs it, `device->access` as well.
+struct XrdsUpscaler {
+  XrdsUpscaler(std::shared_ptr<XrdsDevice> device, std::shared_ptr<XrdsModel> model, uint32_t width, uint32_t height,
+               const xrds::Upscaler::Options& options);
+  ~XrdsUpscaler();
+
+  const std::shared_ptr<XrdsDevice> device;
+  const std::shared_ptr<XrdsModel> model;
+  const uint32_t width, height;
+  const xrds::TileOptions tiles;
+  std::optional<xrds::Upscaler> upscaler;
+  std::optional<xrds::AlphaUpscaler> alpha;  // made when a frame has one
+  std::mutex use;
+};
+
+namespace xrds::c {
+
+/// The open handles of one kind: what is not among them is refused. One table a kind and process, as handles are C's.
+template <class T>
+class Handles {
+ public:
+  static Handles& open() {
+    static Handles handles;
+    return handles;
+  }
+  T* add(std::shared_ptr<T> object) {
+    const std::lock_guard lock(access_);
+    T* const handle = object.get();
+    objects_[handle] = std::move(object);
+    return handle;
+  }
+  /// Null if it is not open.
+  std::shared_ptr<T> find(const T* handle) const {
+    const std::lock_guard lock(access_);
+    const auto found = objects_.find(handle);
+    return found == objects_.end() ? nullptr : found->second;
+  }
+  /// What was open, to be given up outside of the table's lock.
+  std::shared_ptr<T> remove(const T* handle) {
+    const std::lock_guard lock(access_);
+    const auto node = objects_.extract(handle);
+    return node.empty() ? nullptr : node.mapped();
+  }
+  /// Throws InvalidArgument, which calls the handle `what`, if it is not open.
+  std::shared_ptr<T> opened(const T* handle, const char* what) const {
+    if (auto object = find(handle)) return object;
+    throw InvalidArgument(std::string("The ") + what +
+                          (handle ? " is not open: it was closed, or is no handle at all." : " is a null pointer."));
+  }
+
+ private:
+  mutable std::mutex access_;
+  std::unordered_map<const T*, std::shared_ptr<T>> objects_;
+};
+
+using Devices = Handles<XrdsDevice>;
+using Models = Handles<XrdsModel>;
+using Upscalers = Handles<XrdsUpscaler>;
+
+}  // namespace xrds::c

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "xrds/pixel_view.h"
+#include "xrds/xrds.h"
+
+namespace xrds::c {
+
+/// Throws InvalidArgument, which calls the image `what`, unless it has so many channels and can be one.
+void checkImage(const XrdsImage& image, const std::string& what, uint32_t channels);
+
+/// Three channels of an image as the library reads them: the caller's own pixels where they are laid out so, else a
+/// copy.
+class ReadImage {
+ public:
+  /// Throws as checkImage() does.
+  ReadImage(const XrdsImage& image, const std::string& what);
+  /// Pixels of the library's own, three floats each.
+  ReadImage(std::vector<float> pixels, uint32_t width, uint32_t height);
+  ReadImage(ReadImage&&) = default;  // the pixels of a copy stay where they are
+  const PixelView& view() const { return view_; }
+
+ private:
+  std::vector<float> copy_;
+  PixelView view_;
+};
+
+/// One channel, row by row.
+std::vector<float> readChannel(const XrdsImage& image, uint32_t channel);
+/// Writes it, from every `step`th of the values on.
+void writeChannel(const XrdsImage& image, uint32_t channel, const float* values, size_t step);
+
+/// Whether the image is rows of three floats a pixel without gaps.
+bool isPacked(const XrdsImage& image);
+
+}  // namespace xrds::c

@@ -1,0 +1,54 @@
+#include "xrds/shipped_models.h"
+
+#include <cstdlib>
+#if defined(_WIN32)
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
+
+namespace xrds {
+namespace fs = std::filesystem;
+namespace {
+
+// The folder of the file that holds this code; empty where the system does not tell.
+fs::path ownFolder() {
+  std::error_code error;
+#if defined(_WIN32)
+  HMODULE module = nullptr;
+  wchar_t path[MAX_PATH] = L"";
+  constexpr DWORD kFlags = GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS | GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT;
+  if (!GetModuleHandleExW(kFlags, reinterpret_cast<LPCWSTR>(&ownFolder), &module)) return {};
+  if (GetModuleFileNameW(module, path, MAX_PATH) == 0) return {};
+  const fs::path file = path;
+#else
+  Dl_info found{};
+  if (dladdr(reinterpret_cast<const void*>(&ownFolder), &found) == 0 || !found.dli_fname) return {};
+  fs::path file = found.dli_fname;
+#if defined(__linux__)  // of the program itself this is the word that it was called by
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error && program.filename() == file.filename()) file = program;
+#endif
+#endif
+  const fs::path real = fs::canonical(file, error);
+  return error ? fs::path() : real.parent_path();
+}
+
+}  // namespace
+
+std::vector<fs::path> modelFolders() {
+  std::vector<fs::path> folders;
+  if (const char* folder = std::getenv("XRDS_MODELS")) folders.emplace_back(folder);
+  if (const fs::path own = ownFolder(); !own.empty())
+    for (const char* up : {"..", "../.."}) folders.push_back((own / up / "share/xrds/models").lexically_normal());
+  folders.emplace_back(XRDS_MODEL_FOLDER);
+  return folders;
+}
+
+fs::path findModel(const std::string& name) {
+  for (const fs::path& folder : modelFolders())
+    if (fs::path file = folder / (name + ".safetensors"); fs::exists(file)) return file;
+  return {};
+}
+
+}  // namespace xrds

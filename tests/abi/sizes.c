@@ -1,0 +1,44 @@
+/* Prints the size of every structure of the C API and the place of every field: what programs were built with. */
+#include <stddef.h>
+#include <stdio.h>
+
+#include "xrds/xrds.h"
+
+#define SIZE(type) printf(#type " %zu\n", sizeof(type))
+#define FIELD(type, field) printf(#type "." #field " %zu\n", offsetof(type, field))
+
+int main(void) {
+  SIZE(XrdsDeviceDescription);
+  FIELD(XrdsDeviceDescription, name);
+  FIELD(XrdsDeviceDescription, kind);
+  FIELD(XrdsDeviceDescription, uuid);
+  FIELD(XrdsDeviceDescription, driver);
+  FIELD(XrdsDeviceDescription, apiVersion);
+  FIELD(XrdsDeviceDescription, kernelFamily);
+  FIELD(XrdsDeviceDescription, memoryBytes);
+  SIZE(XrdsDeviceOptions);
+  FIELD(XrdsDeviceOptions, select);
+  FIELD(XrdsDeviceOptions, cacheFolder);
+  FIELD(XrdsDeviceOptions, kernelFamily);
+  FIELD(XrdsDeviceOptions, preparation);
+  FIELD(XrdsDeviceOptions, preparationUser);
+  SIZE(XrdsImage);
+  FIELD(XrdsImage, channels);
+  FIELD(XrdsImage, pixelStride);
+  FIELD(XrdsImage, rowStride);
+  FIELD(XrdsImage, width);
+  FIELD(XrdsImage, height);
+  FIELD(XrdsImage, format);
+  SIZE(XrdsUpscalerOptions);
+  FIELD(XrdsUpscalerOptions, fp16);
+  FIELD(XrdsUpscalerOptions, exposure);
+  FIELD(XrdsUpscalerOptions, ensemble);
+  FIELD(XrdsUpscalerOptions, memoryBytes);
+  FIELD(XrdsUpscalerOptions, skipBound);
+  FIELD(XrdsUpscalerOptions, keepUnchanged);
+  printf("XRDS_OK %d\nXRDS_CANCELLED %d\nXRDS_ERROR_ARGUMENT %d\nXRDS_ERROR_FAILED %d\nXRDS_ERROR_OUT_OF_MEMORY %d\n",
+         XRDS_OK, XRDS_CANCELLED, XRDS_ERROR_ARGUMENT, XRDS_ERROR_FAILED, XRDS_ERROR_OUT_OF_MEMORY);
+  printf("XRDS_ERROR_DEVICE_LOST %d\nXRDS_ERROR_BUSY %d\nXRDS_ERROR_INTERNAL %d\nXRDS_FLOAT %d\nXRDS_HALF %d\n",
+         XRDS_ERROR_DEVICE_LOST, XRDS_ERROR_BUSY, XRDS_ERROR_INTERNAL, XRDS_FLOAT, XRDS_HALF);
+  return 0;
+}
