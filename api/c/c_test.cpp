@@ -31,43 +31,43 @@ XrdsImage rgb(std::vector<float>& pixels, uint32_t width, uint32_t height) {
 class CApi : public testing::Test {
  public:  // threads of a test use it
   void SetUp() override {
-    ASSERT_EQ(xrdsOpenDevice(nullptr, &device_), XRDS_OK) << xrdsGetMessage();
-    ASSERT_EQ(xrdsOpenModel(kModel.c_str(), &model_), XRDS_OK) << xrdsGetMessage();
-    ASSERT_EQ(xrdsCreateUpscaler(device_, model_, kWidth, kHeight, nullptr, &upscaler_), XRDS_OK) << xrdsGetMessage();
+    ASSERT_EQ(xrdsOpenDevice(nullptr, &device), XRDS_OK) << xrdsGetMessage();
+    ASSERT_EQ(xrdsOpenModel(kModel.c_str(), &model), XRDS_OK) << xrdsGetMessage();
+    ASSERT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, nullptr, &upscaler), XRDS_OK) << xrdsGetMessage();
   }
   void TearDown() override {  // in the order that looks wrong
-    xrdsCloseDevice(device_);
-    xrdsCloseModel(model_);
-    xrdsDestroyUpscaler(upscaler_);
+    xrdsCloseDevice(device);
+    xrdsCloseModel(model);
+    xrdsDestroyUpscaler(upscaler);
   }
   XrdsResult run(XrdsProgress progress = nullptr, void* user = nullptr) {
-    return xrdsUpscale(upscaler_, &colour_, auxiliary_, 2, &output_, progress, user);
+    return xrdsUpscale(upscaler, &colour, auxiliary, 2, &output, progress, user);
   }
   // What the C++ classes make of the frame.
   std::vector<float> expected() const {
     Device device;
     const Model model(kModel);
     Upscaler upscaler(device, model, kWidth, kHeight, {});
-    std::vector<float> output(outputPixels_.size());
-    const PixelView auxiliary[] = {{albedo_.data(), kWide, kHigh}, {normal_.data(), kWide, kHigh}};
-    upscaler.run({colourPixels_.data(), kWidth, kHeight}, auxiliary, output);
+    std::vector<float> output(outputPixels.size());
+    const PixelView auxiliary[] = {{albedo.data(), kWide, kHigh}, {normal.data(), kWide, kHigh}};
+    upscaler.run({colourPixels.data(), kWidth, kHeight}, auxiliary, output);
     return output;
   }
 
-  XrdsDevice* device_ = nullptr;
-  XrdsModel* model_ = nullptr;
-  XrdsUpscaler* upscaler_ = nullptr;
-  std::vector<float> colourPixels_ = noise(3 * kWidth * kHeight, 1), albedo_ = noise(3 * kWide * kHigh, 2),
-                     normal_ = noise(3 * kWide * kHigh, 3), outputPixels_ = std::vector<float>(3 * kWide * kHigh, -1);
-  XrdsImage colour_ = rgb(colourPixels_, kWidth, kHeight), output_ = rgb(outputPixels_, kWide, kHigh);
-  XrdsImage auxiliary_[2] = {rgb(albedo_, kWide, kHigh), rgb(normal_, kWide, kHigh)};
+  XrdsDevice* device = nullptr;
+  XrdsModel* model = nullptr;
+  XrdsUpscaler* upscaler = nullptr;
+  std::vector<float> colourPixels = noise(3 * kWidth * kHeight, 1), albedo = noise(3 * kWide * kHigh, 2),
+                     normal = noise(3 * kWide * kHigh, 3), outputPixels = std::vector<float>(3 * kWide * kHigh, -1);
+  XrdsImage colour = rgb(colourPixels, kWidth, kHeight), output = rgb(outputPixels, kWide, kHigh);
+  XrdsImage auxiliary[2] = {rgb(albedo, kWide, kHigh), rgb(normal, kWide, kHigh)};
 };
 
 TEST_F(CApi, GivesThePictureOfTheClasses) {
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
-  EXPECT_EQ(outputPixels_, expected());
-  EXPECT_GT(xrdsGetExposure(upscaler_), 0);
-  EXPECT_GT(xrdsGetDeviceBytes(upscaler_), 1000u);
+  EXPECT_EQ(outputPixels, expected());
+  EXPECT_GT(xrdsGetExposure(upscaler), 0);
+  EXPECT_GT(xrdsGetDeviceBytes(upscaler), 1000u);
 }
 
 // Planes of halves from the bottom row up, of which the colour's values are exact.
@@ -76,18 +76,18 @@ TEST_F(CApi, ReadsAndWritesAnyLayout) {
   for (size_t p = 0; p < size_t{kWidth} * kHeight; ++p)
     for (size_t c = 0; c < 3; ++c) {
       const size_t y = p / kWidth, x = p % kWidth;
-      planes[c * kWidth * kHeight + (kHeight - 1 - y) * kWidth + x] = toHalf(colourPixels_[3 * p + c]);
-      colourPixels_[3 * p + c] = fromHalf(toHalf(colourPixels_[3 * p + c]));
+      planes[c * kWidth * kHeight + (kHeight - 1 - y) * kWidth + x] = toHalf(colourPixels[3 * p + c]);
+      colourPixels[3 * p + c] = fromHalf(toHalf(colourPixels[3 * p + c]));
     }
   const std::vector<float> wanted = expected();
-  for (size_t c = 0; c < 3; ++c) colour_.channels[c] = &planes[c * kWidth * kHeight + (kHeight - 1) * kWidth];
-  colour_.pixelStride = 2;
-  colour_.rowStride = -2 * ptrdiff_t{kWidth};
-  colour_.format = XRDS_HALF;
-  for (size_t c = 0; c < 3; ++c) output_.channels[c] = &result[c * kWide * kHigh + (kHigh - 1) * kWide];
-  output_.pixelStride = 2;
-  output_.rowStride = -2 * ptrdiff_t{kWide};
-  output_.format = XRDS_HALF;
+  for (size_t c = 0; c < 3; ++c) colour.channels[c] = &planes[c * kWidth * kHeight + (kHeight - 1) * kWidth];
+  colour.pixelStride = 2;
+  colour.rowStride = -2 * ptrdiff_t{kWidth};
+  colour.format = XRDS_HALF;
+  for (size_t c = 0; c < 3; ++c) output.channels[c] = &result[c * kWide * kHigh + (kHigh - 1) * kWide];
+  output.pixelStride = 2;
+  output.rowStride = -2 * ptrdiff_t{kWide};
+  output.format = XRDS_HALF;
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
   for (size_t y = 0; y < kHigh; ++y)
     for (size_t x = 0; x < kWide; ++x)
@@ -98,47 +98,47 @@ TEST_F(CApi, ReadsAndWritesAnyLayout) {
 TEST_F(CApi, UpscalesAlphaAndKeepsOpaqueOpaque) {
   std::vector<float> rgba(4 * kWidth * kHeight, 1), result(4 * kWide * kHigh, -1);
   for (size_t p = 0; p < size_t{kWidth} * kHeight; ++p) {
-    std::copy_n(&colourPixels_[3 * p], 3, &rgba[4 * p]);
+    std::copy_n(&colourPixels[3 * p], 3, &rgba[4 * p]);
     rgba[4 * p + 3] = p % kWidth < kWidth / 2 ? 0.F : 1.F;
   }
-  colour_ = xrdsInterleavedImage(rgba.data(), XRDS_FLOAT, 4, kWidth, kHeight);
-  output_ = xrdsInterleavedImage(result.data(), XRDS_FLOAT, 4, kWide, kHigh);
+  colour = xrdsInterleavedImage(rgba.data(), XRDS_FLOAT, 4, kWidth, kHeight);
+  output = xrdsInterleavedImage(result.data(), XRDS_FLOAT, 4, kWide, kHigh);
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
   const std::vector<float> wanted = expected();
   for (size_t p = 0; p < size_t{kWide} * kHigh; ++p) EXPECT_EQ(result[4 * p], wanted[3 * p]);
   EXPECT_EQ(result[3], 0);
   EXPECT_EQ(result[4 * kWide - 1], 1);
   EXPECT_NEAR(result[4 * (kWide / 2) + 3], 0.5F, 0.2F);
-  colour_ = rgb(colourPixels_, kWidth, kHeight);  // without alpha all is opaque
+  colour = rgb(colourPixels, kWidth, kHeight);  // without alpha all is opaque
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
   EXPECT_EQ(result[3], 1);
 }
 
 TEST_F(CApi, TakesDistancesForTheDepth) {
-  XrdsModel* model = nullptr;
-  XrdsUpscaler* upscaler = nullptr;
-  ASSERT_EQ(xrdsOpenModel(kDepthModel.c_str(), &model), XRDS_OK);
-  ASSERT_EQ(xrdsCountModelInputs(model), 3u);
-  EXPECT_STREQ(xrdsGetModelInput(model, 2), "depth");
-  EXPECT_EQ(xrdsGetModelInput(model, 3), nullptr);
-  ASSERT_EQ(xrdsCreateUpscaler(device_, model, kWidth, kHeight, nullptr, &upscaler), XRDS_OK);
+  XrdsModel* deepModel = nullptr;
+  XrdsUpscaler* deep = nullptr;
+  ASSERT_EQ(xrdsOpenModel(kDepthModel.c_str(), &deepModel), XRDS_OK);
+  ASSERT_EQ(xrdsCountModelInputs(deepModel), 3u);
+  EXPECT_STREQ(xrdsGetModelInput(deepModel, 2), "depth");
+  EXPECT_EQ(xrdsGetModelInput(deepModel, 3), nullptr);
+  ASSERT_EQ(xrdsCreateUpscaler(device, deepModel, kWidth, kHeight, nullptr, &deep), XRDS_OK);
   std::vector<float> distances = noise(kWide * kHigh, 4), relative = relativeDepth(distances);
-  XrdsImage images[] = {auxiliary_[0], auxiliary_[1],
+  XrdsImage images[] = {auxiliary[0], auxiliary[1],
                         xrdsInterleavedImage(distances.data(), XRDS_FLOAT, 1, kWide, kHigh)};
-  ASSERT_EQ(xrdsUpscale(upscaler, &colour_, images, 3, &output_, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
-  const std::vector<float> first = outputPixels_;
+  ASSERT_EQ(xrdsUpscale(deep, &colour, images, 3, &output, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> first = outputPixels;
   images[2] = rgb(relative, kWide, kHigh);
-  ASSERT_EQ(xrdsUpscale(upscaler, &colour_, images, 3, &output_, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
-  EXPECT_EQ(outputPixels_, first);
-  xrdsDestroyUpscaler(upscaler);
-  xrdsCloseModel(model);
+  ASSERT_EQ(xrdsUpscale(deep, &colour, images, 3, &output, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(outputPixels, first);
+  xrdsDestroyUpscaler(deep);
+  xrdsCloseModel(deepModel);
 }
 
 TEST_F(CApi, IsFiniteWhateverTheInputs) {
-  colourPixels_[5] = std::numeric_limits<float>::quiet_NaN();
-  albedo_[7] = std::numeric_limits<float>::infinity();
+  colourPixels[5] = std::numeric_limits<float>::quiet_NaN();
+  albedo[7] = std::numeric_limits<float>::infinity();
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
-  for (const float value : outputPixels_) ASSERT_TRUE(std::isfinite(value));
+  for (const float value : outputPixels) ASSERT_TRUE(std::isfinite(value));
 }
 
 TEST_F(CApi, RefusesWhatCannotBe) {
@@ -148,51 +148,51 @@ TEST_F(CApi, RefusesWhatCannotBe) {
   };
   const auto upscale = [&](const XrdsImage* colour, const XrdsImage* auxiliary, uint32_t count,
                            const XrdsImage* output) {
-    return xrdsUpscale(upscaler_, colour, auxiliary, count, output, nullptr, nullptr);
+    return xrdsUpscale(upscaler, colour, auxiliary, count, output, nullptr, nullptr);
   };
-  refused(upscale(nullptr, auxiliary_, 2, &output_), "'colour' is a null pointer");
-  refused(upscale(&colour_, nullptr, 2, &output_), "'auxiliary' is a null pointer");
-  refused(upscale(&colour_, auxiliary_, 1, &output_), "takes 2 auxiliary images, found 1");
-  refused(upscale(&colour_, auxiliary_, 2, nullptr), "'output' is a null pointer");
-  refused(upscale(&output_, auxiliary_, 2, &output_), "The colour image is 56 x 36 pixels, expected 14 x 9");
-  refused(upscale(&colour_, auxiliary_, 2, &colour_), "The output image is 14 x 9 pixels, expected 56 x 36");
-  XrdsImage without = colour_;
+  refused(upscale(nullptr, auxiliary, 2, &output), "'colour' is a null pointer");
+  refused(upscale(&colour, nullptr, 2, &output), "'auxiliary' is a null pointer");
+  refused(upscale(&colour, auxiliary, 1, &output), "takes 2 auxiliary images, found 1");
+  refused(upscale(&colour, auxiliary, 2, nullptr), "'output' is a null pointer");
+  refused(upscale(&output, auxiliary, 2, &output), "The colour image is 56 x 36 pixels, expected 14 x 9");
+  refused(upscale(&colour, auxiliary, 2, &colour), "The output image is 14 x 9 pixels, expected 56 x 36");
+  XrdsImage without = colour;
   without.channels[1] = nullptr;
-  refused(upscale(&without, auxiliary_, 2, &output_), "The colour image has no channel 1");
-  XrdsImage strange = colour_;
+  refused(upscale(&without, auxiliary, 2, &output), "The colour image has no channel 1");
+  XrdsImage strange = colour;
   strange.format = static_cast<XrdsFormat>(7);
-  refused(upscale(&strange, auxiliary_, 2, &output_), "expected XRDS_FLOAT or XRDS_HALF");
+  refused(upscale(&strange, auxiliary, 2, &output), "expected XRDS_FLOAT or XRDS_HALF");
 
-  XrdsUpscaler* upscaler = nullptr;
-  refused(xrdsCreateUpscaler(device_, model_, 0, 5, nullptr, &upscaler), "0 x 5 pixels");
-  refused(xrdsCreateUpscaler(nullptr, model_, 5, 5, nullptr, &upscaler), "The device is a null pointer");
-  refused(xrdsCreateUpscaler(device_, model_, 5, 5, nullptr, nullptr), "'upscaler' is a null pointer");
+  XrdsUpscaler* made = nullptr;
+  refused(xrdsCreateUpscaler(device, model, 0, 5, nullptr, &made), "0 x 5 pixels");
+  refused(xrdsCreateUpscaler(nullptr, model, 5, 5, nullptr, &made), "The device is a null pointer");
+  refused(xrdsCreateUpscaler(device, model, 5, 5, nullptr, nullptr), "'upscaler' is a null pointer");
   XrdsUpscalerOptions options = xrdsUpscalerOptionsDefault();
   options.ensemble = 3;
-  refused(xrdsCreateUpscaler(device_, model_, 5, 5, &options, &upscaler), "expected 1, 2, 4 or 8");
+  refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "expected 1, 2, 4 or 8");
   options = xrdsUpscalerOptionsDefault();
   options.exposure = -1;
-  refused(xrdsCreateUpscaler(device_, model_, 5, 5, &options, &upscaler), "exposure");
+  refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "exposure");
   options.structSize = 4;
-  refused(xrdsCreateUpscaler(device_, model_, 5, 5, &options, &upscaler), "structSize of 4");
-  EXPECT_EQ(upscaler, nullptr);
+  refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "structSize of 4");
+  EXPECT_EQ(made, nullptr);
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();  // nothing of it did any harm
 }
 
 TEST_F(CApi, RefusesHandlesThatAreNotOpen) {
-  XrdsDevice* const closed = device_;
+  XrdsDevice* const closed = device;
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
-  xrdsCloseDevice(device_);
-  xrdsCloseModel(model_);
+  xrdsCloseDevice(device);
+  xrdsCloseModel(model);
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();  // which keeps both alive
-  XrdsUpscaler* upscaler = nullptr;
-  EXPECT_EQ(xrdsCreateUpscaler(closed, model_, 5, 5, nullptr, &upscaler), XRDS_ERROR_ARGUMENT);
+  XrdsUpscaler* made = nullptr;
+  EXPECT_EQ(xrdsCreateUpscaler(closed, model, 5, 5, nullptr, &made), XRDS_ERROR_ARGUMENT);
   EXPECT_STREQ(xrdsGetMessage(), "The device is not open: it was closed, or is no handle at all.");
-  EXPECT_EQ(xrdsGetModelScale(model_), 0u);
+  EXPECT_EQ(xrdsGetModelScale(model), 0u);
   xrdsCloseDevice(closed);
-  xrdsDestroyUpscaler(upscaler_);
+  xrdsDestroyUpscaler(upscaler);
   EXPECT_EQ(run(), XRDS_ERROR_ARGUMENT);
-  EXPECT_EQ(xrdsGetDeviceBytes(upscaler_), 0u);
+  EXPECT_EQ(xrdsGetDeviceBytes(upscaler), 0u);
 }
 
 TEST_F(CApi, CancelsAndSaysWhenItIsBusy) {
@@ -213,7 +213,7 @@ TEST_F(CApi, CancelsAndSaysWhenItIsBusy) {
     return 1;
   };
   EXPECT_EQ(run(meanwhile, this), XRDS_OK) << xrdsGetMessage();
-  EXPECT_EQ(outputPixels_, expected());
+  EXPECT_EQ(outputPixels, expected());
 }
 
 TEST_F(CApi, ThreadsWithAnUpscalerEachShareADevice) {
@@ -221,14 +221,14 @@ TEST_F(CApi, ThreadsWithAnUpscalerEachShareADevice) {
   std::vector<std::thread> threads;
   for (int i = 0; i < 3; ++i)
     threads.emplace_back([&] {
-      XrdsUpscaler* upscaler = nullptr;
-      ASSERT_EQ(xrdsCreateUpscaler(device_, model_, kWidth, kHeight, nullptr, &upscaler), XRDS_OK) << xrdsGetMessage();
+      XrdsUpscaler* own = nullptr;
+      ASSERT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, nullptr, &own), XRDS_OK) << xrdsGetMessage();
       std::vector<float> pixels(wanted.size());
-      const XrdsImage output = rgb(pixels, kWide, kHigh);
+      const XrdsImage picture = rgb(pixels, kWide, kHigh);
       for (int frame = 0; frame < 3; ++frame)
-        EXPECT_EQ(xrdsUpscale(upscaler, &colour_, auxiliary_, 2, &output, nullptr, nullptr), XRDS_OK);
+        EXPECT_EQ(xrdsUpscale(own, &colour, auxiliary, 2, &picture, nullptr, nullptr), XRDS_OK);
       EXPECT_EQ(pixels, wanted);
-      xrdsDestroyUpscaler(upscaler);
+      xrdsDestroyUpscaler(own);
     });
   for (std::thread& thread : threads) thread.join();
 }

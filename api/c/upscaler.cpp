@@ -81,9 +81,11 @@ XrdsResult upscale(XrdsUpscaler& upscaler, const XrdsImage& colour, const XrdsIm
   checkOutput(upscaler, output);
   const ReadImage low(colour, "colour");
   std::vector<ReadImage> images;
+  images.reserve(count);
   for (uint32_t i = 0; i < count; ++i)
     images.push_back(readAuxiliary((&required(auxiliary, "auxiliary"))[i], inputs[i]));
   std::vector<xrds::PixelView> views;
+  views.reserve(count);
   for (const ReadImage& image : images) views.push_back(image.view());
   const std::lock_guard lock(upscaler.device->access);
   if (!runInto(upscaler, low, views, output, progress)) return failed(XRDS_CANCELLED, "The frame was cancelled.");

@@ -21,6 +21,7 @@
  * meaning. The functions xrds...Default() fill a structure with what its comments call the default.
  *
  * Strings are UTF-8, owned by the library unless a comment says otherwise. */
+/* NOLINTBEGIN(modernize-*,readability-identifier-naming): C. */
 #ifndef XRDS_XRDS_H
 #define XRDS_XRDS_H
 
@@ -178,3 +179,4 @@ XRDS_API uint64_t xrdsGetDeviceBytes(const XrdsUpscaler* upscaler);
 }
 #endif
 #endif
+/* NOLINTEND(modernize-*,readability-identifier-naming) */
