@@ -10,6 +10,7 @@
 #include "engine/llvmpipe.h"
 #include "engine/matrix_units.h"
 #include "engine/selection.h"
+#include "engine/traits.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
@@ -45,23 +46,10 @@ void probe(Gpu::Handles& gpu) {
   VkPhysicalDeviceVulkan11Properties version11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &version11};
   vkGetPhysicalDeviceProperties2(gpu.physicalDevice, &properties);
-  VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
-  vkGetPhysicalDeviceFeatures2(gpu.physicalDevice, &features);
   vkGetPhysicalDeviceMemoryProperties(gpu.physicalDevice, &gpu.memory);
   gpu.limits = properties.properties.limits;
   gpu.maxAllocationBytes = version11.maxMemoryAllocationSize;
-  gpu.traits = {.family = chosenFamily(gpu.description, gpu.options.kernelFamily),
-                .matrixUnits = gpu.description.matrixUnits,
-                .matrixSize = gpu.description.matrixSize,
-                .subgroupSize = version11.subgroupSize,
-                .maxStorageBufferRange = gpu.limits.maxStorageBufferRange,
-                .maxTexelBufferElements = gpu.limits.maxTexelBufferElements,
-                .maxAllocationBytes = gpu.maxAllocationBytes,
-                .maxSharedBytes = gpu.limits.maxComputeSharedMemorySize,
-                .maxGroupInvocations = gpu.limits.maxComputeWorkGroupInvocations,
-                .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes,
-                .knowsUniforms = llvmpipeTraits(gpu.description.driver).knowsUniforms};
+  gpu.traits = traitsOf(gpu.physicalDevice, gpu.description, chosenFamily(gpu.description, gpu.options.kernelFamily));
   gpu.pipelineCacheKey = hexadecimal(properties.properties.pipelineCacheUUID) + "-" +
                          hexadecimal(version11.driverUUID) + "-" + std::to_string(properties.properties.driverVersion);
   if (!gpu.options.cacheFolder.empty())

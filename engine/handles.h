@@ -70,6 +70,7 @@ struct Gpu::Handles {
   std::filesystem::path pipelineCacheFile;  // empty: nothing can be written
   std::string pipelineCacheKey;
   size_t loadedCacheBytes = 0;
+  VkPipelineCreateFlags pipelineFlags = 0;  // of all that are made
   std::map<PipelineKey, Pipeline> pipelines;
 
   bool abandoned = false;  // it does not answer: what it may still use is never destroyed

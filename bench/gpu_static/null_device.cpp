@@ -1,0 +1,110 @@
+#include "bench/gpu_static/null_device.h"
+
+#include "engine/matrix_units.h"
+#include "engine/traits.h"
+#include "engine/vulkan_result.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+// VK_KHR_cooperative_matrix, which the Vulkan headers of older systems lack.
+constexpr auto kFeaturesType = static_cast<VkStructureType>(1000506000);
+constexpr auto kPropertiesType = static_cast<VkStructureType>(1000506001);
+constexpr const char* kExtension = "VK_KHR_cooperative_matrix";
+struct CooperativeMatrixFeatures {
+  VkStructureType sType = kFeaturesType;
+  void* pNext = nullptr;
+  VkBool32 cooperativeMatrix = VK_TRUE, robustBufferAccess = VK_FALSE;
+};
+struct CooperativeMatrixProperties {
+  VkStructureType sType = kPropertiesType;
+  void* pNext = nullptr;
+  uint32_t rows = 0, columns = 0, depth = 0;
+  uint32_t a = 0, b = 0, c = 0, result = 0;  // 0: halves, 1: floats
+  VkBool32 saturating = VK_FALSE;
+  uint32_t scope = 0;
+};
+
+// Products of 16 x 16 x 16 halves with sums in fp32, as findMatrixUnits() asks for.
+void findUnits(const Instance& instance, VkPhysicalDevice device, DeviceDescription& description) {
+  using Query = VkResult(VKAPI_PTR*)(VkPhysicalDevice, uint32_t*, CooperativeMatrixProperties*);
+  const auto query = reinterpret_cast<Query>(
+      vkGetInstanceProcAddr(instance.instance, "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR"));
+  if (!query || !hasDeviceExtension(device, kExtension)) return;
+  uint32_t count = 0;
+  checkResult(query(device, &count, nullptr), "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR");
+  std::vector<CooperativeMatrixProperties> offered(count);
+  checkResult(query(device, &count, offered.data()), "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR");
+  const auto offers = [&](uint32_t sums) {
+    for (const CooperativeMatrixProperties& p : offered)
+      if (p.rows == 16 && p.columns == 16 && p.depth == 16 && p.a == 0 && p.b == 0 && p.c == sums && p.result == sums)
+        return true;
+    return false;
+  };
+  if (!offers(1)) return;
+  description.matrixUnits = MatrixUnits::khr;
+  description.matrixSize = {16, 16, 16, offers(0)};
+}
+
+void open(Gpu::Handles& gpu) {
+  const float priority = 1;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
+  features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = VK_TRUE;
+  features12.shaderFloat16 = features12.vulkanMemoryModel = VK_TRUE;
+  VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR statistics{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR};
+  statistics.pipelineExecutableInfo = VK_TRUE;
+  features12.pNext = &statistics;
+  VkPhysicalDeviceSubgroupSizeControlFeatures subgroups{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES};
+  subgroups.subgroupSizeControl = subgroups.computeFullSubgroups = VK_TRUE;
+  statistics.pNext = &subgroups;
+  std::vector<const char*> extensions{VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME,
+                                      VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME};
+  CooperativeMatrixFeatures units;
+  if (gpu.description.matrixUnits == MatrixUnits::khr) {
+    subgroups.pNext = &units;
+    extensions.push_back(kExtension);
+  }
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
+  volkLoadDeviceTable(&gpu.vk, gpu.device);
+}
+
+}  // namespace
+
+NullDevice::NullDevice(ProgramSource programs) {
+  checkResult(volkInitialize(), "volkInitialize");
+  handles_.instance = openInstance({});
+  if (!handles_.instance) throw Error("There is no Vulkan driver.");
+  volkLoadInstanceOnly(handles_.instance->instance);
+  const auto found = findDevices(*handles_.instance);
+  if (found.empty()) throw Error("There is no Vulkan device.");
+  handles_.physicalDevice = found[0].physicalDevice;
+  handles_.description = found[0].description;
+  findUnits(*handles_.instance, handles_.physicalDevice, handles_.description);
+  handles_.options.programs = std::move(programs);
+  handles_.pipelineFlags =
+      VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR | VK_PIPELINE_CREATE_CAPTURE_INTERNAL_REPRESENTATIONS_BIT_KHR;
+  open(handles_);
+}
+
+bool NullDevice::runs(KernelFamily family) const {
+  return !usesMatrixUnits(family) || description().matrixUnits != MatrixUnits::none;
+}
+
+DeviceTraits& NullDevice::take(KernelFamily family) {
+  handles_.traits = traitsOf(handles_.physicalDevice, handles_.description, family);
+  return handles_.traits;
+}
+
+}  // namespace xrds

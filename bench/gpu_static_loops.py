@@ -1,0 +1,73 @@
+"""Reads the machine code that RADV's compiler prints: which instructions the inner loop of a kernel has."""
+import collections
+import re
+
+# Vector instructions that a product of matrix units takes as long as, on RDNA3 and RDNA4: 8192 products in 32 cycles of
+# a SIMD, where a vector instruction of 64 invocations takes 2.
+VECTORS_A_PRODUCT = 16
+
+KINDS = (
+    ("products", r"v_(s?wmma|mfma)"),
+    ("multiplyAdds", r"v_(pk_|dual_)?(fma|fmac|mac|mad|fmamk|fmaak|madmk|madak|dot2)"),
+    ("vector", r"v_"),
+    ("sharedLoads", r"ds_(load|read)"),
+    ("sharedStores", r"ds_"),
+    ("loads", r"(buffer|global|flat|tbuffer|image)_(load|gather)"),
+    ("stores", r"(buffer|global|flat|tbuffer|image)_store"),
+    ("scratch", r"scratch_"),
+    ("waits", r"s_wait"),
+    ("barriers", r"s_barrier"),
+    ("scalar", r"s_"),
+)
+
+
+def kind(operation):
+    return next((name for name, pattern in KINDS if re.match(pattern, operation)), "other")
+
+
+def is_gather16(operation):
+    """A load of 16 bits, of which a matrix fragment then needs one for each of its elements."""
+    return re.match(r"(ds|buffer|global|flat|scratch)_(load|read)_.*(u16|d16|i16|short)", operation) is not None
+
+
+def blocks(assembly):
+    """[(label, [(operation, operands)])] in order."""
+    found = [("BB0", [])]
+    for line in assembly.splitlines():
+        if label := re.match(r"(BB\d+):", line):
+            found.append((label[1], []))
+        elif instruction := re.match(r"\s+([a-z]\w+)\s*(.*)", line):
+            found[-1][1].append((instruction[1], instruction[2]))
+    return found
+
+
+def loops(assembly):
+    """The operations of every loop: of all blocks from where a branch goes back to, to the branch."""
+    found = blocks(assembly)
+    places = {label: i for i, (label, _) in enumerate(found)}
+    for last, (_, instructions) in enumerate(found):
+        for operation, operands in instructions:
+            target = re.search(r"BB\d+", operands) if "branch" in operation else None
+            if target and places.get(target[0], last + 1) <= last:
+                yield [each for _, block in found[places[target[0]]:last + 1] for each, _ in block]
+
+
+def counted(operations):
+    return collections.Counter(map(kind, operations))
+
+
+def inner_loop(assembly):
+    """The counts of the loop that is densest in products, with `gathers16` and `productShare`, the share of vector time
+    that is spent on products; None if no loop has any."""
+    best, best_density = None, 0
+    for operations in loops(assembly):
+        counts = counted(operations)
+        useful = VECTORS_A_PRODUCT * counts["products"] + counts["multiplyAdds"]
+        if useful / len(operations) <= best_density:
+            continue
+        best_density = useful / len(operations)
+        best = {name: counts[name] for name, _ in KINDS if counts[name]}
+        best["all"] = len(operations)
+        best["gathers16"] = sum(map(is_gather16, operations))
+        best["productShare"] = round(useful / (useful + counts["vector"]), 3)
+    return best

@@ -1,0 +1,101 @@
+"""Writes what bench/gpu_static.py has found: a JSON of a line a pipeline, and tables."""
+import collections
+import json
+import subprocess
+
+SHOWN_MODEL = "xrds-x4-compact"
+HEAD = """# The kernels under the compilers of GPUs
+
+Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}: RADV's null device compiled every pipeline of every shipped model for GPUs that
+were not there. Nothing ran, so these are counts and a compiler's estimates, not times. ACO guesses how often a loop runs: its latency
+and inverse throughput compare variants of one kernel, and nothing else. NVIDIA's GPUs (NVK) are left out: their shim must be built from Mesa's source.
+`bench/results/gpu_static.json` has every pipeline. Frames of {frame} x {frame} low-resolution pixels.
+
+*Products* is the share of the inner loop's vector time that multiply-adds take, of which a product of matrix units counts as 16 vector instructions.
+*Filling* is the share of a frame's work in dispatches of at least two workgroups for each compute unit.
+"""
+
+
+def commit(root):
+    git = ["git", "-C", str(root)]
+    name = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True).stdout.strip()
+    changed = subprocess.run([*git, "status", "--porcelain", "--untracked-files=no"], capture_output=True, text=True, check=True).stdout
+    return name + ("+" if changed.strip() else "")
+
+
+def write_json(path, report):
+    """A line for each pipeline and network."""
+    lines = lambda rows: "[\n" + ",\n".join(json.dumps(row, separators=(",", ":")) for row in rows) + "]"
+    gpus = []
+    for gpu in report["gpus"]:
+        head = json.dumps({name: gpu[name] for name in ("gpu", "device", "driver", "computeUnits")})
+        gpus.append(head[:-1] + ',\n"networks": ' + lines(gpu["networks"]) + ',\n"pipelines": ' + lines(gpu["pipelines"]) + "}")
+    head = json.dumps({name: report[name] for name in ("mesa", "commit", "frame")})
+    path.write_text(head[:-1] + ', "gpus": [\n' + ",\n".join(gpus) + "]}\n")
+
+
+def used_by(gpu, family, precision=None):
+    """The pipelines of a family, each with its largest share of a model's work."""
+    shares = collections.Counter()
+    for network in gpu["networks"]:
+        if network["family"] == family and precision in (None, network["precision"]):
+            for pipeline, share in network["shares"].items():
+                shares[int(pipeline)] = max(shares[int(pipeline)], share)
+    return [(gpu["pipelines"][pipeline], share) for pipeline, share in sorted(shares.items())]
+
+
+def families(gpu):
+    return list(dict.fromkeys(network["family"] for network in gpu["networks"]))
+
+
+def overview(report):
+    rows = ["| GPU | family | pipelines | refused | spills | scratch | fewest waves, of kernels with 3 % of the work |", "|---|---|--:|--:|--:|--:|--:|"]
+    for gpu in report["gpus"]:
+        for family in families(gpu):
+            used = used_by(gpu, family)
+            good = [(pipeline, share) for pipeline, share in used if "error" not in pipeline]
+            waves = [pipeline["waves"] for pipeline, share in good if share > 0.03]
+            rows.append(f"| {gpu['gpu']} | `{family}` | {len(used)} | {len(used) - len(good)} | {sum(p['spills'] for p, _ in good)} | "
+                        f"{sum(p['scratch'] for p, _ in good)} | {min(waves)} |")
+    return rows
+
+
+def kernel_lines(gpu, network):
+    """The kernels with at least a hundredth of the network's work."""
+    rows = [f"`{network['model']}` on {gpu['gpu']}, `{network['family']}`, {network['precision']}: {network['dispatches']} dispatches, filling "
+            f"{100 * network['filling']:.0f} %, arena {network['arenaBytes'] / 1e6:.0f} MB", "",
+            "| kernel | work % | subgroup | registers | shared KiB | waves | latency | inverse throughput | products % | products | shared loads | loads | "
+            "16-bit | vector | waits |", "|---|" + "--:|" * 14]
+    for index, share in sorted(network["shares"].items(), key=lambda item: -item[1]):
+        pipeline = gpu["pipelines"][int(index)]
+        if share < 0.01 or "error" in pipeline:
+            continue
+        loop = pipeline["loop"] or {}
+        count = lambda *names: sum(loop.get(name, 0) for name in names)
+        constants = ",".join(map(str, pipeline["specialization"][:5]))
+        rows.append(f"| `{pipeline['program']}` {constants} | {100 * share:.1f} | {pipeline['subgroupSize']} | {pipeline['registers']} | "
+                    f"{pipeline['shared'] / 1024:.1f} | {pipeline['waves']} | {pipeline['latency']} | {pipeline['inverseThroughput']} | "
+                    f"{100 * loop.get('productShare', 0):.0f} | {count('products', 'multiplyAdds')} | {count('sharedLoads')} | {count('loads')} | "
+                    f"{count('gathers16')} | {count('vector')} | {count('waits')} |")
+    return rows
+
+
+def dispatch_lines(report):
+    gpu = next(gpu for gpu in report["gpus"] if "matrix" in families(gpu))
+    rows = [f"On {gpu['gpu']}, fp16:", "", "| model | family | dispatches | filling % | arena MB |", "|---|---|--:|--:|--:|"]
+    for network in gpu["networks"]:
+        if network["precision"] == "fp16" and network["family"] != "plain":
+            rows.append(f"| `{network['model']}` | `{network['family']}` | {network['dispatches']} | {100 * network['filling']:.0f} | {network['arenaBytes'] / 1e6:.0f} |")
+    return rows
+
+
+def document(report):
+    parts = [HEAD.format(**report), "## All pipelines", "", *overview(report), "", "## Dispatches of a frame", "", *dispatch_lines(report), "",
+             f"## Kernels of `{SHOWN_MODEL}`", "", "Those with at least 1 % of the work; counts are of the inner loop.", ""]
+    shown = (("navi31", ("matrix", "fused", "tile")), ("gfx1200", ("matrix",)), ("navi21", ("tile",)))
+    for name, wanted in shown:
+        for gpu in report["gpus"]:
+            for network in gpu["networks"]:
+                if gpu["gpu"] == name and network["family"] in wanted and network["model"] == SHOWN_MODEL and network["precision"] == "fp16":
+                    parts += [*kernel_lines(gpu, network), ""]
+    return "\n".join(parts).rstrip() + "\n"
