@@ -28,7 +28,7 @@ class EmptyDispatches {
 
  private:
   VkDescriptorSet describe(const Dispatch& dispatch, VkDescriptorSetLayout layout);
-  VkBufferView viewOf(DataType type);
+  VkBufferView viewOf(const Binding& binding);
   void reset();
 
   Gpu::Handles& gpu_;
@@ -45,11 +45,11 @@ void EmptyDispatches::reset() {
   pool_ = VK_NULL_HANDLE;
 }
 
-VkBufferView EmptyDispatches::viewOf(DataType type) {
+VkBufferView EmptyDispatches::viewOf(const Binding& binding) {
   VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
   info.buffer = scratch_.handles().buffer;
-  info.format = texelFormatOf(type);
-  info.range = kVariantTexels * 4 * byteSize(type);
+  info.format = texelFormatOf(binding.type, binding.kind);
+  info.range = kVariantTexels * 4 * byteSize(binding.type);
   checkResult(gpu_.vk.vkCreateBufferView(gpu_.device, &info, nullptr, &views_.emplace_back()), "vkCreateBufferView");
   return views_.back();
 }
@@ -74,7 +74,7 @@ VkDescriptorSet EmptyDispatches::describe(const Dispatch& dispatch, VkDescriptor
     write.descriptorType = descriptorTypeOf(binding.kind);
     write.pBufferInfo = &buffer;
     VkBufferView view = VK_NULL_HANDLE;
-    if (binding.kind == BindingKind::texel) view = viewOf(binding.type);
+    if (isTexelBuffer(binding.kind)) view = viewOf(binding);
     write.pTexelBufferView = &view;
     gpu_.vk.vkUpdateDescriptorSets(gpu_.device, 1, &write, 0, nullptr);
   }

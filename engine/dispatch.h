@@ -62,9 +62,12 @@ struct DeviceTraits {
 };
 
 enum class Access : uint8_t { read, write };
-/// Reads go through uniform texel buffers of vec4 (which convert f16 for free), writes through storage buffers. Bytes
-/// that are only copied need no kernel.
-enum class BindingKind : uint8_t { storage, texel, copied };
+/// Reads go through uniform texel buffers of vec4 (which convert f16 for free), writes through storage buffers. Kernels
+/// that multiply halves read their bits: texels of as many bytes, unsigned words. Bytes that are only copied need no
+/// kernel.
+enum class BindingKind : uint8_t { storage, texel, texelBits, copied };
+
+constexpr bool isTexelBuffer(BindingKind kind) { return kind == BindingKind::texel || kind == BindingKind::texelBits; }
 
 /// One descriptor: a byte range inside a value, and what the kernel does with it.
 struct Binding {
@@ -116,8 +119,17 @@ inline Binding readTexels(const TensorView& view) {
   return {view.value, Access::read, BindingKind::texel, view.type, 0, view.storedByteSize()};
 }
 
+/// Reads all of a tensor of halves behind the view, as the bits of four of them.
+inline Binding readBits(const TensorView& view) {
+  XRDS_CHECK(view.type == DataType::f16);
+  return {view.value, Access::read, BindingKind::texelBits, view.type, 0, view.storedByteSize()};
+}
+
 /// Reads the packed weights of the dispatch, as vec4 texels.
 inline Binding readWeights(DataType type) { return {kWeights, Access::read, BindingKind::texel, type, 0, 0}; }
+
+/// Reads the packed weights of the dispatch as a storage buffer, halves as they are.
+inline Binding readPackedHalves() { return {kWeights, Access::read, BindingKind::storage, DataType::f16, 0, 0}; }
 
 /// Writes the rows of the tensor behind the view. The binding starts at the aligned offset at or below the first row;
 /// the kernel subtracts storeOrigin() from its vec4 index.

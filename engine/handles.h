@@ -104,8 +104,8 @@ void awaitFence(Gpu::Handles& gpu, VkFence fence);
 void fullBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands);
 
 VkDescriptorType descriptorTypeOf(BindingKind kind);
-/// Of the vec4 texels that hold a type.
-VkFormat texelFormatOf(DataType type);
+/// Of the texels that hold four numbers of a type: as vec4, or their bits.
+VkFormat texelFormatOf(DataType type, BindingKind kind);
 
 /// One set out of the pool, which frees it.
 VkDescriptorSet allocateSet(const Gpu::Handles& gpu, VkDescriptorPool pool, VkDescriptorSetLayout layout);

@@ -104,10 +104,12 @@ PipelineKey::PipelineKey(const Dispatch& dispatch)
 }
 
 VkDescriptorType descriptorTypeOf(BindingKind kind) {
-  return kind == BindingKind::texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  return isTexelBuffer(kind) ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
-VkFormat texelFormatOf(DataType type) {
+VkFormat texelFormatOf(DataType type, BindingKind kind) {
+  if (kind == BindingKind::texelBits)
+    return type == DataType::f32 ? VK_FORMAT_R32G32B32A32_UINT : VK_FORMAT_R32G32_UINT;
   return type == DataType::f32 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 

@@ -13,7 +13,7 @@
 namespace xrds {
 namespace {
 
-using ViewKey = std::tuple<VkBuffer, uint64_t, uint64_t, DataType>;
+using ViewKey = std::tuple<VkBuffer, uint64_t, uint64_t, VkFormat>;
 
 // Dispatches [begin, end) that are submitted together.
 struct Submission {
@@ -70,7 +70,7 @@ void keepToOneVariant(const Gpu::Handles& gpu, PlacedDispatch& placed) {
     const Binding& binding = placed.dispatch.bindings[i];
     const uint64_t texelBytes = 4 * byteSize(binding.type);
     const uint64_t texels = texelsOfOneVariant(placed.ranges[i].byteSize / texelBytes);
-    if (binding.kind == BindingKind::texel && texels <= gpu.limits.maxTexelBufferElements)
+    if (isTexelBuffer(binding.kind) && texels <= gpu.limits.maxTexelBufferElements)
       placed.ranges[i].byteSize = texels * texelBytes;
   }
 }
@@ -135,7 +135,7 @@ struct Recording::Handles {
   Handles& operator=(const Handles&) = delete;
 
   void makePools(std::span<const PlacedDispatch> dispatches, bool timestamps);
-  VkBufferView viewOf(const ByteRange& range, DataType type);
+  VkBufferView viewOf(const ByteRange& range, VkFormat format);
   VkDescriptorSet describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout);
   void barrierBetween(VkCommandBuffer commands) const;
   void recordCopy(VkCommandBuffer commands, const PlacedDispatch& placed) const;
@@ -172,7 +172,7 @@ void Recording::Handles::makePools(std::span<const PlacedDispatch> dispatches, b
   for (const auto& placed : dispatches)
     for (const Binding& binding : placed.dispatch.bindings) {
       storages += binding.kind == BindingKind::storage;
-      texels += binding.kind == BindingKind::texel;
+      texels += isTexelBuffer(binding.kind);
     }
   // One more of each, because a pool of zero is not allowed.
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1},
@@ -191,13 +191,13 @@ void Recording::Handles::makePools(std::span<const PlacedDispatch> dispatches, b
   checkResult(gpu.vk.vkCreateQueryPool(gpu.device, &queries, nullptr, &queryPool), "vkCreateQueryPool");
 }
 
-VkBufferView Recording::Handles::viewOf(const ByteRange& range, DataType type) {
+VkBufferView Recording::Handles::viewOf(const ByteRange& range, VkFormat format) {
   const VkBuffer buffer = range.buffer->handles().buffer;
-  VkBufferView& view = views[{buffer, range.byteOffset, range.byteSize, type}];
+  VkBufferView& view = views[{buffer, range.byteOffset, range.byteSize, format}];
   if (view) return view;
   VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
   info.buffer = buffer;
-  info.format = texelFormatOf(type);
+  info.format = format;
   info.offset = range.byteOffset;
   info.range = range.byteSize;
   checkResult(gpu.vk.vkCreateBufferView(gpu.device, &info, nullptr, &view), "vkCreateBufferView");
@@ -217,8 +217,8 @@ VkDescriptorSet Recording::Handles::describe(const PlacedDispatch& placed, VkDes
     writes[i].dstBinding = static_cast<uint32_t>(i);
     writes[i].descriptorCount = 1;
     writes[i].descriptorType = descriptorTypeOf(binding.kind);
-    if (binding.kind == BindingKind::texel) {
-      texels[i] = viewOf(range, binding.type);
+    if (isTexelBuffer(binding.kind)) {
+      texels[i] = viewOf(range, texelFormatOf(binding.type, binding.kind));
       writes[i].pTexelBufferView = &texels[i];
     } else {
       buffers[i] = {range.buffer->handles().buffer, range.byteOffset, range.byteSize};

@@ -1,5 +1,6 @@
 // Products of 16 x 16 matrices of halves, added up in fp32, a subgroup each. `memory` is an array of texels, in shared memory or a
-// buffer; a texel is eight halves of a row (of stored sums four floats), and a matrix's rows lie `rowTexels` apart.
+// buffer; a texel is eight halves of a row (of stored sums four floats), and a matrix's rows lie `rowTexels` apart. Of the right
+// operand it is eight halves of a column, and `columnTexels` lie between columns: so an invocation reads whole texels of either.
 // XRDS_MATRIX_NV, XRDS_MATRIX_KHR: by the matrix units, through that extension, in products of their size. XRDS_MATRIX_SOFTWARE: by plain arithmetic,
 // 32 invocations in the place of a subgroup, so that kernels are tested on devices without such units.
 // A workgroup has kInvocations. The kernel requires GL_EXT_control_flow_attributes.
@@ -33,12 +34,10 @@ const uint kInvocations = gl_WorkGroupSize.x;
 #define SUMS(name, rows, columns) float name[rows][columns][8]
 #define LOAD_LEFT(fragment, memory, texel, rowTexels) \
   for (uint h_ = 0; h_ < 2; h_++) fragment[h_] = memory[(texel) + lane() / 2 * (rowTexels) + h_]
-#define LOAD_RIGHT(fragment, memory, texel, rowTexels) \
-  for (uint k_ = 0; k_ < 16; k_++) fragment[k_] = halvesOf(memory[(texel) + k_ * (rowTexels) + lane() % 2])
-#define LOAD_RIGHT_TRANSPOSED(fragment, memory, texel, rowTexels)                                    \
-  for (uint k_ = 0; k_ < 16; k_++)                                                                   \
-    for (uint n_ = 0; n_ < 8; n_++)                                                                  \
-      fragment[k_][n_] = halvesOf(memory[(texel) + (lane() % 2 * 8 + n_) * (rowTexels) + k_ / 8])[k_ % 8]
+#define LOAD_RIGHT(fragment, memory, texel, columnTexels)                                              \
+  for (uint k_ = 0; k_ < 16; k_++)                                                                     \
+    for (uint n_ = 0; n_ < 8; n_++)                                                                    \
+      fragment[k_][n_] = halvesOf(memory[(texel) + (lane() % 2 * 8 + n_) * (columnTexels) + k_ / 8])[k_ % 8]
 #define LOAD_SUM(sum, memory, texel, rowTexels) \
   sum = halvesOf(memory[(texel) + lane() / 2 * (rowTexels) + lane() % 2])
 #define CLEAR_SUM(sum) sum = float[](0, 0, 0, 0, 0, 0, 0, 0)
@@ -52,6 +51,19 @@ const uint kInvocations = gl_WorkGroupSize.x;
     memory[(texel) + lane() / 2 * (rowTexels) + lane() % 2 * 2 + h_] = floatBitsToUint(quadOf(sum, h_))
 #define STORE_HALVES(sum, memory, texel, rowTexels) \
   memory[(texel) + lane() / 2 * (rowTexels) + lane() % 2] = roundedHalves(quadOf(sum, 0), quadOf(sum, 1))
+// Neighbours share a word.
+#define STORE_HALVES_TRANSPOSED(sum, memory, texel, columnTexels)                                                   \
+  for (uint n_ = 0; n_ < 8; n_++) {                                                                                 \
+    const uint at_ = (texel) + (lane() % 2 * 8 + n_) * (columnTexels) + lane() / 16, shift_ = lane() / 2 % 2 * 16;  \
+    const uint bits_ = (packHalf4(vec4(sum[n_])).x & 0xFFFFu) << shift_;                                            \
+    SET_HALF(memory[at_], lane() / 4 % 4, ~(0xFFFFu << shift_), bits_)                                              \
+  }
+#define SET_HALF(to, word, kept, bits)                                              \
+  if (word == 0) { atomicAnd(to.x, kept); atomicOr(to.x, bits); }                   \
+  if (word == 1) { atomicAnd(to.y, kept); atomicOr(to.y, bits); }                   \
+  if (word == 2) { atomicAnd(to.z, kept); atomicOr(to.z, bits); }                   \
+  if (word == 3) { atomicAnd(to.w, kept); atomicOr(to.w, bits); }
+#define SUBGROUP_BARRIER barrier()
 uint subgroupIndex() { return gl_LocalInvocationIndex / 32; }
 uint lane() { return gl_LocalInvocationIndex % 32; }
 
@@ -80,6 +92,7 @@ void addProduct(uvec4 a[2], float b[16][8], inout float sum[8]) {
 #define UNIT_LOAD(m, memory, texel, rowTexels) coopMatLoadNV(m, memory, texel, rowTexels, false)
 #define UNIT_LOAD_TRANSPOSED(m, memory, texel, rowTexels) coopMatLoadNV(m, memory, texel, rowTexels, true)
 #define UNIT_STORE(m, memory, texel, rowTexels) coopMatStoreNV(m, memory, texel, rowTexels, false)
+#define UNIT_STORE_TRANSPOSED(m, memory, texel, rowTexels) coopMatStoreNV(m, memory, texel, rowTexels, true)
 #define UNIT_MULTIPLY_ADD coopMatMulAddNV
 #endif
 #ifdef XRDS_MATRIX_KHR
@@ -91,6 +104,8 @@ void addProduct(uvec4 a[2], float b[16][8], inout float sum[8]) {
 #define UNIT_LOAD_TRANSPOSED(m, memory, texel, rowTexels) \
   coopMatLoad(m, memory, texel, rowTexels, gl_CooperativeMatrixLayoutColumnMajor)
 #define UNIT_STORE(m, memory, texel, rowTexels) coopMatStore(m, memory, texel, rowTexels, gl_CooperativeMatrixLayoutRowMajor)
+#define UNIT_STORE_TRANSPOSED(m, memory, texel, rowTexels) \
+  coopMatStore(m, memory, texel, rowTexels, gl_CooperativeMatrixLayoutColumnMajor)
 #define UNIT_MULTIPLY_ADD coopMatMulAdd
 #endif
 
@@ -112,15 +127,11 @@ const uint kDown = 16 / kUnitRows, kAcross = 16 / kUnitColumns, kDeep = 16 / kUn
   [[unroll]] for (uint i_ = 0; i_ < kDown; i_++)                                                                          \
     [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                        \
       UNIT_LOAD(fragment[i_ * kDeep + k_], memory, (texel) + i_ * kUnitRows * (rowTexels) + k_ * kUnitDepth / 8, rowTexels)
-#define LOAD_RIGHT(fragment, memory, texel, rowTexels)                                                                    \
-  [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                          \
-    [[unroll]] for (uint j_ = 0; j_ < kAcross; j_++)                                                                      \
-      UNIT_LOAD(fragment[k_ * kAcross + j_], memory, (texel) + k_ * kUnitDepth * (rowTexels) + j_ * kUnitColumns / 8, rowTexels)
-#define LOAD_RIGHT_TRANSPOSED(fragment, memory, texel, rowTexels)                                                         \
+#define LOAD_RIGHT(fragment, memory, texel, columnTexels)                                                                 \
   [[unroll]] for (uint k_ = 0; k_ < kDeep; k_++)                                                                          \
     [[unroll]] for (uint j_ = 0; j_ < kAcross; j_++)                                                                      \
       UNIT_LOAD_TRANSPOSED(fragment[k_ * kAcross + j_], memory,                                                           \
-                           (texel) + j_ * kUnitColumns * (rowTexels) + k_ * kUnitDepth / 8, rowTexels)
+                           (texel) + j_ * kUnitColumns * (columnTexels) + k_ * kUnitDepth / 8, columnTexels)
 #define LOAD_SUM(sum, memory, texel, rowTexels)                                                                           \
   EACH_PIECE(i_, j_) {                                                                                                    \
     UNIT_HALF_SUM half_;                                                                                                  \
@@ -145,8 +156,17 @@ const uint kDown = 16 / kUnitRows, kAcross = 16 / kUnitColumns, kDeep = 16 / kUn
     UNIT_HALF_SUM half_ = UNIT_HALF_SUM(sum[i_ * kAcross + j_]);                                                          \
     UNIT_STORE(half_, memory, (texel) + i_ * kUnitRows * (rowTexels) + j_ * kUnitColumns / 8, rowTexels);                 \
   }
+#define STORE_HALVES_TRANSPOSED(sum, memory, texel, columnTexels)                                                         \
+  EACH_PIECE(i_, j_) {                                                                                                    \
+    UNIT_HALF_SUM half_ = UNIT_HALF_SUM(sum[i_ * kAcross + j_]);                                                          \
+    UNIT_STORE_TRANSPOSED(half_, memory, (texel) + j_ * kUnitColumns * (columnTexels) + i_ * kUnitRows / 8, columnTexels); \
+  }
+// What the subgroup has stored in shared memory, all of it sees.
+#define SUBGROUP_BARRIER subgroupBarrier()
 uint subgroupIndex() { return gl_SubgroupID; }
+uint lane() { return gl_SubgroupInvocationID; }
 #endif
+const uint kLanes = kInvocations / kSubgroups;
 
 // The texel of eight channels that were read as floats; of halves, nothing is lost.
 uvec4 halves(vec4 a, vec4 b) {

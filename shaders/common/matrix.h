@@ -37,10 +37,16 @@ inline std::vector<uint32_t> matrixConstants(const MatrixShape& shape, MatrixSiz
           hasResidual,     size.rows,     size.columns, size.depth,    shape.invocations};
 }
 
+/// What a stage of a kernel has in shared memory, in texels of 16 bytes: all of the workgroup's rows, and of each 16 of
+/// its outputs.
+struct MatrixStage {
+  uint32_t leftTexels = 0, rightTexels = 0;
+};
+
 /// For inputs and weights of halves alone: what is stored in fp32 stays exact.
-inline MatrixShape matrixShape(const DeviceTraits& device, DataType inputType, DataType weightType,
+inline MatrixShape matrixShape(const DeviceTraits& device, MatrixStage stage, DataType inputType, DataType weightType,
                                uint32_t inputChannels, uint32_t outputChannels) {
-  constexpr uint32_t kLeastChannels = 16, kStagedBytes = 15552;    // of the larger kernel
+  constexpr uint32_t kLeastChannels = 16, kTexelBytes = 16, kSumTexels = 64;
   constexpr uint32_t kMostInvocations = 256, kMostSubgroups = 16;  // of a workgroup
   if (!usesMatrixUnits(device.family) || device.matrixUnits == MatrixUnits::none || inputType != DataType::f16 ||
       weightType != DataType::f16 || inputChannels < kLeastChannels || outputChannels < kLeastChannels ||
@@ -48,9 +54,10 @@ inline MatrixShape matrixShape(const DeviceTraits& device, DataType inputType, D
     return {};
   const uint32_t lanes = matrixLanes(device);
   MatrixShape shape{.subgroups = std::min(kMostInvocations / lanes, kMostSubgroups), .outputs = 4};
-  if (shape.subgroups * 16 * 16 * sizeof(float) + kStagedBytes > device.maxSharedBytes) return {};
   const uint32_t fragments = ceilDivide(outputChannels, 16);
   while (3 * (ceilDivide(fragments, shape.outputs) * shape.outputs - fragments) > fragments) shape.outputs /= 2;
+  const uint32_t staged = stage.leftTexels + shape.outputs * stage.rightTexels;
+  if (std::max(staged, shape.subgroups * kSumTexels) * kTexelBytes > device.maxSharedBytes) return {};
   for (; shape.subgroups > 0; shape.subgroups /= 2) {
     shape.invocations = shape.subgroups * lanes;
     for (shape.rows = 2; shape.rows > 0; --shape.rows) {

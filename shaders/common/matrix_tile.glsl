@@ -8,11 +8,21 @@ layout(constant_id = 1) const uint kOutputFragments = 4;  // the workgroup's out
 layout(constant_id = 2) const uint kFragmentRows = 2;     // of a subgroup, of the kMatrixRows of the workgroup
 layout(constant_id = 3) const uint kFragmentColumns = 2;  // of a subgroup
 const uint kRowGroups = kMatrixRows / kFragmentRows;
-shared uvec4 left[LEFT_TEXELS], right[RIGHT_TEXELS];
-shared uvec4 stored[kSubgroups * 64];  // a sum of each subgroup, in rows of four texels
+// Rows of the left operands, columns of the right ones; in their place, in the end, a sum of each subgroup, in rows of
+// four texels.
+const uint kSumTexels = 64, kRightAt = LEFT_TEXELS, kStaged = LEFT_TEXELS + RIGHT_TEXELS, kSums = kSubgroups * kSumTexels;
+shared uvec4 pool[kStaged > kSums ? kStaged : kSums];
 
-// Four outputs of a row of the stored sums: quad i % 4 of row i % 64 / 4 of subgroup i / 64.
-vec4 storedQuad(uint i) { return uintBitsToFloat(stored[i]); }
+// Takes a fragment of sums of each subgroup apart: FINISH(row, quad, sum) for each four outputs of a row of 16. Only the
+// subgroup itself sees its place.
+#define EACH_QUAD(sums, FINISH)                                                          \
+  STORE_SUM(sums, pool, subgroupIndex() * kSumTexels, 4);                                \
+  SUBGROUP_BARRIER;                                                                      \
+  [[unroll]] for (uint i = 0; i < kSumTexels; i += kLanes) {                             \
+    const uint at = i + lane();                                                          \
+    FINISH(at / 4, at % 4, uintBitsToFloat(pool[subgroupIndex() * kSumTexels + at]));    \
+  }                                                                                      \
+  SUBGROUP_BARRIER
 
 // First row and column of fragments of a subgroup.
 uint firstRow(uint subgroup) { return subgroup % kRowGroups * kFragmentRows; }

@@ -82,8 +82,25 @@ TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
   return fits ? tile : TileShape{};
 }
 
-MatrixShape matrixShapeOf(const Conv3x3& op, const DeviceTraits& device) {
-  return matrixShape(device, op.input.type, op.weightType, kernelInputs(op), kernelOutputs(op));
+constexpr uint32_t kMatrixStep = 8 * shader::kConv3x3MatrixTexels;  // inputs
+
+/// How the matrix kernel goes about it, and how many taps a stage of it has.
+struct MatrixTile {
+  MatrixShape shape;
+  uint32_t taps = 0;
+};
+
+// All taps at once where the outputs are few: a stage then has as many products as one of more outputs.
+MatrixTile matrixTile(const Conv3x3& op, const DeviceTraits& device) {
+  constexpr uint32_t kFewOutputs = 2, kPixelTexels = shader::kConv3x3MatrixTexels + 1;  // in sixteens
+  constexpr uint32_t kPixels = (shader::kMatrixRows + 2) * shader::kConv3x3MatrixStride;
+  for (const uint32_t taps : {9u, 3u}) {
+    const MatrixTile tile{matrixShape(device, {kPixels * kPixelTexels, taps * 16 * kPixelTexels}, op.input.type,
+                                      op.weightType, kernelInputs(op), kernelOutputs(op)),
+                          taps};
+    if (tile.shape.subgroups > 0 && (taps == 3 || tile.shape.outputs <= kFewOutputs)) return tile;
+  }
+  return {};
 }
 
 // The weights between kernel channels; zero where either is padding.
@@ -126,6 +143,19 @@ std::vector<float> packedForPlain(const Conv3x3& op) {
     for (uint32_t k = 0; k < inputs; ++k)
       for (uint32_t n = 0; n < outputs; ++n) packed.push_back(weights.at(n, k, tap));
   for (uint32_t n = 0; n < outputs; ++n) packed.push_back(weights.bias(n));
+  return packed;
+}
+
+std::vector<float> packedForMatrices(const Conv3x3& op, const MatrixShape& shape) {
+  const KernelWeights weights(op);
+  const uint32_t inputs = kernelInputs(op), outputs = kernelOutputs(op), rows = alignUp(outputs, 16 * shape.outputs);
+  std::vector<float> packed;
+  for (uint32_t first = 0; first < inputs; first += kMatrixStep)
+    for (uint32_t tap = 0; tap < 9; ++tap)
+      for (uint32_t n = 0; n < rows; ++n)
+        for (uint32_t k = first; k < first + kMatrixStep; ++k)
+          packed.push_back(n < outputs && k < inputs ? weights.at(n, k, tap) : 0);
+  for (uint32_t n = 0; n < rows; ++n) packed.push_back(n < outputs ? weights.bias(n) : 0);
   return packed;
 }
 
@@ -206,9 +236,13 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.specialization = {device.subgroupSize, tileRows, tile.outputs, activation, hasResidual, subgroups};
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     launch.groupCount = {kernelOutputs(op) / tile.outputs, columns / subgroups, rowCount / tileRows};
-  } else if (const MatrixShape tile = matrixShapeOf(op, device); tile.subgroups) {
+  } else if (const auto [tile, taps] = matrixTile(op, device); tile.subgroups) {
     launch.program = matrixProgramName("conv3x3", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(tile, device.matrixSize, activation, hasResidual);
+    for (const uint32_t constant : {taps, uint32_t{kernelInputs(op) % kMatrixStep == 0}, uint32_t{op.unshuffleInput}})
+      launch.specialization.push_back(constant);
+    launch.bindings[0] = readBits(op.input);
+    launch.bindings[1] = readPackedHalves();
     launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
     launch.groupCount = {ceilDivide(kernelOutputs(op), 16 * tile.outputs), ceilDivide(shape.width, 16),
                          ceilDivide(rowCount, shader::kMatrixRows)};
@@ -229,7 +263,9 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
 
 std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device) {
   const LaneTile tile = laneTile(op, device);
-  return tile.outputs ? packedForLanes(op, tile, device.subgroupSize) : packedForPlain(op);
+  if (tile.outputs) return packedForLanes(op, tile, device.subgroupSize);
+  const MatrixShape shape = matrixTile(op, device).shape;
+  return shape.subgroups ? packedForMatrices(op, shape) : packedForPlain(op);
 }
 
 void reference(const Conv3x3& op, HostMemory& memory) {

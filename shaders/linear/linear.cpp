@@ -68,10 +68,16 @@ TileShape tileShape(const Linear& op, const DeviceTraits& device) {
   return fits ? tile : TileShape{};
 }
 
+constexpr uint32_t kMatrixStep = 8 * shader::kLinearMatrixTexels;  // inputs
+
+// None for what the matrix kernel does not do.
 MatrixShape matrixShapeOf(const Linear& op, const DeviceTraits& device) {
+  constexpr uint32_t kRowTexels = shader::kLinearMatrixTexels + 1;
+  if (normalizes(op)) return {};
   const DataType appended = op.appended.exists() ? op.appended.type : op.input.type;
   const DataType inputType = appended == op.input.type ? appended : DataType::f32;
-  return matrixShape(device, inputType, op.weightType, inputChannels(op), outputChannels(op));
+  return matrixShape(device, {16 * shader::kMatrixRows * kRowTexels, 16 * kRowTexels}, inputType, op.weightType,
+                     inputChannels(op), outputChannels(op));
 }
 
 // What the kernels bind: the input in place of a view that is not there.
@@ -125,10 +131,14 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
                              normalized,          op.input.channels / 4};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
-  } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups && !normalized) {
+  } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(shape, device.matrixSize, activation, hasResidual);
     launch.specialization.push_back(hasAppended);
+    launch.specialization.push_back(params.inputChannels % kMatrixStep == 0);
+    launch.bindings[0] = readBits(op.input);
+    launch.bindings[1] = readPackedHalves();
+    launch.bindings[4] = readBits(appendedOf(op));
     launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
     launch.groupCount =
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
@@ -181,6 +191,13 @@ std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device) {
   const auto biasAt = [&](size_t n) { return n < bias.size() ? bias[n] : 0; };
   const uint32_t tile = laneOutputs ? laneOutputs : outputs;
   std::vector<float> packed;
+  if (const MatrixShape shape = matrixShapeOf(op, device); !laneOutputs && shape.subgroups) {
+    const uint32_t rows = alignUp(outputs, 16 * shape.outputs), columns = alignUp(inputs, kMatrixStep);
+    for (uint32_t n = 0; n < rows; ++n)
+      for (uint32_t k = 0; k < columns; ++k) packed.push_back(k < inputs ? weightAt(n, k) : 0);
+    for (uint32_t n = 0; n < rows; ++n) packed.push_back(biasAt(n));
+    return packed;
+  }
   packed.reserve(size_t{inputs + 1} * outputs);
   for (uint32_t first = 0; first < outputs; first += tile) {
     for (uint32_t k = 0; k < inputs; ++k)

@@ -114,7 +114,7 @@ TEST(Linear, TakesMatrixUnitsForHalvesAlone) {
 TEST(MatrixShape, SharesTheFragmentsAmongTheSubgroups) {
   const auto expectShape = [](uint32_t subgroupSize, uint32_t outputs, const MatrixShape& expected) {
     const MatrixShape found =
-        matrixShape({.family = KernelFamily::matrix, .matrixUnits = MatrixUnits::nv, .subgroupSize = subgroupSize},
+        matrixShape({.family = KernelFamily::matrix, .matrixUnits = MatrixUnits::nv, .subgroupSize = subgroupSize}, {},
                     DataType::f16, DataType::f16, 64, outputs);
     EXPECT_EQ(found.subgroups, expected.subgroups);
     EXPECT_EQ(found.outputs, expected.outputs);

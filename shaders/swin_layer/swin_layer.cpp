@@ -38,7 +38,9 @@ WindowShare windowShare(const SwinLayer& op, const DeviceTraits& device) {
   WindowShare share{.subgroups = std::max(kLeastSubgroups, kLeastInvocations / lanes)};
   share.invocations = share.subgroups * lanes;
   const uint32_t tokenTexels = kTokens * (channelsOf(op) / kTexelHalves + 1);
-  const uint32_t headTexels = kTokens * (3 * op.headChannels / kTexelHalves + 1), scoreStride = kTokens / 4 + 1;
+  const uint32_t headTexels =
+      kTokens * (2 * op.headChannels / kTexelHalves + 1) + op.headChannels * (kTokens / kTexelHalves + 1);
+  const uint32_t scoreStride = kTokens / 4 + 1;
   const auto byteSize = [&](uint32_t texels) { return texels * kTexelBytes + share.invocations * 4; };
   for (share.scoreRows = kTokens; share.scoreRows >= 16; share.scoreRows /= 2) {
     share.poolTexels = tokenTexels + headTexels + share.scoreRows * scoreStride;
@@ -122,7 +124,7 @@ class Tiles {
     for (uint32_t n = first; n < first + count; n += 16) {
       if (withBias) add([&](uint32_t, uint32_t column) { return matrix.bias[n + column]; });
       for (uint32_t k = 0; k < matrix.inputs; k += 16)
-        add([&](uint32_t row, uint32_t column) { return matrix.weight[size_t{n + column} * matrix.inputs + k + row]; });
+        add([&](uint32_t row, uint32_t column) { return matrix.weight[size_t{n + row} * matrix.inputs + k + column]; });
     }
   }
   void addMap(const Matrix& matrix, bool withBias = true) { addMap(matrix, 0, matrix.outputs, withBias); }
@@ -214,9 +216,7 @@ Dispatch dispatch(const SwinLayer& op, const DeviceTraits& device) {
   const bool inSoftware = device.matrixUnits == MatrixUnits::none;
   const WindowShare share = windowShare(op, device);
   const MatrixSize unit = device.matrixSize;
-  Dispatch launch{.bindings = {readTexels(op.input),
-                               {kWeights, Access::read, BindingKind::storage, DataType::f16, 0, 0},
-                               writeRows(op.output, rows)},
+  Dispatch launch{.bindings = {readTexels(op.input), readPackedHalves(), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params),
                   .multiplyAdds = mapMultiplyAdds(op) + attentionMultiplyAdds(op)};
   launch.program =

@@ -1,8 +1,8 @@
 // u = t + WMSA(LN(t)); y = u + MLP(LN(u)), or the 1x1 convolution of that: a Swin layer of one window, which is a workgroup's.
-// Halves are multiplied and stored, all sums are fp32. Pool: the tokens t, LN(t), u, LN(u) and y in turn; [q k v] of a head,
-// whose q becomes softmax(..) v; scores of kScoreRows queries, which become weights; in place of both the hidden features.
-// Weights: tiles [k][n] of 16 x 16. A map has for each 16 outputs a tile of equal rows, the bias, and tiles for all inputs:
-// qkv head by head (scaled for exp2), bias and mask of the scores by window class and head, proj, fc1, fc2, grow (no bias).
+// Halves are multiplied and stored, all sums are fp32. Pool: the tokens t, LN(t), u, LN(u) and y in turn; [q k] of a head,
+// whose q becomes softmax(..) v, and its v, transposed; scores of kScoreRows queries, which become weights; in place of
+// these the hidden features. Weights: tiles of 16 x 16. A map has for each 16 outputs the bias, in equal rows, and tiles
+// [n][k] for all inputs: qkv head by head (scaled for exp2), bias and mask of the scores by window class and head, proj, fc1, fc2, grow (no bias).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -24,9 +24,10 @@ layout(binding = 2, std430) writeonly buffer Target { uvec2 target[]; };
 layout(push_constant) uniform Push { SwinLayerParams p; };
 const uint kTokens = kSwinTokens, kRows = kTokens / 16;  // of fragments
 // Rows of the pool are a texel longer than they need be, so that those of a fragment lie in different banks.
-const uint kTokenStride = kChannels / 8 + 1, kHeadStride = 3 * kHeadChannels / 8 + 1, kScoreStride = kTokens / 4 + 1;
+const uint kTokenStride = kChannels / 8 + 1, kHeadStride = kHeadChannels / 4 + 1, kScoreStride = kTokens / 4 + 1;
 const uint kHiddenStride = kHiddenPart / 8 + 1;
-const uint kHeadAt = kTokens * kTokenStride, kScoresAt = kHeadAt + kTokens * kHeadStride, kHiddenAt = kHeadAt;
+const uint kValueStride = kTokens / 8 + 1, kHeadAt = kTokens * kTokenStride, kValuesAt = kHeadAt + kTokens * kHeadStride;
+const uint kScoresAt = kValuesAt + kHeadChannels * kValueStride, kHiddenAt = kHeadAt;
 const uint kTile = 32, kHeads = kChannels / kHeadChannels, kScoreTiles = kRows * kRows;  // texels; of a head
 const uint kTokenColumn = (1 + kChannels / 16) * kTile, kHiddenColumn = (1 + kHidden / 16) * kTile;
 const uint kBiasAt = 3 * kChannels / 16 * kTokenColumn;
@@ -76,7 +77,13 @@ void mapHead(uint head) {
     SUMS(sums, 1, kRows);
     TAKE_BIAS(sums[0], tile)
     ADD_PRODUCTS(sums[0], 0, kTokenStride, tile + kTile, kChannels)
-    STORE_ROWS(asHalf, sums[0], kHeadAt + 2 * j, kHeadStride)
+    if (j < kHeadChannels / 8) {
+      STORE_ROWS(asHalf, sums[0], kHeadAt + 2 * j, kHeadStride)
+    } else
+      FOR_ROWS {
+        APPLY(asHalf, sums[0][r]);
+        STORE_HALVES_TRANSPOSED(sums[0][r], pool, kValuesAt + 16 * (j - kHeadChannels / 8) * kValueStride + 2 * r, kValueStride);
+      }
   }
 }
 
@@ -91,7 +98,7 @@ void score(uint head, uint firstRow) {
       LEFT_FRAGMENT(q);
       LOAD_LEFT(q, pool, kHeadAt + row * kHeadStride + k, kHeadStride);
       RIGHT_FRAGMENT(keys);
-      LOAD_RIGHT_TRANSPOSED(keys, pool, kHeadAt + 16 * column * kHeadStride + kHeadChannels / 8 + k, kHeadStride);
+      LOAD_RIGHT(keys, pool, kHeadAt + 16 * column * kHeadStride + kHeadChannels / 8 + k, kHeadStride);
       MULTIPLY_ADD(q, keys, sum);
     }
     STORE_SUM(sum, pool, kScoresAt + 16 * (i / kRows) * kScoreStride + 4 * column, kScoreStride);
@@ -108,7 +115,7 @@ void weighValues(uint firstRow) {
       LEFT_FRAGMENT(share);
       LOAD_LEFT(share, pool, kScoresAt + row * kScoreStride + 2 * k, kScoreStride);
       RIGHT_FRAGMENT(values);
-      LOAD_RIGHT(values, pool, kHeadAt + 16 * k * kHeadStride + kHeadChannels / 4 + 2 * column, kHeadStride);
+      LOAD_RIGHT(values, pool, kValuesAt + 16 * column * kValueStride + 2 * k, kValueStride);
       MULTIPLY_ADD(share, values, sum);
     }
     STORE_HALVES(sum, pool, kHeadAt + (firstRow + row) * kHeadStride + 2 * column, kHeadStride);
