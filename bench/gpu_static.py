@@ -49,7 +49,10 @@ class Mesa:
                            VK_DRIVER_FILES=str(usr / "share" / "vulkan" / "icd.d" / "radeon_icd.json"))
         if gpu:
             environment["RADV_FORCE_FAMILY"] = gpu
-        return subprocess.run(list(map(str, [*loader, *command])), env=environment, check=True, capture_output=True).stdout
+        done = subprocess.run(list(map(str, [*loader, *command])), env=environment, capture_output=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"{command[0]} failed: {done.stdout[-2000:].decode()} {done.stderr[-2000:].decode()}")
+        return done.stdout
 
     def compile_matrix_kernels(self, folder):
         """The kernels for VK_KHR_cooperative_matrix, which the glslang of older systems does not know, as SPIR-V."""

@@ -6,6 +6,7 @@
 
 #include "engine/handles.h"
 #include "engine/preparation.h"
+#include "engine/visibility.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
@@ -40,10 +41,11 @@ VkPipelineLayout makeLayout(const Gpu::Handles& gpu, VkDescriptorSetLayout setLa
 }
 
 VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipelineLayout layout) {
-  const auto words = gpu.options.programs ? gpu.options.programs(key.program) : std::span<const uint32_t>{};
-  if (words.empty()) throw std::logic_error("There is no program \"" + key.program + "\".");
+  const auto program = gpu.options.programs ? gpu.options.programs(key.program) : std::span<const uint32_t>{};
+  if (program.empty()) throw std::logic_error("There is no program \"" + key.program + "\".");
+  const std::vector<uint32_t> words = visibleAtBarriers(program);
   VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  moduleInfo.codeSize = words.size_bytes();
+  moduleInfo.codeSize = words.size() * sizeof(uint32_t);
   moduleInfo.pCode = words.data();
   VkShaderModule module = VK_NULL_HANDLE;
   checkResult(gpu.vk.vkCreateShaderModule(gpu.device, &moduleInfo, nullptr, &module), "vkCreateShaderModule");
