@@ -103,9 +103,11 @@ struct Upscaler::State {
   }
 
   void prepare(Gpu& gpu, const NetworkModel& model, uint64_t memory) {
-    const SessionOptions of = sessionOptions(gpu, frame, options);
+    SessionOptions of = sessionOptions(gpu, frame, options);
+    of.memoryBytes = memory;
     DeviceTraits traits = gpu.traits();
     traits.family = *of.family;
+    traits.memoryBytes = std::min(traits.memoryBytes, memory);
     tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits});
     const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
     if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {

@@ -39,6 +39,7 @@ DeviceTraits usualTraits(KernelFamily family) {
   return {.family = family,
           .matrixUnits = usesMatrixUnits(family) ? MatrixUnits::khr : MatrixUnits::none,
           .subgroupSize = isCpu ? 8u : 32u,
+          .memoryBytes = family == KernelFamily::plain || isCpu ? 0 : uint64_t{8} << 30,
           .maxSharedBytes = isCpu ? 32768u : 49152u,
           .shaderInt64 = isCpu};
 }

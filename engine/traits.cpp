@@ -19,6 +19,7 @@ DeviceTraits traitsOf(VkPhysicalDevice device, const DeviceDescription& descript
           .maxStorageBufferRange = limits.maxStorageBufferRange,
           .maxTexelBufferElements = limits.maxTexelBufferElements,
           .maxAllocationBytes = version11.maxMemoryAllocationSize,
+          .memoryBytes = description.kind == DeviceKind::cpu ? 0 : description.memoryBytes,
           .maxSharedBytes = limits.maxComputeSharedMemorySize,
           .maxGroupInvocations = limits.maxComputeWorkGroupInvocations,
           .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes,

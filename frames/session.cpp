@@ -85,6 +85,7 @@ std::vector<ValueId> ownStorage(const Graph& graph) {
 DeviceTraits traitsFor(const Gpu& gpu, const SessionOptions& options) {
   DeviceTraits traits = gpu.traits();
   traits.family = options.family.value_or(traits.family);
+  if (options.memoryBytes > 0) traits.memoryBytes = std::min(traits.memoryBytes, options.memoryBytes);
   return traits;
 }
 

@@ -33,6 +33,7 @@ struct SessionOptions {
   uint64_t multiplyAddsPerSubmission = RecordingOptions{}.multiplyAddsPerSubmission;
   uint32_t bandRows = 0;                 // as in GraphOptions
   std::optional<KernelFamily> family{};  // in place of the device's
+  uint64_t memoryBytes = 0;              // that a GPU's bands may reckon with; 0: all that the device has
   bool aliasing = true;                  // off: every value keeps its bytes, so that each can be looked at
   /// A session of the same model that must outlive this one. Reuses its weights and, if it is large enough, its arena:
   /// never run both at once.

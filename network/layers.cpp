@@ -16,6 +16,7 @@ constexpr uint64_t kWholeColourPixels = uint64_t{1} << 14, kWholeOutputPixels = 
 constexpr uint32_t kBandChannels = 64;  // with which a band of 1 / tensors of the image is as large as caches like
 constexpr uint32_t kSweepSteps = 24;    // of an image
 constexpr uint32_t kSweepUnit = 16;     // rows: whole pixels of the colour at any scale, whole strips of the kernels
+constexpr uint64_t kSweepPixels = 8;    // of the output, for each of GraphOptions::bandPixels: its features are narrow
 
 }  // namespace
 
@@ -222,14 +223,18 @@ bool Layers::fusedSwinLayer(const std::string& name, const std::string& grow, Te
 
 bool Layers::isSmall(uint32_t height, uint32_t width) const {
   const uint64_t pixels = uint64_t{height} * width;
+  if (const uint64_t most = options_.bandPixels; most > 0)
+    return pixels <= most && pixels * config.scale * config.scale <= kSweepPixels * most;
   return pixels <= kWholeColourPixels && pixels * config.scale * config.scale <= kWholeOutputPixels;
 }
 
 Sweep Layers::sweep(uint32_t height, uint32_t width) const {
   const uint64_t asked = uint64_t{options_.bandRows} * config.scale;
   if (asked == 0 && isSmall(height / config.scale, width / config.scale)) return {height, kWholeFrame};
+  const uint64_t ofGpu = ceilDivide(kSweepPixels * options_.bandPixels, width);
   const uint64_t rows =
-      asked > 0 ? asked : std::max(ceilDivide(height, kSweepSteps), ceilDivide(kLeastSweepPixels, width));
+      asked > 0 ? asked
+                : std::max<uint64_t>({ofGpu, ceilDivide(height, kSweepSteps), ceilDivide(kLeastSweepPixels, width)});
   return {height, alignUp(rows, kSweepUnit)};
 }
 
@@ -240,9 +245,11 @@ std::vector<WindowBand> Layers::bands(const TensorView& image, bool shifted, uin
 uint64_t Layers::bandRows(const TensorView& image, uint32_t tensors) const {
   if (options_.bandRows > 0) return options_.bandRows;
   if (isSmall(image.height, image.width)) return kWholeFrame;
+  const uint64_t ofGpu = ceilDivide(options_.bandPixels, image.width);
   const uint32_t share =
       std::clamp(kBandChannels / config.channels, 1u, 2u);  // narrow features leave room for more rows
-  const uint64_t rows = std::max(share * image.height / tensors, ceilDivide(kLeastBandPixels, image.width));
+  const uint64_t rows =
+      std::max<uint64_t>({ofGpu, share * image.height / tensors, ceilDivide(kLeastBandPixels, image.width)});
   // Of whole multiples of eight windows, whose tokens large workgroups share out evenly.
   const uint32_t unit = config.window * (8 / std::gcd(image.width / config.window, 8u));
   return rows < unit ? rows : rows / unit * unit;

@@ -1,5 +1,7 @@
 #include "network/network.h"
 
+#include <algorithm>
+
 #include "graph/promotion.h"
 #include "network/auxiliary_branch.h"
 #include "network/low_resolution_branch.h"
@@ -8,9 +10,21 @@
 
 namespace xrds {
 
+namespace {
+
+// Dispatches that fill any GPU, unless its memory is short: a pixel of a band takes a few KB, of the widest models 30.
+uint32_t bandPixels(const DeviceTraits& device) {
+  constexpr uint64_t kLeast = uint64_t{1} << 14, kMost = uint64_t{1} << 17, kBytesPerPixel = uint64_t{1} << 16;
+  const uint64_t pixels = device.memoryBytes / kBytesPerPixel;
+  return pixels < kLeast ? 0 : static_cast<uint32_t>(std::min(pixels, kMost));
+}
+
+}  // namespace
+
 GraphOptions fastOn(const DeviceTraits& device, GraphOptions options) {
   options.normsInLinear = device.family == KernelFamily::lane;
   options.mapsJoined = true;
+  options.bandPixels = bandPixels(device);
   if (device.family == KernelFamily::fused) options.layersFusedOn = device;
   return options;
 }

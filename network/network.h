@@ -24,6 +24,9 @@ struct GraphOptions {
   /// Low-resolution rows of the bands, of whole windows, in which wide tensors are computed; 0: chosen by the frame's
   /// size, small frames in one piece. Bands take less memory and give the same output bit for bit.
   uint32_t bandRows = 0;
+  /// Where bandRows is 0: the low-resolution pixels of a band, of which a dispatch then has work for a whole GPU; 0: as
+  /// many as suit the caches of a CPU.
+  uint32_t bandPixels = 0;
   /// Layer norms are made by the linear layers behind them, as the lane and the plain kernels can.
   bool normsInLinear = false;
   /// Linear maps in a row with nothing between them are made as one, whose weights are their product: of an RDST a

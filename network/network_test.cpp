@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "engine/kernel_family.h"
 #include "engine/work.h"
 #include "frames/session.h"
 #include "network/network_model.h"
@@ -95,6 +96,39 @@ TEST(Network, BandsTakeAboutHalfTheMemoryAndHardlyMoreWork) {
     EXPECT_EQ(memoryNeeds(banded, {}).weights, memoryNeeds(whole, {}).weights);
     EXPECT_GE(workOf(banded), workOf(whole));
     EXPECT_LT(workOf(banded), 1.002 * workOf(whole));
+  }
+}
+
+// A GPU of 64 compute units, filled twice; with little memory of it the bands of a CPU.
+TEST(Network, IsFewLargeDispatchesOnAGpu) {
+  constexpr uint64_t kEnoughGroups = 128, kLittle = uint64_t{512} << 20;
+  const NetworkModel model = NetworkModel::random(kCompact, 1);
+  const auto graphOn = [&](const DeviceTraits& device, FrameShape frame) {
+    return buildGraph(kCompact, frame, model.lookup(), fastOn(device, {.precision = Precision::fp16}));
+  };
+  for (const KernelFamily family : {KernelFamily::tile, KernelFamily::matrix, KernelFamily::fused}) {
+    DeviceTraits device = usualTraits(family);
+    const Graph graph = graphOn(device, {256, 256});
+    const auto lowered = lower(graph, device);
+    EXPECT_LE(lowered.size(), 200u);
+    uint64_t all = 0, filling = 0;
+    for (const LoweredDispatch& each : lowered) {
+      const auto [x, y, z] = each.dispatch.groupCount;
+      all += each.dispatch.multiplyAdds;
+      if (uint64_t{x} * y * z >= kEnoughGroups) filling += each.dispatch.multiplyAdds;
+    }
+    EXPECT_GE(static_cast<double>(filling), 0.9 * static_cast<double>(all)) << nameOf(family);
+    // The arena of a large frame grows with its rows no faster than that of a CPU does.
+    const auto planned = [&](const DeviceTraits& of, uint32_t rows) {
+      return static_cast<double>(memoryNeeds(graphOn(of, {rows, 1024}), of).planned);
+    };
+    const DeviceTraits cpu = usualTraits(KernelFamily::lane);
+    EXPECT_LT(planned(device, 2048) - planned(device, 1024), 1.1 * (planned(cpu, 2048) - planned(cpu, 1024)));
+    device.memoryBytes = kLittle;
+    const size_t least = lower(graphOn(device, {256, 256}), device).size();
+    device.memoryBytes = 0;
+    EXPECT_EQ(least, lower(graphOn(device, {256, 256}), device).size());
+    EXPECT_GT(least, 400u);
   }
 }
 

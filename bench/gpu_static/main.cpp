@@ -64,6 +64,7 @@ class Report {
     const KernelFamily kernels = kernelFamilyOf(family);
     if (!device_.runs(kernels) || (usesMatrixUnits(kernels) && precision != kFp16)) return;
     DeviceTraits& traits = device_.take(kernels);
+    traits.memoryBytes = options_.memoryBytes;
     if (options_.sharedBytes) traits.maxSharedBytes = options_.sharedBytes;
     if (options_.groupInvocations) traits.maxGroupInvocations = options_.groupInvocations;
     const Graph graph =
