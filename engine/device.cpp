@@ -66,7 +66,8 @@ void openDevice(Gpu::Handles& gpu) {
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
   MatrixFeatures matrixFeatures;
-  matrixFeatures.enable(gpu.traits.matrixUnits, features12);
+  gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
+  matrixFeatures.enable(gpu.traits.matrixUnits, gpu.choosesSubgroups, features12);
   std::vector<const char*> extensions = extensionsOf(gpu.traits.matrixUnits);
   for (const std::string& name : gpu.options.deviceExtensions) extensions.push_back(name.c_str());
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.

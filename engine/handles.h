@@ -56,6 +56,7 @@ struct Gpu::Handles {
   uint64_t maxAllocationBytes = 0;
   uint32_t queueFamily = 0;
   uint32_t timestampValidBits = 0;
+  bool choosesSubgroups = false;  // a pipeline does, among several sizes
 
   VkDevice device = VK_NULL_HANDLE;
   VolkDeviceTable vk{};

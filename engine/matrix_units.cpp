@@ -13,20 +13,6 @@
 namespace xrds {
 namespace {
 
-// Kernels share their work among subgroups whose number they know.
-bool controlsSubgroups(VkPhysicalDevice device) {
-  if (!hasDeviceExtension(device, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) return false;
-  VkPhysicalDeviceSubgroupSizeControlProperties sizes{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &sizes};
-  vkGetPhysicalDeviceProperties2(device, &properties);
-  MatrixFeatures features;
-  VkPhysicalDeviceFeatures2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features.subgroups};
-  vkGetPhysicalDeviceFeatures2(device, &all);
-  return features.subgroups.computeFullSubgroups && features.subgroups.subgroupSizeControl &&
-         sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT;
-}
-
 // Whether the device has the feature of the extension, and what it needs beside it.
 template <class Features>
 bool hasFeatures(VkPhysicalDevice device, Features wanted) {
@@ -96,8 +82,29 @@ std::optional<MatrixSize> sizeOfKhr(const Instance& instance, VkPhysicalDevice d
 
 }  // namespace
 
+// Kernels share their work among subgroups whose number they know.
+SubgroupControl subgroupControl(VkPhysicalDevice device) {
+  if (!hasDeviceExtension(device, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) return {};
+  VkPhysicalDeviceSubgroupSizeControlProperties sizes{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &sizes};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  MatrixFeatures features;
+  VkPhysicalDeviceFeatures2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features.subgroups};
+  vkGetPhysicalDeviceFeatures2(device, &all);
+  return subgroupControl(features.subgroups, sizes);
+}
+
+SubgroupControl subgroupControl(const VkPhysicalDeviceSubgroupSizeControlFeatures& features,
+                                const VkPhysicalDeviceSubgroupSizeControlProperties& sizes) {
+  const bool areChosen =
+      features.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
+  const bool isOne = sizes.minSubgroupSize == sizes.maxSubgroupSize;
+  return {.areKnown = features.computeFullSubgroups && (areChosen || isOne), .areChosen = areChosen && !isOne};
+}
+
 std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device) {
-  if (!controlsSubgroups(device)) return {};
+  if (!subgroupControl(device).areKnown) return {};
   const MatrixFeatures features;
   if (hasDeviceExtension(device, VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME) && hasFeatures(device, features.nv))
     if (const auto size = sizeOfNv(instance, device)) return {MatrixUnits::nv, *size};
@@ -114,10 +121,11 @@ std::vector<const char*> extensionsOf(MatrixUnits units) {
           VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME};
 }
 
-void MatrixFeatures::enable(MatrixUnits units, VkPhysicalDeviceVulkan12Features& features) {
+void MatrixFeatures::enable(MatrixUnits units, bool choosesSubgroups, VkPhysicalDeviceVulkan12Features& features) {
   if (extensionsOf(units).empty()) return;
   features.shaderFloat16 = features.vulkanMemoryModel = VK_TRUE;
-  subgroups.subgroupSizeControl = subgroups.computeFullSubgroups = VK_TRUE;
+  subgroups.subgroupSizeControl = choosesSubgroups;
+  subgroups.computeFullSubgroups = VK_TRUE;
   subgroups.pNext = features.pNext;
   features.pNext = &subgroups;
   const auto chain = [&features](auto& wanted) {

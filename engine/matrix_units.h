@@ -7,7 +7,16 @@
 
 namespace xrds {
 
-/// The way to the matrix units of a device that lets a pipeline fix its subgroups: the first extension with which one
+/// What a device says of the subgroups of a pipeline.
+struct SubgroupControl {
+  bool areKnown = false;   // how many invocations they have, and that all of them are full
+  bool areChosen = false;  // by the pipeline; else the device has one size
+};
+SubgroupControl subgroupControl(VkPhysicalDevice device);
+SubgroupControl subgroupControl(const VkPhysicalDeviceSubgroupSizeControlFeatures& features,
+                                const VkPhysicalDeviceSubgroupSizeControlProperties& sizes);
+
+/// The way to the matrix units of a device whose subgroups are known: the first extension with which one
 /// multiplies matrices of 16-bit floats and adds up in 32 bits, and the largest product that fragments of 16 x 16 are
 /// made of.
 std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
@@ -23,7 +32,7 @@ struct MatrixFeatures {
 #ifdef VK_KHR_cooperative_matrix
   VkPhysicalDeviceCooperativeMatrixFeaturesKHR khr{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_COOPERATIVE_MATRIX_FEATURES_KHR};
 #endif
-  void enable(MatrixUnits units, VkPhysicalDeviceVulkan12Features& features);
+  void enable(MatrixUnits units, bool choosesSubgroups, VkPhysicalDeviceVulkan12Features& features);
 };
 
 }  // namespace xrds

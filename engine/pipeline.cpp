@@ -68,7 +68,7 @@ VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipel
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
   if (key.fullSubgroups) {
     subgroups.requiredSubgroupSize = gpu.traits.subgroupSize;
-    info.stage.pNext = &subgroups;
+    if (gpu.choosesSubgroups) info.stage.pNext = &subgroups;
     info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
   }
   info.layout = layout;

@@ -69,13 +69,6 @@ void checkSize(const char* what, const PixelView& image, const TensorView& expec
                 std::to_string(expected.height) + ".");
 }
 
-void checkLimits(const Graph& graph, const DeviceTraits& device) {
-  for (const Value& value : graph.values)
-    if (value.texelCount() > device.maxTexelBufferElements)
-      throw Error("The frame needs a tensor of " + std::to_string(value.byteSize() >> 20) +
-                  " MiB, more than the device can bind: use smaller tiles.");
-}
-
 std::vector<ValueId> ownStorage(const Graph& graph) {
   std::vector<ValueId> storage(graph.values.size());
   std::iota(storage.begin(), storage.end(), ValueId{0});
@@ -90,6 +83,14 @@ DeviceTraits traitsFor(const Gpu& gpu, const SessionOptions& options) {
 }
 
 }  // namespace
+
+void checkBindings(const Graph& graph, const DeviceTraits& device) {
+  for (const Value& value : graph.values)
+    if (value.texelCount() > device.maxTexelBufferElements)
+      throw Error("The frame needs a tensor of " + std::to_string(value.texelCount()) +
+                  " texels, but the device binds at most " + std::to_string(device.maxTexelBufferElements) +
+                  " texels: use smaller tiles.");
+}
 
 uint64_t arenaByteSize(const Graph& graph) {
   return alignUp(planMemory(lifetimes(graph, inPlaceStorage(graph))).byteSize, kBindingAlignment);
@@ -110,7 +111,7 @@ Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionO
                         fastOn(traitsFor(gpu, options), {options.precision, options.autoExposure, options.bandRows}))),
       storage_(options.aliasing ? inPlaceStorage(graph_) : ownStorage(graph_)) {
   const DeviceTraits traits = traitsFor(gpu, options);
-  checkLimits(graph_, traits);
+  checkBindings(graph_, traits);
   const auto lives = lifetimes(graph_, storage_);
   plan_ = options.aliasing ? planMemory(lives) : planWithoutAliasing(lives);
   const PackedModel packed = packModel(graph_, traits);

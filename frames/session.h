@@ -21,6 +21,9 @@ struct MemoryNeeds {
 };
 MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device);
 
+/// Throws Error, naming the limit, if the device cannot bind a tensor of the graph.
+void checkBindings(const Graph& graph, const DeviceTraits& device);
+
 /// The bytes of the arena that a session of the graph allocates.
 uint64_t arenaByteSize(const Graph& graph);
 

@@ -78,6 +78,7 @@ void open(Gpu::Handles& gpu) {
   info.ppEnabledExtensionNames = extensions.data();
   checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
   volkLoadDeviceTable(&gpu.vk, gpu.device);
+  gpu.choosesSubgroups = true;
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct TargetRows {
 };
 
 const uint kImageGroupWidth = 32;
-const uint kImageGroupHeight = 8;
+const uint kImageGroupHeight = 4;    // 128 invocations: any device takes as many
 const uint kImageLaneSubgroups = 8;  // of a workgroup of a lane kernel, side by side
 const float kLogitMax = 8.0f;        // learned logits of kernels are clamped to +- this
 const float kShareLogitMax = 20.0f;  // and those of shares to +- this

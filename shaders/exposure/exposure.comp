@@ -1,26 +1,27 @@
 // e = 0.18 / exp(mean(log L)) >= 1e-37 over the pixels with finite Rec. 709 luminance L > 1e-8 M; 1 if there are none.
 // M = (mean(L^(1/8)))^8 over those with finite L > 1e-37. colour: [pixels][4]; target: (e, 1 / e, count, 0). One
-// workgroup; each invocation sums every 256th pixel, 64 at a time (long sums of single pixels would lose digits), then a
+// workgroup; each of its kGroup invocations sums every kGroup-th pixel, 64 at a time (long sums of single pixels would lose digits), then a
 // tree: the order never changes. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/common/storage.glsl"
 #include "shaders/exposure/exposure.h"
-layout(local_size_x = kExposureGroup) in;
+layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform samplerBuffer colour;
 layout(binding = 1, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { ExposureParams p; };
 
-shared vec2 partial[kExposureGroup];  // sum of what is asked for, count
+const uint kGroup = gl_WorkGroupSize.x;
+shared vec2 partial[kGroup];  // sum of what is asked for, count
 
 // The sum of L^(1/8) or log(L) over the pixels with finite L > darkest, and their number, in partial[0].
 void sumOver(bool roots, float darkest) {
   const uint lane = gl_LocalInvocationIndex;
   vec2 total = vec2(0);
-  for (uint begin = lane; begin < p.pixelCount; begin += 64 * kExposureGroup) {
-    const uint end = min(begin + 64 * kExposureGroup, p.pixelCount);
+  for (uint begin = lane; begin < p.pixelCount; begin += 64 * kGroup) {
+    const uint end = min(begin + 64 * kGroup, p.pixelCount);
     vec2 sum = vec2(0);
-    for (uint pixel = begin; pixel < end; pixel += kExposureGroup) {
+    for (uint pixel = begin; pixel < end; pixel += kGroup) {
       const vec3 value = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
       const float luminance = dot(value, vec3(0.2126, 0.7152, 0.0722));
       // The second comparison fails for infinity, both for NaN.
@@ -31,7 +32,7 @@ void sumOver(bool roots, float darkest) {
   }
   barrier();
   partial[lane] = total;
-  for (uint width = kExposureGroup / 2; width > 0; width /= 2) {
+  for (uint width = kGroup / 2; width > 0; width /= 2) {
     barrier();
     if (lane < width) partial[lane] += partial[lane + width];
   }

@@ -1,5 +1,8 @@
 #include "shaders/exposure/exposure.h"
 
+#include <algorithm>
+#include <bit>
+
 #include "shaders/common/example.h"
 #include "shaders/common/moments.h"
 
@@ -11,13 +14,14 @@ TensorShape outputShape(const Exposure& op) {
   return {1, 1, 4};
 }
 
-Dispatch dispatch(const Exposure& op, const DeviceTraits&) {
+Dispatch dispatch(const Exposure& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   XRDS_CHECK(op.output.type == DataType::f32);
   const shader::ExposureParams params{.source = sliceOf(op.colour),
                                       .pixelCount = static_cast<uint32_t>(op.colour.pixelCount()),
                                       .target = sliceOf(op.output).offset};
   return {.program = programName("exposure", KernelFamily::plain, op.output.type),
+          .specialization = {std::bit_floor(std::min(shader::kExposureGroup, device.maxGroupInvocations))},
           .bindings = {readTexels(op.colour), writeRows(op.output, {0, 1})},
           .pushConstants = pushBytes(params)};
 }
