@@ -46,15 +46,16 @@ bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
          op.headChannels <= 128 && laneGroupColumns(op, laneShares(op, device.subgroupSize)) <= kMaxGroupCount;
 }
 
-/// Keys that the tile kernel has in shared memory at a time: all of the window, or as many as fit beside the biases;
-/// 0: the device takes the plain kernel.
+/// Keys that the tile kernel has in shared memory at a time: few, which leaves room for many workgroups side by side,
+/// or as many as fit beside the biases; 0: the device takes the plain kernel.
 uint32_t tileKeys(const WindowAttention& op, const DeviceTraits& device) {
   constexpr uint32_t kMaxHeadChannels = 64;  // of more, query and result do not stay in registers
-  constexpr uint32_t kStep = shader::kAttentionTileKeys, kMaxSharedBytes = 24576;  // several workgroups side by side
-  const uint32_t tokens = op.window * op.window, relative = 2 * op.window - 1, biasBytes = relative * relative * 4;
-  const uint32_t keyBytes = 2 * op.headChannels * 4 + 4, sharedBytes = std::min(device.maxSharedBytes, kMaxSharedBytes);
-  if (!takesTiles(device) || op.headChannels > kMaxHeadChannels || biasBytes > sharedBytes) return 0;
-  return std::min(ceilDivide(tokens, kStep), (sharedBytes - biasBytes) / keyBytes / kStep) * kStep;
+  constexpr uint32_t kStep = shader::kAttentionTileKeys, kMostSteps = 2;
+  const uint32_t tokens = op.window * op.window, relative = 2 * op.window - 1;
+  const uint32_t biasBytes = alignUp(relative * relative, 4) * 4, keyBytes = 2 * op.headChannels * 4 + 8;
+  if (!takesTiles(device) || op.headChannels > kMaxHeadChannels || biasBytes > device.maxSharedBytes) return 0;
+  const uint32_t roomFor = (device.maxSharedBytes - biasBytes) / keyBytes / kStep;
+  return std::min({ceilDivide(tokens, kStep), roomFor, kMostSteps}) * kStep;
 }
 
 Windows windowsOf(const WindowAttention& op) { return {op.window, op.shift}; }
@@ -139,7 +140,7 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
     result.groupCount = {laneGroupColumns(op, shares), windowRows.count, 1};
   } else if (const uint32_t keys = tileKeys(op, device)) {
     result.program = programName("window_attention", KernelFamily::tile, op.output.type);
-    result.specialization = {op.window * op.window, op.window, op.headChannels, keys};
+    result.specialization = {op.window * op.window, op.window, op.headChannels, keys, op.shift > 0};
     result.groupCount = {windowColumns, windowRows.count, headCount(op)};
   } else {
     result.program = programName("window_attention", KernelFamily::plain, op.output.type);

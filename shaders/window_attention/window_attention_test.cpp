@@ -176,9 +176,10 @@ TEST(WindowAttention, StagesTheKeysThatFitTheDevice) {
   using Constants = std::vector<uint32_t>;
   EXPECT_EQ(launchOn(32768, {24, 16, 8, 32, 2, 4}).program, "window_attention_tile_f32");
   EXPECT_EQ(launchOn(32768, {24, 16, 8, 32, 2, 4}).groupCount, (std::array<uint32_t, 3>{2, 3, 2}));
-  EXPECT_EQ(launchOn(32768, {24, 16, 8, 32, 2, 4}).specialization, (Constants{64, 8, 32, 64}));
-  EXPECT_EQ(launchOn(16384, {24, 16, 8, 32, 2, 4}).specialization, (Constants{64, 8, 32, 56}));
-  EXPECT_EQ(launchOn(32768, {16, 32, 16, 32, 1, 8}).specialization, (Constants{256, 16, 32, 72}));
+  EXPECT_EQ(launchOn(32768, {24, 16, 8, 32, 2, 4}).specialization, (Constants{64, 8, 32, 16, 1}));
+  EXPECT_EQ(launchOn(4096, {24, 16, 8, 32, 2, 4}).specialization, (Constants{64, 8, 32, 8, 1}));
+  EXPECT_EQ(launchOn(32768, {16, 32, 16, 32, 1, 0}).specialization, (Constants{256, 16, 32, 16, 0}));
+  EXPECT_EQ(launchOn(32768, {4, 4, 2, 4, 1}).specialization, (Constants{4, 2, 4, 8, 0}));
   EXPECT_EQ(launchOn(4096, {16, 32, 16, 32, 1, 8}).program, "window_attention_plain_f32");
   EXPECT_EQ(launchOn(32768, {16, 16, 8, 132, 1}).program, "window_attention_plain_f32");
 }
