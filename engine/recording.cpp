@@ -271,7 +271,8 @@ void Recording::Handles::record(Submission& submission, std::span<const PlacedDi
   fullBarrier(gpu, commands);
   stamp(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
   for (size_t i = submission.begin; i < submission.end; ++i) {
-    if (barriers[i] && i > submission.begin) barrierBetween(commands);
+    // Dispatches that overlap would have each other's time.
+    if ((barriers[i] || queryPool) && i > submission.begin) barrierBetween(commands);
     const Dispatch& dispatch = dispatches[i].dispatch;
     if (dispatch.isCopy()) {
       recordCopy(commands, dispatches[i]);

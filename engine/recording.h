@@ -24,7 +24,7 @@ struct PlacedDispatch {
 };
 
 struct RecordingOptions {
-  bool timestamps = false;
+  bool timestamps = false;  // each dispatch then waits for the one before
   /// A submission holds at most that much work (see workOf()) or one dispatch, so that none runs past a driver's
   /// watchdog.
   uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
