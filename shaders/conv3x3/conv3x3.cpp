@@ -70,13 +70,21 @@ struct TileShape {
   uint32_t columns = 0, rows = 0, strips = 0;  // 0: the device takes the plain kernel
 };
 
+// Fewer rows where a GPU would have too few workgroups.
 TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
+  constexpr uint32_t kLeastRows = 8, kEnoughGroups = 256;
   const uint32_t columns = tileColumns(kernelOutputs(op) / 4), strips = columns >= 8 ? 2 : 4;
   TileShape tile{columns, std::min(kTileInvocations / columns / strips, 32u), strips};
   const auto sharedBytes = [&] {
     return 16 * ((shader::kConv3x3TilePixels * strips + 2) * (tile.rows + 2) + 36 * columns);
   };
   while (tile.rows > 1 && sharedBytes() > device.maxSharedBytes) tile.rows /= 2;
+  const auto groups = [&] {
+    const TensorShape shape = convolutionShape(op);
+    return uint64_t{ceilDivide(kernelOutputs(op), 4 * columns)} *
+           ceilDivide(shape.width, shader::kConv3x3TilePixels * strips) * ceilDivide(shape.height, tile.rows);
+  };
+  while (tile.rows > kLeastRows && groups() < kEnoughGroups) tile.rows /= 2;
   const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes &&
                     ceilDivide(convolutionShape(op).height, tile.rows) <= kMaxGroupCount;
   return fits ? tile : TileShape{};

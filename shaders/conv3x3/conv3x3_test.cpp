@@ -176,10 +176,12 @@ TEST(Conv3x3, TakesTheTilesThatFitTheDevice) {
   EXPECT_EQ(launchOn(gpu, {40, 40, 64, 64}).program, "conv3x3_tile_f32");
   EXPECT_EQ(launchOn(gpu, {40, 40, 64, 64}).groupCount, (std::array<uint32_t, 3>{1, 3, 5}));
   EXPECT_EQ(launchOn(gpu, {40, 40, 64, 256, Layout::shuffled}).groupCount, (std::array<uint32_t, 3>{4, 3, 5}));
-  EXPECT_EQ(launchOn(gpu, {40, 40, 32, 3}).groupCount, (std::array<uint32_t, 3>{1, 2, 2}));
+  EXPECT_EQ(launchOn(gpu, {640, 512, 4, 3}).groupCount, (std::array<uint32_t, 3>{1, 16, 20}));
+  EXPECT_EQ(launchOn(gpu, {40, 40, 32, 3}).groupCount,
+            (std::array<uint32_t, 3>{1, 2, 5}));  // smaller, but more of them
   DeviceTraits small = gpu;
   small.maxSharedBytes = 16384;
-  EXPECT_EQ(launchOn(small, {40, 40, 32, 3}).groupCount, (std::array<uint32_t, 3>{1, 2, 3}));
+  EXPECT_EQ(launchOn(small, {640, 512, 4, 3}).groupCount, (std::array<uint32_t, 3>{1, 16, 40}));
   small.maxSharedBytes = 8192;
   EXPECT_EQ(launchOn(small, {40, 40, 64, 64}).program, "conv3x3_plain_f32");
 }
