@@ -136,18 +136,15 @@ double bias(const SwinLayer& op, uint32_t query, uint32_t key, uint32_t head) {
   return op.biasTable[windowsOf(op).relativePosition(query, key) * headCount(op) + head];
 }
 
-void addScoreBiases(const SwinLayer& op, Tiles& tiles) {
+void addScoreBiases(const SwinLayer& op, std::vector<float>& numbers) {
   constexpr double kMasked = -1e4;  // 2 to that is 0, whatever the largest score
   const Windows windows = windowsOf(op);
   for (uint32_t windowClass = 0; windowClass < windows.classCount(); ++windowClass)
     for (uint32_t head = 0; head < headCount(op); ++head)
-      for (uint32_t query = 0; query < kTokens; query += 16)
-        for (uint32_t key = 0; key < kTokens; key += 16)
-          tiles.add([&](uint32_t row, uint32_t column) {
-            return windows.isParted(query + row, key + column, windowClass)
-                       ? kMasked
-                       : bias(op, query + row, key + column, head) * kLog2E;
-          });
+      for (uint32_t query = 0; query < kTokens; ++query)
+        for (uint32_t key = 0; key < kTokens; ++key)
+          numbers.push_back(static_cast<float>(
+              windows.isParted(query, key, windowClass) ? kMasked : bias(op, query, key, head) * kLog2E));
 }
 
 }  // namespace
@@ -235,7 +232,7 @@ std::vector<float> packedWeights(const SwinLayer& op, const DeviceTraits&) {
   const Matrix qkv = scaledQueries(op);
   for (uint32_t head = 0; head < headCount(op); ++head)
     for (uint32_t part = 0; part < 3; ++part) tiles.addMap(qkv, part * c + head * d, d);
-  addScoreBiases(op, tiles);
+  addScoreBiases(op, tiles.numbers);
   tiles.addMap(matrixOf(op.proj));
   tiles.addMap(normed(op.norm2, op.fc1));
   tiles.addMap(lastMap(op));

@@ -2,7 +2,8 @@
 // Halves are multiplied and stored, all sums are fp32. Pool: the tokens t, LN(t), u, LN(u) and y in turn; [q k] of a head,
 // whose q becomes softmax(..) v, and its v, transposed; scores of kScoreRows queries, which become weights; in place of
 // these the hidden features. Weights: tiles of 16 x 16. A map has for each 16 outputs the bias, in equal rows, and tiles
-// [n][k] for all inputs: qkv head by head (scaled for exp2), bias and mask of the scores by window class and head, proj, fc1, fc2, grow (no bias).
+// [n][k] for all inputs: qkv head by head (scaled for exp2), bias and mask of the scores by window class, head and query,
+// proj, fc1, fc2, grow (no bias).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -28,10 +29,10 @@ const uint kTokenStride = kChannels / 8 + 1, kHeadStride = kHeadChannels / 4 + 1
 const uint kHiddenStride = kHiddenPart / 8 + 1;
 const uint kValueStride = kTokens / 8 + 1, kHeadAt = kTokens * kTokenStride, kValuesAt = kHeadAt + kTokens * kHeadStride;
 const uint kScoresAt = kValuesAt + kHeadChannels * kValueStride, kHiddenAt = kHeadAt;
-const uint kTile = 32, kHeads = kChannels / kHeadChannels, kScoreTiles = kRows * kRows;  // texels; of a head
+const uint kTile = 32, kHeads = kChannels / kHeadChannels, kBiasTexels = kTokens * kTokens / 8;  // of a head
 const uint kTokenColumn = (1 + kChannels / 16) * kTile, kHiddenColumn = (1 + kHidden / 16) * kTile;
 const uint kBiasAt = 3 * kChannels / 16 * kTokenColumn;
-const uint kProjAt = kBiasAt + (kShifted ? 4 : 1) * kHeads * kScoreTiles * kTile;
+const uint kProjAt = kBiasAt + (kShifted ? 4 : 1) * kHeads * kBiasTexels;
 const uint kFc1At = kProjAt + kChannels / 16 * kTokenColumn, kFc2At = kFc1At + kHidden / 16 * kTokenColumn;
 const uint kGrowAt = kFc2At + kOutputs / 16 * kHiddenColumn, kGrowColumn = kChannels / 16 * kTile;
 const uint kProjColumns = (kChannels / 16 + kSubgroups - 1) / kSubgroups;  // of a subgroup: every kSubgroups-th
@@ -92,8 +93,7 @@ void score(uint head, uint firstRow) {
   for (uint i = subgroupIndex(); i < kScoreRows / 16 * kRows; i += kSubgroups) {
     const uint row = firstRow + 16 * (i / kRows), column = i % kRows;
     SUM(sum);
-    const uint tile = (windowClass() * kHeads + head) * kScoreTiles + row / 16 * kRows + column;
-    LOAD_SUM(sum, weights, kBiasAt + tile * kTile, 2);
+    CLEAR_SUM(sum);
     for (uint k = 0; k < kHeadChannels / 8; k += 2) {
       LEFT_FRAGMENT(q);
       LOAD_LEFT(q, pool, kHeadAt + row * kHeadStride + k, kHeadStride);
@@ -148,7 +148,7 @@ void main() {
     for (uint row = 0; row < kTokens; row += kScoreRows) {
       score(head, row);
       barrier();
-      takeSoftmax();
+      takeSoftmax(kBiasAt + ((windowClass() * kHeads + head) * kTokens + row) * kTokens / 8);
       barrier();
       weighValues(row);
       barrier();

@@ -74,15 +74,18 @@ void normalizeTokens() {
         roundedHalves((quadOfPool(first + i, 0) - mean) * scale, (quadOfPool(first + i, 1) - mean) * scale);
 }
 
-// Scores to weights, row by row in place.
-void takeSoftmax() {
+// Scores and their biases to weights, row by row in place. The biases are halves, [query][key].
+void takeSoftmax(uint biasAt) {
   const uint invocations = kInvocations / kScoreRows, quads = kTokens / 4 / invocations;
   const uint row = kScoresAt + gl_LocalInvocationIndex / invocations * kScoreStride;
   const uint part = gl_LocalInvocationIndex % invocations;
   vec4 values[quads];
   vec4 largest = vec4(-1e30);
+  const uint biasRow = biasAt + gl_LocalInvocationIndex / invocations * kTokens / 8 + part * quads / 2;
   [[unroll]] for (uint i = 0; i < quads; i++) {
-    values[i] = uintBitsToFloat(pool[row + part * quads + i]);
+    const uvec4 biases = weights[biasRow + i / 2];
+    const uvec2 four = i % 2 == 0 ? biases.xy : biases.zw;
+    values[i] = uintBitsToFloat(pool[row + part * quads + i]) + vec4(unpackHalf2x16(four.x), unpackHalf2x16(four.y));
     largest = max(largest, values[i]);
   }
   const float top = largestOfRow(max(max(largest.x, largest.y), max(largest.z, largest.w)), invocations);
