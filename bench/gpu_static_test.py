@@ -1,0 +1,127 @@
+"""Asserts what compilers of real GPUs make of the kernels: python3 bench/gpu_static_test.py PROGRAM [MODEL ...]
+
+Two models by default, bench/gpu_static.py has all. Where Mesa 25.0 is not in its folder it says so and ends with 77,
+which the suite takes for skipped.
+"""
+import collections
+import pathlib
+import sys
+import unittest
+
+import gpu_static
+
+SKIPPED = 77
+LARGE = 0.03  # share of a network's work from which a kernel counts
+LEAST_WAVES = 4  # a SIMD
+# Not reached: four waves of vega10 have 64 registers each, and a query with its result, or 8 pixels of 4 outputs, need all.
+KNOWN_WAVES = {("vega10", "window_attention_tile"): 2, ("vega10", "window_attention_plain"): 3, ("vega10", "linear_tile"): 3,
+               ("vega10", "conv3x3_tile"): 1}
+MODELS = ["xrds-x4-compact", "xrds-x4-full"]
+SMALL = {"--shared-bytes": 16384, "--group-invocations": 128}
+
+
+def stem(program):
+    """linear_matrix_khr_f16 -> linear_matrix"""
+    return "_".join(part for part in program.split("_") if part not in ("khr", "nv", "f16", "f32"))
+
+
+class GpuStatic(unittest.TestCase):
+    gpus, small = [], {}
+
+    def kernels(self, gpu, families, least_share=0.0):
+        """The pipelines of the families, each once, which have at least that share of a network's work."""
+        shares = collections.Counter()
+        for network in gpu["networks"]:
+            if network["family"] in families:
+                for index, share in network["shares"].items():
+                    shares[index] = max(shares[index], share)
+        return [gpu["pipelines"][index] for index, share in shares.items() if share >= least_share]
+
+    def test_every_pipeline_compiles(self):
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                self.assertEqual([pipeline for pipeline in gpu["pipelines"] if "error" in pipeline], [])
+                families = {network["family"] for network in gpu["networks"]}
+                # Mesa 25.0 has no matrix units on RDNA4 yet, and hardware before RDNA3 has none.
+                with_units = gpu["gpu"] in ("navi31", "gfx1150")
+                self.assertEqual(families, {"plain", "tile", "matrix", "fused"} if with_units else {"plain", "tile"})
+
+    def test_nothing_is_spilled(self):
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                self.assertEqual([p["program"] for p in gpu["pipelines"] if p["spills"] or p["scratch"]], [])
+
+    def test_matrix_kernels_multiply_matrices(self):
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                for pipeline in gpu["pipelines"]:
+                    if "_matrix_" in pipeline["program"]:
+                        self.assertGreater(pipeline["loop"]["products"], 0, pipeline["program"])
+
+    def test_no_loop_gathers_halves(self):
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                for pipeline in gpu["pipelines"]:
+                    # A column of the fused layer begins with the bias of its outputs: four halves, before any product.
+                    most = 4 if pipeline["program"].startswith("swin_layer") else 0
+                    self.assertLessEqual((pipeline["loop"] or {}).get("gathers16", 0), most, pipeline["program"])
+
+    def test_waves_hide_latency(self):
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                for pipeline in self.kernels(gpu, ("plain", "tile", "matrix", "fused"), LARGE):
+                    least = KNOWN_WAVES.get((gpu["gpu"], stem(pipeline["program"])), LEAST_WAVES)
+                    self.assertGreaterEqual(pipeline["waves"], least, (pipeline["program"], pipeline["specialization"]))
+
+    def test_large_dispatches_fill_the_gpu(self):
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                for network in gpu["networks"]:
+                    where = (network["model"], network["precision"], network["family"])
+                    programs = [(gpu["pipelines"][pipeline]["program"], groups) for pipeline, groups in network["tooSmall"]]
+                    self.assertEqual(programs, [], where)
+                    self.assertGreaterEqual(network["filling"], 0.9, where)
+                    self.assertLessEqual(network["dispatches"], 250 if gpu["gpu"] in gpu_static.MEMORY_BYTES else 200, where)
+                    self.assertLessEqual(network["largestGrid"], 65535, where)
+
+    def test_most_of_the_inner_loops_time_is_products(self):
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                for pipeline in self.kernels(gpu, ("matrix",), LARGE):
+                    four_fragments = "_matrix_" in pipeline["program"] and pipeline["specialization"][1] == 4
+                    if four_fragments:  # of 16 outputs
+                        self.assertGreaterEqual(pipeline["loop"]["productShare"], 0.8, (pipeline["program"], pipeline["specialization"]))
+
+    def test_shared_memory_is_read_in_whole_texels(self):
+        """A third of what it was: 136 loads for linear, 204 for convolutions of 64 outputs."""
+        for gpu in self.gpus:
+            with self.subTest(gpu=gpu["gpu"]):
+                for pipeline in self.kernels(gpu, ("matrix", "fused")):
+                    if "_matrix_" in pipeline["program"] and pipeline["specialization"][1] == 4:
+                        most = 45 if pipeline["program"].startswith("linear") else 68
+                        self.assertLessEqual(pipeline["loop"]["sharedLoads"], most, (pipeline["program"], pipeline["specialization"]))
+
+    def test_small_devices_get_small_workgroups(self):
+        for pipeline in self.small["pipelines"]:
+            self.assertNotIn("error", pipeline)
+            x, y, z = pipeline["groupSize"]
+            self.assertLessEqual(x * y * z, SMALL["--group-invocations"], pipeline["program"])
+            self.assertLessEqual(pipeline["shared"], SMALL["--shared-bytes"], pipeline["program"])
+
+
+def main():
+    program, models = sys.argv[1], sys.argv[2:] or MODELS
+    mesa = gpu_static.Mesa()
+    if not mesa.exists():
+        print(f"Skipped: {mesa.folder} has no Mesa 25.0, which bench/gpu_static_mesa.sh brings.")
+        sys.exit(SKIPPED)
+    if not pathlib.Path(program).exists():
+        sys.exit(f"There is no {program}.")
+    GpuStatic.gpus = gpu_static.measure_all(mesa, program, list(gpu_static.COMPUTE_UNITS), models)
+    small = [str(word) for option in SMALL.items() for word in option]
+    GpuStatic.small = gpu_static.measure_all(mesa, program, ["navi31"], models[:1], *small)[0]
+    unittest.main(argv=sys.argv[:1])
+
+
+if __name__ == "__main__":
+    main()
