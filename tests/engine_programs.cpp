@@ -7,12 +7,14 @@
 #include "swin_layer_matrix_software_f16.h"
 #include "to_half.h"
 #include "twice_plus.h"
+#include "writes_nothing.h"
 
 namespace xrds::test {
 
 std::span<const uint32_t> engineProgram(std::string_view name) {
   if (name == "twice_plus") return twice_plus;
   if (name == "to_half") return to_half;
+  if (name == "writes_nothing") return writes_nothing;
   if (name == "linear_matrix_software_f32") return linear_matrix_software_f32;
   if (name == "linear_matrix_software_f16") return linear_matrix_software_f16;
   if (name == "conv3x3_matrix_software_f32") return conv3x3_matrix_software_f32;
