@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/half.h"
 
@@ -17,7 +18,7 @@ Moment rectified(Moment x) {
   const double s = std::sqrt(x.variance);
   if (s == 0) return {std::max(x.mean, 0.0), 0};
   const double z = x.mean / s, below = std::erfc(-z * M_SQRT1_2) / 2,
-               density = std::exp(-z * z / 2) / std::sqrt(2 * M_PI);
+               density = std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi);
   const double mean = x.mean * below + s * density, square = x.square() * below + x.mean * s * density;
   return {mean, std::max(0.0, square - mean * mean)};
 }
