@@ -66,34 +66,48 @@ Graph single(const Graph& graph, const Node& node) {
   return one;
 }
 
-PlacedOperator::PlacedOperator(Gpu& gpu, const Graph& graph)
-    : gpu_(gpu), graph_(graph), buffers_(graph.values.size()), inputs_(graph.values.size()) {
-  const auto lowered = lower(graph, gpu.traits());
-  requireMemory(gpu, graph, lowered);
+PlacedOperator::PlacedOperator(Gpu& gpu, Graph graph)
+    : gpu_(gpu), graph_(std::move(graph)), buffers_(graph_.values.size()), inputs_(graph_.values.size()) {
+  own_ = launchOf(graph_.nodes.front().kernel);
+}
+
+void PlacedOperator::clearOutput() {
+  const ValueId output = outputOf(graph_.nodes.front()).value;
+  if (inputs_[output].empty())
+    buffers_[output]->fill(~0U);
+  else
+    buffers_[output]->upload(0, encode(inputs_[output], graph_.values[output].type));
+}
+
+PlacedOperator::Launch PlacedOperator::launchOf(const std::optional<KernelChoice>& kernel) {
+  Node& node = graph_.nodes.front();
+  node.kernel = kernel;
+  const auto lowered = lower(graph_, gpu_.traits());
+  requireMemory(gpu_, graph_, lowered);
   std::set<ValueId> read;
   for (const LoweredDispatch& step : lowered)
     for (const Binding& binding : step.dispatch.bindings)
       if (binding.access == Access::read) read.insert(binding.value);
+  Launch launch;
   const auto rangeOf = [&](const Binding& binding) -> ByteRange {
     if (binding.value != kWeights) {
-      const Value& value = graph.values[binding.value];
+      const Value& value = graph_.values[binding.value];
       if (!buffers_[binding.value])
         fill(binding.value, value.type, value.byteSize() / byteSize(value.type), read.contains(binding.value));
       return {buffers_[binding.value].get(), binding.byteOffset, binding.byteSize};
     }
-    const auto weights =
-        std::visit([&](const auto& op) { return packedWeights(op, gpu.traits()); }, graph.nodes.front().op);
-    const auto bytes = encode(weights, binding.type);
-    if (!weights_) {
-      weights_ = std::make_unique<Buffer>(gpu, bufferSize(bytes.size()));
-      weights_->upload(0, bytes);
+    const auto bytes = encode(packedWeightsOf(node, gpu_.traits()), binding.type);
+    if (!launch.weights) {
+      launch.weights = std::make_unique<Buffer>(gpu_, bufferSize(bytes.size()));
+      launch.weights->upload(0, bytes);
     }
-    return {weights_.get(), 0, bytes.size()};
+    return {launch.weights.get(), 0, bytes.size()};
   };
   for (const LoweredDispatch& step : lowered) {
-    PlacedDispatch& placed = dispatches_.emplace_back(PlacedDispatch{step.dispatch, {}});
+    PlacedDispatch& placed = launch.dispatches.emplace_back(PlacedDispatch{step.dispatch, {}});
     for (const Binding& binding : step.dispatch.bindings) placed.ranges.push_back(rangeOf(binding));
   }
+  return launch;
 }
 
 void PlacedOperator::fill(ValueId value, DataType type, size_t elementCount, bool isRead) {
@@ -110,29 +124,48 @@ std::vector<float> PlacedOperator::read(const TensorView& view) const {
   return decode(bytes, view.type);
 }
 
-OperatorError PlacedOperator::error() const {
-  const Node& node = graph_.nodes.front();
-  const TensorView view = viewsOf(node).output;
-  HostMemory host, device;
+PlacedOperator::Expected PlacedOperator::expected(RowRange rows) const {
+  Node node = graph_.nodes.front();
+  HostMemory host;
   for (ValueId value = 0; value < inputs_.size(); ++value)
     if (const auto& numbers = inputs_[value]; !numbers.empty())
       std::copy(numbers.begin(), numbers.end(), host.storage(value, numbers.size()).begin());
-  std::visit([&](const auto& op) { reference(op, host); }, node.op);
-  const std::vector<float> found = read(view);
-  std::copy(found.begin(), found.end(), device.storage(view).begin());
+  std::visit(
+      [&](auto& op) {
+        if constexpr (requires { op.rows; }) {
+          const uint32_t factor = shuffleFactor(op);
+          op.rows = {rows.begin / factor, ceilDivide(rows.end, factor)};
+        }
+        reference(op, host);
+      },
+      node.op);
+  const TensorView view = outputOf(node);
+  Expected expected{rows};
+  expected.values.reserve(size_t{rows.end - rows.begin} * view.width * view.channels);
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < view.width; ++x)
+      for (uint32_t c = 0; c < view.channels; ++c) expected.values.push_back(host.at(view, y, x, c));
+  return expected;
+}
 
+OperatorError PlacedOperator::errorAgainst(const Expected& expected) const {
+  const TensorView view = outputOf(graph_.nodes.front());
+  const std::vector<float> found = read(view);
   OperatorError error;
   double squares = 0, power = 0;
-  for (uint32_t y = 0; y < view.height; ++y)
-    for (uint32_t x = 0; x < view.width; ++x)
+  size_t next = 0;
+  for (uint32_t y = expected.rows.begin; y < expected.rows.end; ++y)
+    for (uint32_t x = 0; x < view.width; ++x) {
+      const uint64_t first = (view.storedRow(y) * view.width + x) * view.channelStride + view.channelOffset;
       for (uint32_t c = 0; c < view.channels; ++c) {
-        const double expected = host.at(view, y, x, c), difference = std::abs(device.at(view, y, x, c) - expected);
+        const double wanted = expected.values[next++], difference = std::abs(found[first + c] - wanted);
         error.finite = error.finite && std::isfinite(difference);
         squares += difference * difference;
-        power += expected * expected;
+        power += wanted * wanted;
         error.max = std::max(error.max, difference);
       }
-  const double referenceRms = std::sqrt(power / static_cast<double>(view.pixelCount() * view.channels));
+    }
+  const double referenceRms = std::sqrt(power / static_cast<double>(expected.values.size()));
   error.rms = std::sqrt(squares / power);
   error.max /= referenceRms;
   const Tolerance tolerance = toleranceOf(view.type);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,25 +33,40 @@ struct OperatorError {
 /// is only written holds NaN. Ready to be run at will.
 class PlacedOperator {
  public:
-  /// `graph` holds one node and outlives this. Throws Error if the operator's tensors take more than the device has.
-  PlacedOperator(Gpu& gpu, const Graph& graph);
+  /// `graph` holds one node. Throws Error if the operator's tensors take more than the device has.
+  PlacedOperator(Gpu& gpu, Graph graph);
 
-  const std::vector<PlacedDispatch>& dispatches() const { return dispatches_; }
+  /// How another kernel makes the operator of the same inputs; no longer than this.
+  struct Launch {
+    std::unique_ptr<Buffer> weights;
+    std::vector<PlacedDispatch> dispatches;
+  };
+  Launch launchOf(const std::optional<KernelChoice>& kernel);
+  /// What the operator writes holds NaN again, or where it reads other parts of the same value what that held.
+  void clearOutput();
+
+  const std::vector<PlacedDispatch>& dispatches() const { return own_.dispatches; }
   /// The output's elements after a run.
-  std::vector<float> output() const { return read(viewsOf(graph_.nodes.front()).output); }
+  std::vector<float> output() const { return read(outputOf(graph_.nodes.front())); }
   /// Of the last run, against the reference on the same inputs. Slow: for small graphs.
-  OperatorError error() const;
+  OperatorError error() const { return errorAgainst(expected(outputRows(graph_.nodes.front()))); }
+  /// The same for some rows of the output alone, whose values in double precision are made once.
+  struct Expected {
+    RowRange rows;
+    std::vector<double> values;
+  };
+  Expected expected(RowRange rows) const;
+  OperatorError errorAgainst(const Expected& expected) const;
 
  private:
   void fill(ValueId value, DataType type, size_t elementCount, bool isRead);
   std::vector<float> read(const TensorView& view) const;
 
   Gpu& gpu_;
-  const Graph& graph_;
+  Graph graph_;
   std::vector<std::unique_ptr<Buffer>> buffers_;  // by value
   std::vector<std::vector<float>> inputs_;        // rounded to their storage, by value; empty where nothing is read
-  std::unique_ptr<Buffer> weights_;
-  std::vector<PlacedDispatch> dispatches_;
+  Launch own_;
 };
 
 }  // namespace xrds

@@ -167,6 +167,19 @@ void Gpu::addPrograms(ProgramSource source) {
     return words.empty() ? second(name) : words;
   };
 }
+const std::filesystem::path& Gpu::cacheFolder() const { return handles_->options.cacheFolder; }
+std::string Gpu::driverKey() const {
+  const DeviceDescription& device = handles_->description;
+  std::string key = handles_->pipelineCacheKey + " " + device.uuid + " " + device.name + " " + device.driver + " " +
+                    std::to_string(handles_->traits.subgroupSize);
+  // Drivers for CPUs do not tell one from another.
+  if (device.kind == DeviceKind::cpu) key += " " + processorName();
+  return key;
+}
+std::span<const uint32_t> Gpu::program(std::string_view name) const {
+  return handles_->options.programs ? handles_->options.programs(name) : std::span<const uint32_t>{};
+}
+void Gpu::setPatience(uint32_t seconds) { handles_->patienceSeconds = seconds; }
 bool Gpu::hasTimestamps() const { return handles_->timestampValidBits > 0; }
 void Gpu::setTraits(const DeviceTraits& traits) { handles_->traits = traits; }
 
@@ -216,10 +229,9 @@ void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& reco
   checkResult(gpu.vk.vkResetFences(gpu.device, 1, &gpu.copyFence), "vkResetFences");
 }
 
-// Long enough for a submission that compiles on a busy machine, far longer than a driver's watchdog.
 void awaitFence(Gpu::Handles& gpu, VkFence fence) {
-  constexpr uint64_t kNanoseconds = uint64_t{300} * 1'000'000'000;
-  const VkResult result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, kNanoseconds);
+  const uint64_t nanoseconds = uint64_t{gpu.patienceSeconds} * 1'000'000'000;
+  const VkResult result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, nanoseconds);
   gpu.abandoned = gpu.abandoned || result == VK_TIMEOUT;
   checkResult(result, "vkWaitForFences");
 }

@@ -73,6 +73,15 @@ class Gpu {
   bool hasAskedFamily() const;
   /// Lets programs that none of the sources so far has be found in one more.
   void addPrograms(ProgramSource source);
+  /// Where caches are kept; empty: nowhere.
+  const std::filesystem::path& cacheFolder() const;
+  /// Names device and driver, so that what was found of one is not taken for another: a line.
+  std::string driverKey() const;
+  /// The SPIR-V of a program, empty if there is none of that name.
+  std::span<const uint32_t> program(std::string_view name) const;
+  /// How long a submission may take before the device counts as lost, 300 seconds unless said otherwise. It must be
+  /// longer than a driver takes to compile a program.
+  void setPatience(uint32_t seconds);
   /// Whether Recording::gpuMicroseconds has anything to say.
   bool hasTimestamps() const;
   /// Overrides the kernel family or limits, for tests that compare families.

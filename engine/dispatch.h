@@ -44,9 +44,25 @@ struct MatrixSize {
   bool halfSums = true;  // the sums may be halves, too, so that fp32 ones are converted in registers
 };
 
+/// How the kernel of a family shares out its work, where that may be chosen. What is 0, or does not fit an operator, is
+/// left to the operator's own rule.
+struct KernelShape {
+  uint32_t outputs = 0;  // channels of a lane, or fragments of them of a workgroup
+  uint32_t rows = 0;     // rows of pixels, tokens or queries of an invocation
+  auto operator<=>(const KernelShape&) const = default;
+};
+
+/// Which kernel makes an operator.
+struct KernelChoice {
+  KernelFamily family = KernelFamily::plain;
+  KernelShape shape{};
+  auto operator<=>(const KernelChoice&) const = default;
+};
+
 /// The properties of a device that decide how work is dispatched: plain numbers, testable without a device.
 struct DeviceTraits {
   KernelFamily family = KernelFamily::plain;
+  KernelShape shape{};                          // asked of its kernels
   MatrixUnits matrixUnits = MatrixUnits::none;  // of the families `matrix` and `fused`
   MatrixSize matrixSize;                        // of their products
   uint32_t subgroupSize = 8;

@@ -1,6 +1,12 @@
 #include "engine/environment.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <thread>
+#if (defined(__x86_64__) || defined(__i386__)) && defined(__GNUC__)
+#include <cpuid.h>
+#endif
 
 #ifndef _WIN32
 #include <unistd.h>
@@ -30,6 +36,20 @@ bool cpuHasAvx512() {
 #endif
 }
 
+std::string brandOfProcessor() {
+#if (defined(__x86_64__) || defined(__i386__)) && defined(__GNUC__)
+  std::array<unsigned, 12> words{};
+  for (unsigned leaf = 0; leaf < 3; ++leaf)
+    if (!__get_cpuid(0x80000002 + leaf, &words[4 * leaf], &words[4 * leaf + 1], &words[4 * leaf + 2],
+                     &words[4 * leaf + 3]))
+      return "CPU";
+  const std::string brand(reinterpret_cast<const char*>(words.data()), sizeof words);
+  return brand.substr(0, std::min(brand.find('\0'), brand.size()));
+#else
+  return "CPU";
+#endif
+}
+
 // Mesa takes an empty folder for one that it cannot make, and keeps nothing.
 void leaveToDriverIfEmpty([[maybe_unused]] const char* name) {
 #ifndef _WIN32
@@ -45,6 +65,10 @@ std::string ourWidth, ourShaderCache;
 std::string usersShaderCache;  // in which ours lies; empty: in the engine's cache folder
 
 }  // namespace
+
+std::string processorName() {
+  return brandOfProcessor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+}
 
 std::filesystem::path defaultCacheFolder() {
   if (const auto folder = variable("XDG_CACHE_HOME"); !folder.empty()) return std::filesystem::path(folder) / "xrds";

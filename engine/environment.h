@@ -21,6 +21,9 @@ void placeShaderCache(const std::filesystem::path& folder);
 /// What the user set XRDS_KERNEL_FAMILY to; empty if nothing.
 std::string wantedKernelFamily();
 
+/// The processor's own name of itself and the number of its threads: "AMD EPYC, 2 threads".
+std::string processorName();
+
 /// Lets lavapipe use the CPU's whole vector width unless the user chose one. Changes the environment, so call it
 /// before an instance is created and while no other thread reads the environment.
 void widenCpuVectors();

@@ -74,6 +74,8 @@ struct Gpu::Handles {
   VkPipelineCreateFlags pipelineFlags = 0;  // of all that are made
   std::map<PipelineKey, Pipeline> pipelines;
 
+  // Long enough for a submission that compiles on a busy machine, far longer than a driver's watchdog.
+  uint32_t patienceSeconds = 300;
   bool abandoned = false;  // it does not answer: what it may still use is never destroyed
 };
 

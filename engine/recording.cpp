@@ -88,13 +88,13 @@ std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
 }
 
 // One dispatch for each pipeline that is still to be made.
-std::vector<const Dispatch*> notMade(const Gpu::Handles& gpu, std::span<const PlacedDispatch> dispatches) {
+std::vector<const Dispatch*> notMade(const Gpu::Handles& gpu, std::span<const Dispatch* const> dispatches) {
   std::set<PipelineKey> found;
   std::vector<const Dispatch*> fresh;
-  for (const PlacedDispatch& placed : dispatches)
-    if (const PipelineKey key(placed.dispatch);
-        !placed.dispatch.isCopy() && !gpu.pipelines.contains(key) && found.insert(key).second)
-      fresh.push_back(&placed.dispatch);
+  for (const Dispatch* dispatch : dispatches)
+    if (const PipelineKey key(*dispatch);
+        !dispatch->isCopy() && !gpu.pipelines.contains(key) && found.insert(key).second)
+      fresh.push_back(dispatch);
   return fresh;
 }
 
@@ -334,6 +334,14 @@ void Recording::Handles::readTimestamps() {
   }
 }
 
+void compilePrograms(Gpu& gpu, std::span<const Dispatch* const> dispatches) {
+  const std::vector<const Dispatch*> fresh = notMade(gpu.handles(), dispatches);
+  if (gpu.description().kind == DeviceKind::cpu)
+    makeCompiledPipelines(gpu, fresh);
+  else
+    makePipelines(gpu.handles(), keysOf(fresh));
+}
+
 Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingOptions options)
     : handles_(std::make_unique<Handles>(gpu.handles())) {
   XRDS_CHECK_LT(0u, asked.size());
@@ -347,11 +355,10 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
     if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu.handles(), placed);
     accesses.push_back(accessesOf(placed));
   }
-  const std::vector<const Dispatch*> fresh = notMade(gpu.handles(), dispatches);
-  if (gpu.description().kind == DeviceKind::cpu)
-    makeCompiledPipelines(gpu, fresh);
-  else
-    makePipelines(gpu.handles(), keysOf(fresh));
+  std::vector<const Dispatch*> launches;
+  launches.reserve(dispatches.size());
+  for (const PlacedDispatch& placed : dispatches) launches.push_back(&placed.dispatch);
+  compilePrograms(gpu, launches);
   handles_->barriers = barriersBefore(accesses);
   handles_->submissions = cut(dispatches, options.multiplyAddsPerSubmission);
   handles_->makePools(dispatches, options.timestamps);

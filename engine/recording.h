@@ -30,6 +30,10 @@ struct RecordingOptions {
   uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
 };
 
+/// Compiles the programs of the dispatches that are not compiled yet, many at once. Throws as Recording's constructor
+/// does.
+void compilePrograms(Gpu& gpu, std::span<const Dispatch* const> dispatches);
+
 /// A list of dispatches, recorded once with the barriers that their byte ranges need, and replayed at will.
 /// The buffers must outlive it and stay where they are.
 class Recording {

@@ -43,14 +43,15 @@ PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
   PackedModel packed;
   std::map<PackedKey, PackedModel::Range> known;  // bands of a layer share theirs
   for (const Node& node : graph.nodes) {
-    const Dispatch launch = std::visit([&](const auto& op) { return dispatch(op, device); }, node.op);
-    const auto [range, isNew] = known.try_emplace(keyOf(launch.program, node.op));
+    const Dispatch launch = dispatchOf(node, device);
+    PackedKey key = keyOf(launch.program, node.op);
+    if (node.kernel) key.shape = node.kernel->shape;
+    const auto [range, isNew] = known.try_emplace(std::move(key));
     if (isNew) {
       DataType type = DataType::f32;
       for (const Binding& binding : launch.bindings)
         if (binding.value == kWeights) type = binding.type;
-      auto values = std::visit([&](const auto& op) { return packedWeights(op, device); }, node.op);
-      const std::vector<std::byte> bytes = encodeWeights(std::move(values), type);
+      const std::vector<std::byte> bytes = encodeWeights(packedWeightsOf(node, device), type);
       range->second = {packed.bytes.size(), bytes.size()};
       packed.keys.push_back(range->first);
       packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
@@ -108,7 +109,10 @@ MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device) {
 
 Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionOptions options)
     : graph_(buildGraph(model.config(), frame, model.lookup(),
-                        fastOn(traitsFor(gpu, options), {options.precision, options.autoExposure, options.bandRows}))),
+                        fastOn(traitsFor(gpu, options), {.precision = options.precision,
+                                                         .autoExposure = options.autoExposure,
+                                                         .bandRows = options.bandRows,
+                                                         .kernels = options.kernels}))),
       storage_(options.aliasing ? inPlaceStorage(graph_) : ownStorage(graph_)) {
   const DeviceTraits traits = traitsFor(gpu, options);
   checkBindings(graph_, traits);

@@ -37,6 +37,7 @@ struct SessionOptions {
   uint32_t bandRows = 0;                 // as in GraphOptions
   std::optional<KernelFamily> family{};  // in place of the device's
   uint64_t memoryBytes = 0;              // that a GPU's bands may reckon with; 0: all that the device has
+  KernelTable kernels{};                 // as in GraphOptions
   bool aliasing = true;                  // off: every value keeps its bytes, so that each can be looked at
   /// A session of the same model that must outlive this one. Reuses its weights and, if it is large enough, its arena:
   /// never run both at once.
@@ -47,6 +48,7 @@ struct SessionOptions {
 struct PackedKey {
   std::string program;
   const float *weight = nullptr, *first = nullptr;     // first: of a map joined to the layer's own
+  KernelShape shape{};                                 // asked of the kernel
   auto operator<=>(const PackedKey&) const = default;  // NOLINT(modernize-use-nullptr): no null pointer is written
 };
 

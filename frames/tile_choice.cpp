@@ -69,7 +69,7 @@ struct Needs {
 class TilePlanner {
  public:
   TilePlanner(const NetworkModel& model, Precision precision, const MemoryLimits& limits)
-      : model_(model), precision_(precision), traits_(limits.traits) {
+      : model_(model), precision_(precision), traits_(limits.traits), kernels_(limits.kernels) {
     const uint32_t window = model.config().window;
     weightByteSize = memoryNeeds(graphOf({window, window}), traits_).weights;
     room_ = std::min(limits.byteSize - std::min(limits.byteSize, weightByteSize), traits_.maxAllocationBytes);
@@ -93,12 +93,13 @@ class TilePlanner {
  private:
   Graph graphOf(FrameShape crop) const {
     return buildGraph(model_.config(), crop, model_.lookup(),
-                      fastOn(traits_, {.precision = precision_, .autoExposure = false}));
+                      fastOn(traits_, {.precision = precision_, .autoExposure = false, .kernels = kernels_}));
   }
 
   const NetworkModel& model_;
   Precision precision_;
   DeviceTraits traits_;
+  KernelTable kernels_;
   uint64_t room_ = 0;
 };
 

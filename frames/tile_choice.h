@@ -11,6 +11,7 @@ inline constexpr uint32_t kMostTiles = 256;  // in a row or column
 struct MemoryLimits {
   uint64_t byteSize = 0;  // arena and weights together
   DeviceTraits traits{};
+  KernelTable kernels{};  // as in GraphOptions
 };
 
 /// A grid of tiles, and the device memory that it takes.

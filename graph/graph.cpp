@@ -121,6 +121,23 @@ std::vector<TensorView> Graph::inputs() const {
   return views;
 }
 
+DeviceTraits traitsOf(const Node& node, const DeviceTraits& device) {
+  DeviceTraits traits = device;
+  if (node.kernel) {
+    traits.family = node.kernel->family;
+    traits.shape = node.kernel->shape;
+  }
+  return traits;
+}
+
+Dispatch dispatchOf(const Node& node, const DeviceTraits& device) {
+  return std::visit([traits = traitsOf(node, device)](const auto& op) { return dispatch(op, traits); }, node.op);
+}
+
+std::vector<float> packedWeightsOf(const Node& node, const DeviceTraits& device) {
+  return std::visit([traits = traitsOf(node, device)](const auto& op) { return packedWeights(op, traits); }, node.op);
+}
+
 TensorView outputOf(const Node& node) {
   return std::visit([](const auto& op) { return op.output; }, node.op);
 }
@@ -158,7 +175,8 @@ std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& devic
   for (uint32_t n = 0; n < graph.nodes.size(); ++n) {
     const Node& node = graph.nodes[n];
     const NodeCost work = cost(node);
-    const auto add = [&](const auto& op) { addDispatches(n, node.name, op, device, lowered); };
+    const DeviceTraits traits = traitsOf(node, device);
+    const auto add = [&](const auto& op) { addDispatches(n, node.name, op, traits, lowered); };
     std::visit(
         [&](auto op) {
           if constexpr (requires { op.rows; }) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@ namespace xrds {
 struct Node {
   std::string name;  // the layer's name in the weight file, or the operator's
   Operator op;
+  std::optional<KernelChoice> kernel{};  // which makes it; none: that of the device's family
 };
 
 /// A stored tensor; its index in Graph::values is its ValueId.
@@ -58,6 +60,13 @@ struct Graph {
 
 /// What the node's operator states of itself.
 OperatorFacts factsOf(const Node& node);
+
+/// The device as the node's kernel takes it: with its choice, if there is one.
+DeviceTraits traitsOf(const Node& node, const DeviceTraits& device);
+
+/// The launch of the whole node, and the weights that it reads. Pure.
+Dispatch dispatchOf(const Node& node, const DeviceTraits& device);
+std::vector<float> packedWeightsOf(const Node& node, const DeviceTraits& device);
 
 /// The output view of a node, and the rows of it that the node computes.
 TensorView outputOf(const Node& node);

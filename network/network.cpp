@@ -22,10 +22,14 @@ uint32_t bandPixels(const DeviceTraits& device) {
 }  // namespace
 
 GraphOptions fastOn(const DeviceTraits& device, GraphOptions options) {
-  options.normsInLinear = device.family == KernelFamily::lane;
+  const KernelTable& tuned = options.kernels;
+  options.normsInLinear = tuned.normsInLinear.value_or(device.family == KernelFamily::lane);
   options.mapsJoined = true;
   options.bandPixels = bandPixels(device);
-  if (device.family == KernelFamily::fused) options.layersFusedOn = device;
+  if (tuned.layersFused.value_or(device.family == KernelFamily::fused)) {
+    options.layersFusedOn = device;
+    options.layersFusedOn->family = KernelFamily::fused;
+  }
   return options;
 }
 
@@ -55,6 +59,7 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
     prefiltered = prefilteredColour(config, graph, prepared, layers.conv1x1("prefilter", u, logits, into));
   }
   upsample(layers, u, h, prepared, prefiltered);
+  chooseKernels(graph, options.kernels);
   return graph;
 }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "graph/graph.h"
+#include "graph/kernel_table.h"
 #include "network/config.h"
 #include "network/frame_shape.h"
 #include "network/precision.h"
@@ -34,13 +34,14 @@ struct GraphOptions {
   bool mapsJoined = false;
   /// The device on which Swin layers that fit() it are made by one kernel each, in fp16; none: nowhere.
   std::optional<DeviceTraits> layersFusedOn{};
+  KernelTable kernels{};  // what tuning found; empty: the fixed choice of the device's family
 };
 
 /// The network as its definition is written, in one piece: what papers count, and what references are made of.
 inline const GraphOptions kAsWritten{.bandRows = kWholeFrame};
 
-/// The options with what makes the graph fast on a device: whatever is to be true of the graph that a device runs
-/// builds it with these.
+/// The options with what makes the graph fast on a device, and with their own table of kernels: whatever is to be true
+/// of the graph that a device runs builds it with these.
 GraphOptions fastOn(const DeviceTraits& device, GraphOptions options);
 
 /// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).

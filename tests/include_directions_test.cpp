@@ -21,7 +21,8 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"network", {"engine", "shaders", "graph", "xrds"}},
     {"frames", {"engine", "shaders", "graph", "network", "xrds"}},
     {"checks", {"engine", "shaders", "graph", "network", "frames", "image", "xrds"}},
-    {"api", {"engine", "shaders", "graph", "network", "frames", "checks", "image", "xrds"}},
+    {"tuning", {"engine", "shaders", "graph", "network", "frames", "checks", "xrds"}},
+    {"api", {"engine", "shaders", "graph", "network", "frames", "checks", "tuning", "image", "xrds"}},
     {"image", {"xrds"}},
     {"include", {"xrds"}},
     {"advice", {"xrds", "image"}},
@@ -31,7 +32,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"bench", {"engine", "shaders", "graph", "network", "frames", "checks", "image", "xrds"}},
     {"fuzz", {"network", "image", "xrds"}},
 };
-const std::set<std::string> kRooms{"engine", "shaders", "graph", "network", "frames", "checks", "api",   "image",
+const std::set<std::string> kRooms{"engine", "shaders", "graph", "network", "frames", "checks", "tuning", "api",   "image",
                                    "app",    "advice",  "cli",   "viewer",  "bench",  "fuzz",   "tests", "training"};
 const std::set<std::string> kForeign{"volk.h", "vulkan", "GLFW", "xrds"};  // watched, though not rooms
 // What rooms without Vulkan may take from others: values, what is made of them alone, and files.

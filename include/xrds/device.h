@@ -65,6 +65,7 @@ class XRDS_API Device {
   friend class Upscaler;
   friend struct EngineAccess;
   friend struct Examination;
+  friend struct Tuning;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -54,6 +54,7 @@ class XRDS_API Model {
 
  private:
   friend class Upscaler;
+  friend struct Tuning;
   struct State;
   explicit Model(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

@@ -12,6 +12,7 @@ XRDS_SHARED_END
 
 #ifdef __cplusplus
 #include <algorithm>
+#include <bit>
 
 namespace xrds {
 
@@ -54,6 +55,7 @@ inline MatrixShape matrixShape(const DeviceTraits& device, MatrixStage stage, Da
     return {};
   const uint32_t lanes = matrixLanes(device);
   MatrixShape shape{.subgroups = std::min(kMostInvocations / lanes, kMostSubgroups), .outputs = 4};
+  if (device.shape.outputs > 0) shape.outputs = std::min(shape.outputs, std::bit_floor(device.shape.outputs));
   const uint32_t fragments = ceilDivide(outputChannels, 16);
   while (3 * (ceilDivide(fragments, shape.outputs) * shape.outputs - fragments) > fragments) shape.outputs /= 2;
   const uint32_t staged = stage.leftTexels + shape.outputs * stage.rightTexels;

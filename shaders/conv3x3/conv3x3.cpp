@@ -61,7 +61,9 @@ LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
     return {};
   uint32_t tile = largestDivisor(outputs, step, 16), rows = 4;
   if (tile < 8 && outputs >= 8) tile = largestDivisor(outputs, step, 32), rows = 3;
-  if (op.inFours && width % 4 == 0 && op.weightType == DataType::f32) return {tile, 2, 4};
+  if (const auto [asked, askedRows] = device.shape; asked % step == 0 && asked > 0 && outputs % asked == 0)
+    tile = asked, rows = std::clamp(askedRows > 0 ? askedRows : rows, 1u, 4u);
+  if (op.inFours && width % 4 == 0 && op.weightType == DataType::f32) return {tile, std::min(rows, 2u), 4};
   return {tile, rows, 2};
 }
 
@@ -78,6 +80,7 @@ TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
   const auto sharedBytes = [&] {
     return 16 * ((shader::kConv3x3TilePixels * strips + 2) * (tile.rows + 2) + 36 * columns);
   };
+  if (device.shape.rows > 0) tile.rows = std::min(tile.rows, device.shape.rows);
   while (tile.rows > 1 && sharedBytes() > device.maxSharedBytes) tile.rows /= 2;
   const auto groups = [&] {
     const TensorShape shape = convolutionShape(op);
@@ -267,6 +270,13 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.groupCount = foldedGroups(ceilDivide(strips * (kernelOutputs(op) / 4), 64));
   }
   return launch;
+}
+
+std::vector<KernelShape> shapesToTry(const Conv3x3&, const DeviceTraits& device) {
+  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}};
+  if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
+  if (device.family != KernelFamily::lane) return {};
+  return {{8, 4}, {8, 2}, {16, 2}, {32, 2}};
 }
 
 std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device) {

@@ -45,7 +45,11 @@ TensorShape outputShape(const Conv3x3& op);
 /// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device);
 
-/// What the chosen kernel reads as its weights; the kernels' heads give the layouts. A shuffled channel c, y, x stands
+/// Shapes of the device's family that are worth a try beside the rule's own: outputs and rows of a lane, rows of a
+/// workgroup of the tile kernel, fragments of a workgroup of the matrix kernel.
+std::vector<KernelShape> shapesToTry(const Conv3x3& op, const DeviceTraits& device);
+
+/// Double precision, in reads as its weights; the kernels' heads give the layouts. A shuffled channel c, y, x stands
 /// at (2 y + x) * channels + c, so that four in a row belong to one pixel.
 std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device);
 

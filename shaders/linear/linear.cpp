@@ -45,6 +45,8 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
     return 0;
   };
   if (outputs == 4) return fits(4) ? 4 : 0;
+  if (const uint32_t asked = device.shape.outputs; asked % 8 == 0 && asked > 0 && outputs % asked == 0 && fits(asked))
+    return asked;
   const uint32_t tile = largest(std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile));
   return tile < kGoodTile / 2 ? largest(kMaxTile) : tile;  // 56 outputs: not 8
 }
@@ -58,11 +60,12 @@ struct TileShape {
 TileShape tileShape(const Linear& op, const DeviceTraits& device) {
   constexpr uint32_t kMostTokens = 256, kEnoughGroups = 256;
   const uint32_t outputQuads = outputChannels(op) / 4, columns = tileColumns(outputQuads);
-  TileShape tile{columns, kTileInvocations / columns, 8};
+  TileShape tile{columns, kTileInvocations / columns, device.shape.rows ? std::min(device.shape.rows, 8u) : 8};
   const auto sharedBytes = [&] { return 4 * shader::kLinearTileInputs * (tile.rows * tile.tokens + 4 * columns); };
   const auto groupRows = [&] { return ceilDivide(op.output.pixelCount(), uint64_t{tile.rows} * tile.tokens); };
   while (tile.tokens > 1 && (tile.rows * tile.tokens > kMostTokens || sharedBytes() > device.maxSharedBytes ||
-                             (tile.tokens > 2 && groupRows() * ceilDivide(outputQuads, columns) < kEnoughGroups)))
+                             (device.shape.rows == 0 && tile.tokens > 2 &&
+                              groupRows() * ceilDivide(outputQuads, columns) < kEnoughGroups)))
     tile.tokens /= 2;
   const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes;
   return fits ? tile : TileShape{};
@@ -154,6 +157,24 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     launch.groupCount = foldedGroups(ceilDivide(items, 64));
   }
   return launch;
+}
+
+std::vector<KernelShape> shapesToTry(const Linear& op, const DeviceTraits& device) {
+  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.rows = 2}};
+  if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
+  if (device.family != KernelFamily::lane) return {};
+  // The next smaller and larger tiles: half the registers, or half the fetches.
+  const uint32_t outputs = outputChannels(op), own = laneTile(op, device);
+  std::vector<KernelShape> shapes;
+  const auto add = [&](uint32_t tile) { shapes.push_back({.outputs = tile}); };
+  for (uint32_t tile = own; tile > 8 && shapes.empty(); tile -= 8)
+    if (outputs % (tile - 8) == 0) add(tile - 8);
+  for (uint32_t tile = own + 8; own > 0 && tile <= std::min(outputs, kMaxTile); tile += 8)
+    if (outputs % tile == 0) {
+      add(tile);
+      break;
+    }
+  return shapes;
 }
 
 std::vector<float> joinedWeight(const Linear& op) {

@@ -1,6 +1,7 @@
 #include "shaders/window_attention/window_attention.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "shaders/common/example.h"
@@ -22,10 +23,10 @@ struct LaneShares {
   uint32_t keySteps;
 };
 
-LaneShares laneShares(const WindowAttention& op, uint32_t lanes) {
+LaneShares laneShares(const WindowAttention& op, const DeviceTraits& device) {
   constexpr uint32_t kStepProducts = 1024;  // of more, the code does not fit the instruction cache of a CPU
-  const uint32_t tokens = op.window * op.window;
-  LaneShares shares{.queries = 8, .keys = std::min(4u, lanes / 2)};
+  const uint32_t tokens = op.window * op.window, lanes = device.subgroupSize, asked = device.shape.rows;
+  LaneShares shares{.queries = asked > 0 ? std::min(std::bit_floor(asked), 8u) : 8, .keys = std::min(4u, lanes / 2)};
   while (op.headChannels / 4 % (lanes / 2 / shares.keys) != 0) shares.keys *= 2;
   while (shares.queries > 1 && shares.queries * shares.keys > 4 &&
          (lanes * shares.queries > tokens || 2 * op.headChannels * shares.keys * shares.queries > kStepProducts))
@@ -43,7 +44,7 @@ uint32_t laneGroupColumns(const WindowAttention& op, const LaneShares& shares) {
 
 bool laneFits(const WindowAttention& op, const DeviceTraits& device) {
   return device.family == KernelFamily::lane && device.shaderInt64 && device.subgroupSize >= 4 &&
-         op.headChannels <= 128 && laneGroupColumns(op, laneShares(op, device.subgroupSize)) <= kMaxGroupCount;
+         op.headChannels <= 128 && laneGroupColumns(op, laneShares(op, device)) <= kMaxGroupCount;
 }
 
 /// Keys that the tile kernel has in shared memory at a time: few, which leaves room for many workgroups side by side,
@@ -127,7 +128,7 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
   result.multiplyAdds =
       2ull * windowRows.count * windowColumns * shape.channels * op.window * op.window * op.window * op.window;
   if (laneFits(op, device)) {
-    const LaneShares shares = laneShares(op, device.subgroupSize);
+    const LaneShares shares = laneShares(op, device);
     result.program = programName("window_attention", KernelFamily::lane, op.output.type);
     const bool oneTensor = op.keys.value == op.values.value && op.keys.type == op.values.type;
     const bool queriesApart = op.queries.value != op.keys.value;
@@ -150,9 +151,14 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
   return result;
 }
 
+std::vector<KernelShape> shapesToTry(const WindowAttention&, const DeviceTraits& device) {
+  if (device.family != KernelFamily::lane) return {};
+  return {{.rows = 4}, {.rows = 2}, {.rows = 1}};
+}
+
 std::vector<float> packedWeights(const WindowAttention& op, const DeviceTraits& device) {
   outputShape(op);
-  if (laneFits(op, device)) return laneBias(op, laneShares(op, device.subgroupSize), device.subgroupSize);
+  if (laneFits(op, device)) return laneBias(op, laneShares(op, device), device.subgroupSize);
   std::vector<float> packed(op.biasTable.begin(), op.biasTable.end());
   packed.resize((packed.size() + 3) / 4 * 4);
   return packed;

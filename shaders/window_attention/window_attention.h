@@ -35,6 +35,9 @@ TensorShape outputShape(const WindowAttention& op);
 /// The kernel launch over all windows that meet the rows. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device);
 
+/// Shapes of the device's family that are worth a try beside the rule's own: queries of a lane.
+std::vector<KernelShape> shapesToTry(const WindowAttention& op, const DeviceTraits& device);
+
 /// The bias table as the kernel of that device reads it (see the kernels' heads).
 std::vector<float> packedWeights(const WindowAttention& op, const DeviceTraits& device);
 

@@ -1,0 +1,115 @@
+#include "xrds/tuning.h"
+
+#include <ctime>
+
+#include "api/arguments.h"
+#include "api/state.h"
+#include "tuning/tuner.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+Precision precisionOf(bool fp16) { return fp16 ? Precision::fp16 : Precision::fp32; }
+
+std::string textOf(const Winner& winner) {
+  const auto [outputs, rows] = winner.kernel.shape;
+  std::string text = winner.program.name;
+  if (outputs > 0) text += ", " + std::to_string(outputs) + " outputs";
+  if (rows > 0) text += ", " + std::to_string(rows) + (rows > 1 ? " rows" : " row");
+  return text;
+}
+
+// ", 1.12 times as fast".
+std::string timesText(const Winner& winner) {
+  char text[40];
+  std::snprintf(text, sizeof text, ", %.2f times as fast", winner.fixedMicroseconds / winner.microseconds);
+  return winner.fixedMicroseconds > 0 ? text : ", which is wrong";
+}
+
+Tuning::Shape shapeOf(const TunedShape& tuned) {
+  return {.name = tuned.shape.substr(0, tuned.shape.find(" (")),
+          .nodes = tuned.nodes,
+          .kernel = textOf(tuned.winner),
+          .fixed = tuned.winner.fixedProgram.name,
+          .seconds = tuned.seconds,
+          .fixedSeconds = tuned.fixedSeconds,
+          .tried = tuned.tried,
+          .wrong = tuned.wrong};
+}
+
+Tuning::Report reportOf(const TuningResult& result, const DeviceTraits& traits) {
+  Tuning::Report report{.taken = result.frame.taken,
+                        .normsInLinear = result.frame.normsInLinear.value_or(traits.family == KernelFamily::lane),
+                        .layersFused = result.frame.layersFused.value_or(traits.family == KernelFamily::fused),
+                        .seconds = result.frame.seconds,
+                        .fixedSeconds = result.frame.fixedSeconds,
+                        .tuningSeconds = result.frame.tuningSeconds,
+                        .date = result.frame.date,
+                        .measured = result.measured};
+  for (const TunedShape& shape : result.shapes) report.shapes.push_back(shapeOf(shape));
+  for (const auto& [program, struck] : result.struckOff) report.struckOff.push_back({program, struck.second});
+  return report;
+}
+
+// The choice is the device's own only where nobody made another.
+void requireOwnFamily(const Gpu& gpu) {
+  if (gpu.hasAskedFamily())
+    throw Error("The kernels of the " + std::string(nameOf(gpu.traits().family)) +
+                " family were asked for, so there is nothing to tune: unset XRDS_KERNEL_FAMILY, or ask for no family.");
+}
+
+std::string dateText(int64_t seconds) {
+  const std::time_t time = seconds;
+  char text[32] = "";
+  if (const std::tm* parts = std::gmtime(&time)) std::strftime(text, sizeof text, "%Y-%m-%d", parts);
+  return text;
+}
+
+}  // namespace
+
+Tuning::Report Tuning::run(Device& device, const Model& model, uint32_t width, uint32_t height,
+                           const Options& options) {
+  Gpu& gpu = device.state_->gpu;
+  const NetworkModel& network = model.state_->weights;
+  checkShape(network.config(), {height, width});
+  requireOwnFamily(gpu);
+  TuningOptions inner{.precision = precisionOf(options.fp16), .anew = options.anew};
+  const uint32_t scale = network.config().scale;
+  inner.label = (options.label.empty() ? model.hash() : options.label) + ", " + precisionName(options.fp16) + ", " +
+                sizeText(scale * width, scale * height);
+  if (options.progress)
+    inner.progress = [&](const TuningStep& step) { return options.progress(step.share, step.text); };
+  return reportOf(xrds::tune(gpu, network, {height, width}, inner), gpu.traits());
+}
+
+std::optional<Tuning::Report> Tuning::known(const Device& device, const Model& model, uint32_t width, uint32_t height,
+                                            bool fp16) {
+  const Gpu& gpu = device.state_->gpu;
+  checkShape(model.state_->weights.config(), {height, width});
+  const auto result = knownTuning(gpu, model.state_->weights, {height, width}, precisionOf(fp16));
+  if (!result) return std::nullopt;
+  return reportOf(*result, gpu.traits());
+}
+
+std::vector<std::string> Tuning::summary(const Device& device) {
+  const TuningRecord record = knownRecord(device.state_->gpu);
+  std::vector<std::string> lines;
+  for (const auto& [key, frame] : record.frames) {
+    char gain[64] = "no kernel is faster than the fixed choice";
+    if (frame.taken && frame.seconds > 0)
+      std::snprintf(gain, sizeof gain, "%.2f times as fast as the fixed choice", frame.fixedSeconds / frame.seconds);
+    else if (!frame.taken)
+      std::snprintf(gain, sizeof gain, "the fixed choice, as whole frames gained nothing");
+    lines.push_back("tuned on " + dateText(frame.date) + " for " + frame.label + ": " + gain);
+  }
+  for (const auto& [key, winner] : record.winners)
+    if (!winner.isFixed)
+      lines.push_back(key.shape.substr(0, key.shape.find(" (")) + ": " + textOf(winner) + " in place of " +
+                      winner.fixedProgram.name + timesText(winner));
+  for (const auto& [program, struck] : record.struckOff)
+    lines.push_back(program + " is struck off for this driver: " + struck.second);
+  return lines;
+}
+
+}  // namespace xrds

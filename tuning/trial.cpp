@@ -1,0 +1,126 @@
+#include "tuning/trial.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "shaders/common/tolerance.h"
+
+namespace xrds {
+namespace {
+
+constexpr double kLeastMicroseconds = 1500;  // of a timed run: shorter ones are noise
+constexpr uint32_t kMostCopies = 64;
+constexpr int kRuns = 3, kRounds = 7, kRoundsToWin = 6;
+
+double median(std::vector<double> times) {
+  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+  return times[times.size() / 2];
+}
+
+uint32_t copiesFor(double microseconds) {
+  return std::clamp(static_cast<uint32_t>(std::ceil(kLeastMicroseconds / std::max(microseconds, 1.0))), 1u,
+                    kMostCopies);
+}
+
+// The first rows, some in the middle and the last ones: one each, or as many as a pixel becomes.
+std::vector<RowRange> sampledRows(const Node& node) {
+  const RowRange all = outputRows(node);
+  const uint32_t step = std::visit([](const auto& op) { return shuffleFactor(op); }, node.op);
+  const bool hasRows = std::visit(
+      [](const auto& op) {
+        return requires { op.rows; };
+      },
+      node.op);
+  const uint32_t count = (all.end - all.begin) / step;
+  if (!hasRows || count <= 3) return {all};
+  std::vector<RowRange> rows;
+  for (const uint32_t row : {0u, count / 2, count - 1})
+    rows.push_back({all.begin + row * step, all.begin + (row + 1) * step});
+  return rows;
+}
+
+Recording repeated(Gpu& gpu, const PlacedOperator::Launch& launch, uint32_t copies) {
+  std::vector<PlacedDispatch> dispatches;
+  for (uint32_t i = 0; i < copies; ++i)
+    dispatches.insert(dispatches.end(), launch.dispatches.begin(), launch.dispatches.end());
+  return {gpu, dispatches, {.timestamps = true}};
+}
+
+}  // namespace
+
+Trial::Trial(Gpu& gpu, Graph graph) : gpu_(gpu), stored_(outputOf(graph.nodes.front()).type), placed_(gpu, graph) {
+  for (const RowRange rows : sampledRows(graph.nodes.front())) expected_.push_back(placed_.expected(rows));
+}
+
+// By the device's clock where it has one that counts: that of a CPU starts before the work does.
+double Trial::run(Recording& recording) const {
+  const auto start = std::chrono::steady_clock::now();
+  recording.run();
+  const double wall = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+  const auto times = recording.gpuMicroseconds();
+  const double device = std::accumulate(times.begin(), times.end(), 0.0);
+  return gpu_.description().kind == DeviceKind::cpu || device <= 0 ? wall : device;
+}
+
+std::string Trial::prove(const KernelChoice& kernel) {
+  const PlacedOperator::Launch launch = placed_.launchOf(kernel);
+  placed_.clearOutput();
+  Recording(gpu_, launch.dispatches).run();
+  for (const auto& expected : expected_)
+    if (const OperatorError error = placed_.errorAgainst(expected); !error.withinTolerance)
+      return error.finite ? "its error is " + std::to_string(error.rms) + " of the result"
+                          : "it gives no finite numbers";
+  std::vector<float> made = placed_.output();
+  if (firstRight_.empty()) {
+    firstRight_ = std::move(made);
+    return {};
+  }
+  const Tolerance tolerance = toleranceOf(stored_);
+  double difference = 0, power = 0;
+  for (size_t i = 0; i < made.size(); ++i) {
+    if (std::isnan(made[i]) && std::isnan(firstRight_[i])) continue;  // neither writes there
+    difference += (double{made[i]} - firstRight_[i]) * (double{made[i]} - firstRight_[i]);
+    power += double{firstRight_[i]} * firstRight_[i];
+  }
+  const double rms = std::sqrt(difference / power);
+  if (rms <= 2 * tolerance.rms) return {};
+  return std::isnan(rms) ? "it leaves results out" : "its results differ by " + std::to_string(rms) + " from others'";
+}
+
+double Trial::time(const KernelChoice& kernel, double best) {
+  const PlacedOperator::Launch launch = placed_.launchOf(kernel);
+  Recording once = repeated(gpu_, launch, 1);
+  double first = run(once);  // wakes the device up
+  if (best <= 0 || first <= 3 * best) first = std::min(first, run(once));
+  if (best > 0 && first > 3 * best) return first;
+  const uint32_t copies = copiesFor(first);
+  Recording several = repeated(gpu_, launch, copies);
+  std::vector<double> times;
+  for (int i = 0; i < kRuns; ++i) times.push_back(run(several) / copies);
+  return median(times);
+}
+
+Trial::Duel Trial::duel(const KernelChoice& kernel, const KernelChoice& other) {
+  const PlacedOperator::Launch launch = placed_.launchOf(kernel), otherLaunch = placed_.launchOf(other);
+  Recording probe = repeated(gpu_, otherLaunch, 1);
+  run(probe);
+  const uint32_t copies = copiesFor(run(probe));
+  Recording mine = repeated(gpu_, launch, copies), others = repeated(gpu_, otherLaunch, copies);
+  run(mine);
+  run(others);
+  std::vector<double> times, otherTimes, ratios;
+  int won = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    double time = 0, otherTime = 0;
+    for (const bool first : {round % 2 == 0, round % 2 != 0}) (first ? time : otherTime) = run(first ? mine : others);
+    times.push_back(time / copies);
+    otherTimes.push_back(otherTime / copies);
+    ratios.push_back(time / otherTime);
+    won += time < otherTime;
+  }
+  return {median(times), median(otherTimes), won >= kRoundsToWin && median(ratios) < 1 - kMargin};
+}
+
+}  // namespace xrds

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "checks/placed_operator.h"
+
+namespace xrds {
+
+/// An operator of a network in its own size, on which kernels are tried: first whether they are right, then how fast.
+class Trial {
+ public:
+  /// `graph` holds one node. Throws Error if the device has no room for it.
+  Trial(Gpu& gpu, Graph graph);
+
+  /// Why the kernel is wrong: a sentence; empty: it is right. Some rows of what it makes are compared with double
+  /// precision, all of it with what the first kernel that was right made. Throws Error if the device fails.
+  std::string prove(const KernelChoice& kernel);
+
+  /// Microseconds of one launch of the kernel, the median of a few runs; of one that takes more than three times
+  /// `best`, of fewer. `best` 0: there is none.
+  double time(const KernelChoice& kernel, double best);
+
+  struct Duel {
+    double microseconds = 0, otherMicroseconds = 0;  // medians
+    bool isWon = false;                              // in all but a few rounds, by more than kMargin on the median
+  };
+  static constexpr double kMargin = 0.03;
+  /// Both in turns.
+  Duel duel(const KernelChoice& kernel, const KernelChoice& other);
+
+ private:
+  double run(Recording& recording) const;
+
+  Gpu& gpu_;
+  DataType stored_;
+  PlacedOperator placed_;
+  std::vector<PlacedOperator::Expected> expected_;
+  std::vector<float> firstRight_;
+};
+
+}  // namespace xrds

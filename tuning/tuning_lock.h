@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+
+namespace xrds {
+
+/// Keeps other processes from tuning the same device, whose trials would spoil each other's times. Of no effect where
+/// nothing is kept, and on Windows.
+class TuningLock {
+ public:
+  /// `file`: of the record. Throws Error if another process holds it.
+  explicit TuningLock(const std::filesystem::path& file);
+  ~TuningLock();
+  TuningLock(const TuningLock&) = delete;
+  TuningLock& operator=(const TuningLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+}  // namespace xrds
