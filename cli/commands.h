@@ -12,6 +12,7 @@ void addInfo(CLI::App& app);
 void addDevices(CLI::App& app);
 void addView(CLI::App& app);
 void addDoctor(CLI::App& app);
+void addTune(CLI::App& app);
 
 /// The group of the measuring verbs, and its members.
 void addBench(CLI::App& app);

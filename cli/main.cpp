@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   xrds::addDevices(app);
   xrds::addView(app);
   xrds::addDoctor(app);
+  xrds::addTune(app);
   xrds::addBench(app);
   xrds::catchInterrupts();
   try {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/bytes.h"
 #include "engine/cache_file.h"
 #include "engine/cache_folder.h"
 #include "engine/environment.h"
@@ -150,6 +151,7 @@ Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   openDevice(gpu);
   makeCommandObjects(gpu);
   loadPipelineCache(gpu);
+  loadPace(*this);
 }
 
 Gpu::~Gpu() = default;
@@ -179,6 +181,8 @@ std::string Gpu::driverKey() const {
 std::span<const uint32_t> Gpu::program(std::string_view name) const {
   return handles_->options.programs ? handles_->options.programs(name) : std::span<const uint32_t>{};
 }
+Pace Gpu::pace() const { return handles_->pace; }
+void Gpu::setPace(const Pace& pace) { handles_->pace = pace; }
 void Gpu::setPatience(uint32_t seconds) { handles_->patienceSeconds = seconds; }
 bool Gpu::hasTimestamps() const { return handles_->timestampValidBits > 0; }
 void Gpu::setTraits(const DeviceTraits& traits) { handles_->traits = traits; }
@@ -188,6 +192,7 @@ Gpu::Handles::~Handles() {
   if (!device || abandoned) return;
   staging.reset();
   savePipelineCache(*this);
+  savePace(*this);
   for (const auto& [key, made] : pipelines) {
     vk.vkDestroyPipeline(device, made.pipeline, nullptr);
     vk.vkDestroyPipelineLayout(device, made.layout, nullptr);
@@ -210,6 +215,27 @@ void savePipelineCache(Gpu::Handles& gpu) noexcept {
     content.resize(byteSize);
     writeCacheFile(gpu.pipelineCacheFile, gpu.pipelineCacheKey, content);
   } catch (const std::exception&) {  // out of memory: the next process compiles again
+  }
+}
+
+void loadPace(Gpu& gpu) {
+  Gpu::Handles& handles = gpu.handles();
+  handles.paceKey = gpu.driverKey();
+  if (handles.options.cacheFolder.empty()) return;
+  const uint64_t hash = hashOf(std::as_bytes(std::span(handles.paceKey)));
+  handles.paceFile = handles.options.cacheFolder / ("pace-" + std::to_string(hash) + ".bin");
+  const auto content = readCacheFile(handles.paceFile, handles.paceKey);
+  if (content.size() == sizeof(Pace)) std::memcpy(&handles.pace, content.data(), sizeof(Pace));
+  handles.savedPace = handles.pace;
+}
+
+// Only where it has changed by enough to matter.
+void savePace(Gpu::Handles& gpu) noexcept {
+  const double ratio = gpu.savedPace.slowest > 0 ? gpu.pace.slowest / gpu.savedPace.slowest : 0;
+  if (gpu.paceFile.empty() || gpu.pace.slowest <= 0 || (ratio > 0.7 && ratio < 1.4)) return;
+  try {
+    writeCacheFile(gpu.paceFile, gpu.paceKey, std::as_bytes(std::span(&gpu.pace, 1)));
+  } catch (const std::exception&) {  // out of memory: the next process measures again
   }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/dispatch.h"
+#include "engine/pace.h"
 #include "xrds/preparation.h"
 
 namespace xrds {
@@ -55,6 +56,8 @@ struct DeviceOptions {
 /// Every Vulkan 1.2 device with a compute queue. Throws Error if the machine has no Vulkan loader.
 std::vector<DeviceDescription> listDevices();
 
+inline constexpr uint32_t kUsualPatienceSeconds = 300;
+
 /// An open Vulkan device: instance, queue, compiled programs. One thread at a time.
 class Gpu {
  public:
@@ -79,8 +82,11 @@ class Gpu {
   std::string driverKey() const;
   /// The SPIR-V of a program, empty if there is none of that name.
   std::span<const uint32_t> program(std::string_view name) const;
-  /// How long a submission may take before the device counts as lost, 300 seconds unless said otherwise. It must be
-  /// longer than a driver takes to compile a program.
+  /// How fast the device is, as measured by recordings that ran, in this process or an earlier one.
+  Pace pace() const;
+  void setPace(const Pace& pace);
+  /// How long a submission may take before the device counts as lost. It must be longer than a driver takes to compile
+  /// a program.
   void setPatience(uint32_t seconds);
   /// Whether Recording::gpuMicroseconds has anything to say.
   bool hasTimestamps() const;

@@ -7,6 +7,7 @@
 #include "engine/buffer.h"
 #include "engine/device.h"
 #include "engine/instance.h"
+#include "engine/pace.h"
 
 namespace xrds {
 
@@ -74,8 +75,11 @@ struct Gpu::Handles {
   VkPipelineCreateFlags pipelineFlags = 0;  // of all that are made
   std::map<PipelineKey, Pipeline> pipelines;
 
+  Pace pace, savedPace;
+  std::filesystem::path paceFile;  // empty: nothing can be written
+  std::string paceKey;
   // Long enough for a submission that compiles on a busy machine, far longer than a driver's watchdog.
-  uint32_t patienceSeconds = 300;
+  uint32_t patienceSeconds = kUsualPatienceSeconds;
   bool abandoned = false;  // it does not answer: what it may still use is never destroyed
 };
 
@@ -129,6 +133,10 @@ void forgetPipeline(Gpu::Handles& gpu, const PipelineKey& key);
 /// Makes the pipelines of dispatches and compiles their programs, where the driver would otherwise do it at the first
 /// dispatch, one after the other: on CPU devices. Throws as makePipelines does.
 void makeCompiledPipelines(Gpu& gpu, std::span<const Dispatch* const> dispatches);
+
+/// The pace that an earlier process measured, and keeping this one's for the next.
+void loadPace(Gpu& gpu);
+void savePace(Gpu::Handles& gpu) noexcept;
 
 /// Writes the pipeline cache to its file if it has grown. Failing to write is no error: it is only a cache.
 void savePipelineCache(Gpu::Handles& gpu) noexcept;

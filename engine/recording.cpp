@@ -1,6 +1,7 @@
 #include "engine/recording.h"
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <set>
 #include <tuple>
@@ -18,6 +19,7 @@ using ViewKey = std::tuple<VkBuffer, uint64_t, uint64_t, VkFormat>;
 // Dispatches [begin, end) that are submitted together.
 struct Submission {
   size_t begin = 0, end = 0;
+  uint64_t work = 0;
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VkFence fence = VK_NULL_HANDLE;
 };
@@ -121,10 +123,32 @@ std::vector<Submission> cut(std::span<const PlacedDispatch> dispatches, uint64_t
       held = 0;
     }
     held += work;
+    submissions.back().work = held;
     submissions.back().end = i + 1;
   }
   return submissions;
 }
+
+/// Takes the time from one submission's end to the next. The last one of a run may be a remainder too small to tell.
+class PaceMeter {
+ public:
+  void finished(uint64_t work) {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    work_ += static_cast<double>(work);
+    seconds_ += seconds;
+    if (work < kLeast || seconds <= 0) return;
+    const double pace = static_cast<double>(work) / seconds;
+    if (slowest_ == 0 || pace < slowest_) slowest_ = pace;
+  }
+  Pace paceAfter(const Pace& before) const { return measured(before, work_, seconds_, slowest_); }
+
+ private:
+  static constexpr uint64_t kLeast = uint64_t{1} << 24;  // of less, the submission itself shows
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  double work_ = 0, seconds_ = 0, slowest_ = 0;
+};
 
 }  // namespace
 
@@ -135,6 +159,9 @@ struct Recording::Handles {
   Handles& operator=(const Handles&) = delete;
 
   void makePools(std::span<const PlacedDispatch> dispatches, bool timestamps);
+  void recordAll();
+  void release();
+  void keepPace();
   VkBufferView viewOf(const ByteRange& range, VkFormat format);
   VkDescriptorSet describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout);
   void barrierBetween(VkCommandBuffer commands) const;
@@ -149,18 +176,43 @@ struct Recording::Handles {
   VkDescriptorPool descriptorPool = VK_NULL_HANDLE;
   VkQueryPool queryPool = VK_NULL_HANDLE;
   std::map<ViewKey, VkBufferView> views;
+  RecordingOptions options;
+  std::vector<PlacedDispatch> dispatches;
+  uint64_t workPerSubmission = 0;
   std::vector<bool> barriers;
   std::vector<Submission> submissions;
   std::vector<double> gpuMicroseconds;
 };
 
-Recording::Handles::~Handles() {
+Recording::Handles::~Handles() { release(); }
+
+void Recording::Handles::release() {
   if (gpu.abandoned) return;
   for (const Submission& submission : submissions) gpu.vk.vkDestroyFence(gpu.device, submission.fence, nullptr);
   for (const auto& [key, view] : views) gpu.vk.vkDestroyBufferView(gpu.device, view, nullptr);
   gpu.vk.vkDestroyQueryPool(gpu.device, queryPool, nullptr);
   gpu.vk.vkDestroyDescriptorPool(gpu.device, descriptorPool, nullptr);
   gpu.vk.vkDestroyCommandPool(gpu.device, commandPool, nullptr);
+  submissions.clear();
+  views.clear();
+  queryPool = VK_NULL_HANDLE;
+  descriptorPool = VK_NULL_HANDLE;
+  commandPool = VK_NULL_HANDLE;
+}
+
+void Recording::Handles::recordAll() {
+  workPerSubmission = workOfSubmission(gpu.pace, options.multiplyAddsPerSubmission);
+  submissions = cut(dispatches, workPerSubmission);
+  makePools(dispatches, options.timestamps);
+  for (Submission& submission : submissions) record(submission, dispatches);
+}
+
+// What the device does in a submission's time may be far from what it was taken for.
+void Recording::Handles::keepPace() {
+  const uint64_t fitting = workOfSubmission(gpu.pace, options.multiplyAddsPerSubmission);
+  if (fitting <= 2 * workPerSubmission && workPerSubmission <= 2 * fitting) return;
+  release();
+  recordAll();
 }
 
 void Recording::Handles::makePools(std::span<const PlacedDispatch> dispatches, bool timestamps) {
@@ -360,9 +412,9 @@ Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingO
   for (const PlacedDispatch& placed : dispatches) launches.push_back(&placed.dispatch);
   compilePrograms(gpu, launches);
   handles_->barriers = barriersBefore(accesses);
-  handles_->submissions = cut(dispatches, options.multiplyAddsPerSubmission);
-  handles_->makePools(dispatches, options.timestamps);
-  for (Submission& submission : handles_->submissions) handles_->record(submission, dispatches);
+  handles_->options = options;
+  handles_->dispatches = std::move(dispatches);
+  handles_->recordAll();
 }
 
 Recording::~Recording() = default;
@@ -370,25 +422,36 @@ Recording::Recording(Recording&&) noexcept = default;
 Recording& Recording::operator=(Recording&&) noexcept = default;
 
 bool Recording::run(const std::function<bool(size_t, size_t)>& progress) {
+  handles_->keepPace();
   const auto& submissions = handles_->submissions;
   handles_->gpuMicroseconds.clear();
   // Two are in flight, so that the device has work while the host turns around. On a CPU that takes microseconds, and
   // who else waits for the queue, such as a drawing, waits half as long.
   const size_t most = handles_->gpu.description.kind == DeviceKind::cpu ? 1 : 2;
   Flight flight(*handles_);
+  PaceMeter meter;
   bool stopped = false;
   while (flight.waiting() || (flight.submitted() < submissions.size() && !stopped)) {
     while (!stopped && flight.submitted() < submissions.size() && flight.submitted() < flight.finished() + most)
       flight.submitOne();
     flight.finishOne();
+    meter.finished(submissions[flight.finished() - 1].work);
     if (progress && !stopped) stopped = !progress(flight.finished(), submissions.size());
   }
+  handles_->gpu.pace = meter.paceAfter(handles_->gpu.pace);
   if (flight.finished() < submissions.size()) return false;
   if (handles_->queryPool) handles_->readTimestamps();
   return !stopped;
 }
 
 std::vector<double> Recording::gpuMicroseconds() const { return handles_->gpuMicroseconds; }
+
+size_t Recording::submissionCount() const { return handles_->submissions.size(); }
+uint64_t Recording::largestSubmission() const {
+  uint64_t most = 0;
+  for (const Submission& submission : handles_->submissions) most = std::max(most, submission.work);
+  return most;
+}
 
 size_t Recording::barrierCount() const {
   return static_cast<size_t>(std::count(handles_->barriers.begin(), handles_->barriers.end(), true));

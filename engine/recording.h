@@ -25,8 +25,8 @@ struct PlacedDispatch {
 
 struct RecordingOptions {
   bool timestamps = false;  // each dispatch then waits for the one before
-  /// A submission holds at most that much work (see workOf()) or one dispatch, so that none runs past a driver's
-  /// watchdog.
+  /// A submission holds at most that much work (see workOf()) or one dispatch, and no more than the device does in
+  /// kSubmissionSeconds by its measured pace, so that none runs past a driver's watchdog or keeps others waiting.
   uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
 };
 
@@ -34,8 +34,8 @@ struct RecordingOptions {
 /// does.
 void compilePrograms(Gpu& gpu, std::span<const Dispatch* const> dispatches);
 
-/// A list of dispatches, recorded once with the barriers that their byte ranges need, and replayed at will.
-/// The buffers must outlive it and stay where they are.
+/// A list of dispatches, recorded with the barriers that their byte ranges need, and replayed at will. Recorded once, and
+/// again after a run that showed the device to be of another pace than it was taken for. The buffers must outlive it and stay where they are.
 class Recording {
  public:
   /// Compiles the programs that are not compiled yet. Throws Error if Vulkan fails, std::logic_error if a dispatch
@@ -52,6 +52,9 @@ class Recording {
   /// Device time of each dispatch in the last run, in microseconds; empty without timestamps.
   std::vector<double> gpuMicroseconds() const;
   size_t barrierCount() const;
+  /// The submissions of a run, and the work of the largest.
+  size_t submissionCount() const;
+  uint64_t largestSubmission() const;
 
  private:
   struct Handles;

@@ -130,7 +130,8 @@ Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionO
     weights_->upload(0, packed.bytes);
   }
 
-  const uint64_t mostWork = std::min(options.multiplyAddsPerSubmission, kMostWorkPerDispatch);
+  const uint64_t mostWork =
+      workOfSubmission(gpu.pace(), std::min(options.multiplyAddsPerSubmission, kMostWorkPerDispatch));
   for (LoweredDispatch& lowered : lower(graph_, traits, mostWork)) {
     const auto place = [&](const Binding& binding) -> ByteRange {
       if (binding.value == kWeights)

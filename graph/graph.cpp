@@ -12,6 +12,7 @@ namespace {
 
 // Bindings start at an aligned offset at or below the first row, so one may exceed its rows by this much.
 constexpr uint64_t kBindingSlack = kBindingAlignment;
+constexpr uint64_t kStepRows = 16;  // of a dispatch in a multiple, so that its kernels' strips of rows stay whole
 
 // The views of a node's bindings tell what it reads and writes; any traits will do for that.
 std::vector<Binding> bindingsOf(const Node& node) {
@@ -28,6 +29,7 @@ std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, u
   const uint64_t rowWork = std::max<uint64_t>(1, workOf(multiplyAdds / count, rowBytes));
   uint64_t step = std::min((device.maxStorageBufferRange - kBindingSlack) / rowBytes, mostWork / rowWork);
   step = std::clamp<uint64_t>(step, 1, count);
+  if (step < count && step > kStepRows) step = step / kStepRows * kStepRows;
   uint32_t first = rows.begin;
   std::vector<uint32_t> bounds{first};
   if constexpr (requires { op.shift; }) {  // whole windows: the rows above the shift belong to the wrapped ones

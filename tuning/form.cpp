@@ -66,14 +66,4 @@ std::vector<TunedShape> tunedShapes(const Form& form, const TuningRecord& record
   return shapes;
 }
 
-std::optional<double> microsecondsOf(const Form& form, const TuningRecord& record, uint32_t size) {
-  double sum = 0;
-  for (const auto& [shape, nodes] : form.shapes) {
-    const auto winner = record.winners.find({size, shape});
-    if (winner == record.winners.end()) return std::nullopt;
-    sum += form.frameTime(shape, winner->second.microseconds);
-  }
-  return sum;
-}
-
 }  // namespace xrds

@@ -39,7 +39,4 @@ struct TunedShape {
 /// Those of which the winner is known, the slowest first.
 std::vector<TunedShape> tunedShapes(const Form& form, const TuningRecord& record, uint32_t size);
 
-/// What a frame takes with the winners; nothing if not all are known.
-std::optional<double> microsecondsOf(const Form& form, const TuningRecord& record, uint32_t size);
-
 }  // namespace xrds

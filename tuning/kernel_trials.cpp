@@ -1,0 +1,163 @@
+#include "tuning/kernel_trials.h"
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+constexpr double kNear = 1.3;  // other shapes of a family are tried if it takes at most so many times the best's time
+
+// What the device's failure, or the caller's wish, is passed on as; all else is the kernel's own fault.
+template <class Work, class Fault>
+void blamingKernel(Work&& work, Fault&& fault) {
+  try {
+    work();
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const DeviceLost&) {
+    throw;
+  } catch (const std::exception& error) {
+    fault(error);
+  }
+}
+
+}  // namespace
+
+KernelTrials::KernelTrials(Gpu& gpu, uint32_t size, std::vector<KernelFamily> families, const TuningOptions& options)
+    : gpu_(gpu),
+      size_(size),
+      families_(std::move(families)),
+      options_(options),
+      file_(tuningFileOf(gpu)),
+      lock_(file_.path()) {
+  if (!options.anew) record_ = knownRecord(gpu);
+  record_.takeStock();
+  file_.write(record_);
+}
+
+void KernelTrials::tell(double share, const std::string& text) const {
+  if (options_.progress && !options_.progress({share, text}))
+    throw Cancelled("The tuning was cancelled: nothing is wrong with the device.");
+}
+
+std::vector<KernelCandidate> KernelTrials::open(const FormShape& shape, bool shapes) const {
+  auto candidates = candidatesOf(shape.node().op, gpu_.traits(), families_, shapes);
+  std::erase_if(candidates, [&](const KernelCandidate& candidate) {
+    const bool isFar = candidate.kernel.shape != KernelShape{} &&
+                       !(best(shape.shape, candidate.kernel.family) <= kNear * best(shape.shape));
+    return isFar || record_.findings.contains({keyOf(shape.shape), candidate.kernel}) ||
+           record_.isStruckOff(stampOf(gpu_, candidate.dispatch.program));
+  });
+  return candidates;
+}
+
+void KernelTrials::marked(const std::string& program, const std::function<void()>& work) {
+  const auto finish = [&] {
+    record_.trying.reset();
+    file_.write(record_);
+  };
+  record_.trying = stampOf(gpu_, program);
+  file_.write(record_);
+  try {
+    work();
+  } catch (const DeviceLost& error) {
+    record_.struckOff[program] = {stampOf(gpu_, program).hash, error.what()};
+    finish();
+    throw DeviceLost("The kernel " + program + " lost the device and is struck off for this driver: " + error.what());
+  } catch (...) {
+    finish();
+    throw;
+  }
+  record_.trying.reset();  // on the disk with what comes next
+}
+
+void KernelTrials::compile(const std::vector<FormShape>& todo, bool shapes, double share, double endShare) {
+  std::map<std::string, std::vector<Dispatch>> programs;
+  for (const FormShape& each : todo)
+    for (const KernelCandidate& candidate : open(each, shapes)) {
+      Graph one = single(each.form->graph, each.node());
+      one.nodes.front().kernel = candidate.kernel;
+      for (LoweredDispatch& lowered : lower(one, gpu_.traits()))
+        programs[lowered.dispatch.program].push_back(std::move(lowered.dispatch));
+    }
+  const double step = (endShare - share) / static_cast<double>(programs.size() + 1);
+  for (const auto& [program, dispatches] : programs) {
+    tell(share += step, "compiling " + program);
+    std::vector<const Dispatch*> launches;
+    for (const Dispatch& dispatch : dispatches) launches.push_back(&dispatch);
+    // The trial of each tells which does not compile.
+    marked(program, [&] { blamingKernel([&] { compilePrograms(gpu_, launches); }, [](const std::exception&) {}); });
+  }
+}
+
+Finding KernelTrials::tried(Trial& trial, const KernelCandidate& candidate, double best) {
+  Finding found{.program = stampOf(gpu_, candidate.dispatch.program)};
+  marked(candidate.dispatch.program, [&] {
+    blamingKernel(
+        [&] {
+          if (options_.beforeRun) options_.beforeRun(candidate.dispatch);
+          found.why = trial.prove(candidate.kernel);
+          found.right = found.why.empty();
+          if (found.right) found.microseconds = trial.time(candidate.kernel, best);
+        },
+        [&](const std::exception& error) { found = {.program = found.program, .why = error.what()}; });
+  });
+  ++measured_;
+  return found;
+}
+
+void KernelTrials::tryOpen(const FormShape& shape, bool shapes, double share, std::optional<Trial>& trial) {
+  for (const KernelCandidate& candidate : open(shape, shapes)) {
+    if (record_.isStruckOff(stampOf(gpu_, candidate.dispatch.program))) continue;
+    tell(share, shape.shape.substr(0, shape.shape.find(" (")) + ", " + candidate.dispatch.program);
+    if (!trial) trial.emplace(gpu_, single(shape.form->graph, shape.node()));
+    record_.findings[{keyOf(shape.shape), candidate.kernel}] = tried(*trial, candidate, best(shape.shape));
+    file_.write(record_);
+  }
+}
+
+double KernelTrials::best(const std::string& shape, std::optional<KernelFamily> family, KernelChoice* kernel) const {
+  double best = 0;
+  for (auto each = record_.findings.lower_bound({keyOf(shape), {}});
+       each != record_.findings.end() && each->first.first == keyOf(shape); ++each) {
+    const KernelChoice& choice = each->first.second;
+    const Finding& found = each->second;
+    if (!found.right || (family && choice.family != *family) || record_.isStruckOff(found.program)) continue;
+    if (best > 0 && found.microseconds >= best) continue;
+    best = found.microseconds;
+    if (kernel) *kernel = choice;
+  }
+  return best;
+}
+
+void KernelTrials::decide(const FormShape& shape, std::optional<Trial>& trial) {
+  const TrialKey key = keyOf(shape.shape);
+  const KernelCandidate fixed = candidatesOf(shape.node().op, gpu_.traits(), {}, false).front();
+  Winner winner;
+  winner.kernel = fixed.kernel;
+  winner.fixedProgram = stampOf(gpu_, fixed.dispatch.program);
+  winner.microseconds = best(shape.shape, {}, &winner.kernel);
+  if (winner.microseconds == 0) return;  // none is right
+  const auto known = record_.findings.find({key, fixed.kernel});
+  if (known != record_.findings.end() && known->second.right && !record_.isStruckOff(winner.fixedProgram)) {
+    winner.fixedMicroseconds = known->second.microseconds;
+    if (winner.kernel != fixed.kernel) {
+      if (!trial) trial.emplace(gpu_, single(shape.form->graph, shape.node()));
+      const Trial::Duel duel = trial->duel(winner.kernel, fixed.kernel);
+      winner.fixedMicroseconds = duel.otherMicroseconds;
+      winner.microseconds = duel.isWon ? duel.microseconds : duel.otherMicroseconds;
+      if (!duel.isWon) winner.kernel = fixed.kernel;
+    }
+  }
+  winner.isFixed = winner.kernel == fixed.kernel;
+  winner.program = record_.findings.at({key, winner.kernel}).program;
+  record_.winners[key] = winner;
+  file_.write(record_);
+}
+
+void KernelTrials::keep(const std::string& frame, const TunedFrame& tuned) {
+  record_.frames[frame] = tuned;
+  file_.write(record_);
+}
+
+}  // namespace xrds
