@@ -93,8 +93,16 @@ std::optional<Tuning::Report> Tuning::known(const Device& device, const Model& m
 }
 
 std::vector<std::string> Tuning::summary(const Device& device) {
-  const TuningRecord record = knownRecord(device.state_->gpu);
+  const Gpu& gpu = device.state_->gpu;
+  const TuningRecord record = knownRecord(gpu);
+  const std::string family = nameOf(gpu.traits().family);
   std::vector<std::string> lines;
+  if (gpu.hasAskedFamily())
+    lines.push_back("the " + family + " family, which was asked for: nothing that was tuned is used");
+  else
+    lines.push_back("the " + family +
+                    " family, the fixed choice for a device of this kind, wherever nothing else was tuned");
+  if (record.frames.empty()) lines.push_back("not tuned for any model: xrds tune does it");
   for (const auto& [key, frame] : record.frames) {
     char gain[64] = "no kernel is faster than the fixed choice";
     if (frame.taken && frame.seconds > 0)

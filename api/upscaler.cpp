@@ -12,6 +12,7 @@
 #include "frames/tile_choice.h"
 #include "image/repair.h"
 #include "network/halo.h"
+#include "tuning/tuner.h"
 #include "xrds/engine_access.h"
 
 namespace xrds {
@@ -61,12 +62,23 @@ KernelFamily familyFor(const Gpu& gpu, FrameShape frame) {
   return kernelFamilyOf(Upscaler::kernelFamily(nameOf(gpu.traits().family), frame.width, frame.height));
 }
 
-SessionOptions sessionOptions(const Gpu& gpu, FrameShape frame, const Upscaler::Options& options) {
-  return {.precision = options.fp16 ? Precision::fp16 : Precision::fp32,
+// Of frames that the device's own family makes.
+bool mayTune(const Gpu& gpu, FrameShape frame) {
+  return !gpu.hasAskedFamily() && familyFor(gpu, frame) == gpu.traits().family;
+}
+
+SessionOptions sessionOptions(const Gpu& gpu, const NetworkModel& model, FrameShape frame,
+                              const Upscaler::Options& options) {
+  const Precision precision = options.fp16 ? Precision::fp16 : Precision::fp32;
+  const KernelFamily family = familyFor(gpu, frame);
+  KernelTable kernels;
+  if (mayTune(gpu, frame)) kernels = tunedKernels(gpu, model, frame, precision).value_or(kernels);
+  return {.precision = precision,
           .autoExposure = !options.exposure.has_value(),
           .timestamps = options.profile,
           .multiplyAddsPerSubmission = options.multiplyAddsPerSubmission,
-          .family = familyFor(gpu, frame)};
+          .family = family,
+          .kernels = std::move(kernels)};
 }
 
 SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
@@ -78,6 +90,24 @@ SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options
       options.skip.keepUnchanged ? boundedHalo(config) : std::min(config.window, exactHalo(config));
   const uint32_t halo = options.tiles.halo.value_or(options.tiles.exact ? exactHalo(config) : bounded);
   return {.bound = options.skip.bound, .keepUnchanged = options.skip.keepUnchanged, .reach = halo, .halo = halo};
+}
+
+bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Precision precision) {
+  const double pace = gpu.pace().mean;
+  if (pace <= 0 || !mayTune(gpu, frame) || tunedKernels(gpu, model, frame, precision)) return false;
+  const NodeCost work =
+      cost(buildGraph(model.config(), frame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})));
+  return static_cast<double>(work.multiplyAdds + work.attentionMultiplyAdds) >= Upscaler::kSecondsThatPay * pace;
+}
+
+// Before the upscaler holds any memory of the device.
+void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Upscaler::Options& options) {
+  if (options.tune == Upscaler::Tune::never) return;
+  TuningOptions tuning{.precision = options.fp16 ? Precision::fp16 : Precision::fp32};
+  if (options.tune == Upscaler::Tune::automatic && !paysToTune(gpu, model, frame, tuning.precision)) return;
+  if (!mayTune(gpu, frame) || tunedKernels(gpu, model, frame, tuning.precision)) return;
+  if (options.onTuning) tuning.progress = [&](const TuningStep& step) { return options.onTuning(step.share); };
+  tune(gpu, model, frame, tuning);
 }
 
 uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
@@ -103,12 +133,12 @@ struct Upscaler::State {
   }
 
   void prepare(Gpu& gpu, const NetworkModel& model, uint64_t memory) {
-    SessionOptions of = sessionOptions(gpu, frame, options);
+    SessionOptions of = sessionOptions(gpu, model, frame, options);
     of.memoryBytes = memory;
     DeviceTraits traits = gpu.traits();
     traits.family = *of.family;
     traits.memoryBytes = std::min(traits.memoryBytes, memory);
-    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits});
+    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels});
     const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
     if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
       runner = wholeRunner(gpu, model, frame, of);
@@ -190,6 +220,7 @@ struct Upscaler::State {
 
 Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
     : state_((checkOptions(options), checkShape(model.state_->weights.config(), {height, width}),
+              tuneIfAsked(device.state_->gpu, model.state_->weights, {height, width}, options),
               new State(device.state_->gpu, model.state_->weights, {height, width}, options))) {}
 Upscaler::~Upscaler() = default;
 Upscaler::Upscaler(Upscaler&&) noexcept = default;
@@ -198,6 +229,12 @@ Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
 std::string Upscaler::kernelFamily(const std::string& family, uint32_t width, uint32_t height) {
   const bool small = uint64_t{width} * height <= kSmallFrame;
   return small && family == nameOf(KernelFamily::lane) ? nameOf(KernelFamily::plain) : family;
+}
+
+bool Upscaler::paysToTune(const Device& device, const Model& model, uint32_t width, uint32_t height, bool fp16) {
+  checkShape(model.state_->weights.config(), {height, width});
+  return xrds::paysToTune(device.state_->gpu, model.state_->weights, {height, width},
+                          fp16 ? Precision::fp16 : Precision::fp32);
 }
 
 bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
@@ -255,8 +292,9 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
   checkShape(model.state_->weights.config(), frame);
   checkImages(model.state_->weights.config(), frame, colour, auxiliary);
   Gpu& gpu = device.state_->gpu;
-  const CheckResult result = checkAgainstReference(
-      gpu, model.state_->weights, frame, inputOf(colour, auxiliary, options), sessionOptions(gpu, frame, options));
+  const CheckResult result =
+      checkAgainstReference(gpu, model.state_->weights, frame, inputOf(colour, auxiliary, options),
+                            sessionOptions(gpu, model.state_->weights, frame, options));
   std::vector<CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});

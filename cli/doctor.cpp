@@ -9,6 +9,7 @@
 #include "cli/doctor_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
+#include "xrds/tuning.h"
 
 namespace xrds {
 namespace {
@@ -40,6 +41,7 @@ std::optional<UsualFrame> usualFrame(const std::string& kernelFamily) {
 Findings examine(Device& device, const DoctorOptions& options) {
   Findings findings{device.description(), Examination::capabilities(device), {}, {}, options.runs};
   findings.usual = usualFrame(findings.device.kernelFamily);
+  findings.tuning = Tuning::summary(device);
   ProgressBar bar(options.quiet);
   for (const bool fp16 : {false, true}) {
     PrecisionExamination& precision = findings.precisions.emplace_back(PrecisionExamination{fp16});

@@ -99,6 +99,7 @@ std::string doctorText(const Findings& findings, const Verdict& verdict) {
   lines += kernelTable(findings);
   lines += "\nEach ran " + std::to_string(findings.runs) +
            " times; errors are against double precision, times those of the fastest runs.\n";
+  lines += listed("Kernels", findings.tuning);
   lines += listed("Wrong", verdict.failures) + listed("Degraded", verdict.degraded);
   return lines + "\n" + verdict.sentence + "\n";
 }
@@ -126,6 +127,7 @@ std::string doctorJson(const Findings& findings, const Verdict& verdict) {
                           {"height", findings.usual->height},
                           {"fp32Bytes", findings.usual->fp32Bytes},
                           {"fp16Bytes", findings.usual->fp16Bytes}};
+  json["tuning"] = findings.tuning;
   json["trusted"] = verdict.code == ExitCode::ok;
   json["verdict"] = verdict.sentence;
   json["failures"] = verdict.failures;

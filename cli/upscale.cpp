@@ -13,6 +13,7 @@
 #include "cli/upscale_report.h"
 #include "cli/warnings.h"
 #include "image/png_write.h"
+#include "xrds/tuning.h"
 
 namespace xrds {
 namespace {
@@ -25,6 +26,27 @@ std::vector<Upscaler::CheckRow> runCheck(Device& device, const Model& model, con
     throw Failure{ExitCode::differs,
                   "The device diverges from the reference, first at operator '" + rows[divergent].label + "'."};
   return rows;
+}
+
+// Before anything else, and not while an interrupt ends the process at once: what is being tried would be struck off.
+void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& options) {
+  const auto& [opened, frame] = input;
+  const bool fp16 = options.precision == kFp16;
+  if (options.tune == "never" ||
+      (options.tune == "auto" && !Upscaler::paysToTune(device, opened.model, frame.width(), frame.height(), fp16)))
+    return;
+  if (Tuning::known(device, opened.model, frame.width(), frame.height(), fp16)) return;
+  if (!options.quiet) std::fputs("xrds: finding the fastest kernels of this device, kept for the next time\n", stderr);
+  ProgressBar bar(options.quiet);
+  try {
+    Tuning::run(device, opened.model, frame.width(), frame.height(),
+                {.fp16 = fp16, .label = opened.name(), .progress = [&](double share, const std::string&) {
+                   return bar.update(share);
+                 }});
+  } catch (const Cancelled&) {
+    stopIfInterrupted();
+    throw;
+  }
 }
 
 Upscaled compute(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
@@ -85,6 +107,7 @@ void upscaleOn(Device& device, const Task& task) {
   const auto& [options, input, reference, whole] = task;
   const auto& [opened, frame] = input;
   const int scale = static_cast<int>(opened.model.scale());
+  tuneFirst(device, input, options);
   std::optional<EndsAtOnce> endsAtOnce(std::in_place);
   std::vector<Upscaler::CheckRow> checks;
   if (options.check) checks = runCheck(device, opened.model, frame, options);

@@ -61,6 +61,12 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
       ->check(CLI::Validator(validExposure, "auto|E"))
       ->capture_default_str();
   addDevice(verb, options.device);
+  verb.add_option(
+          "--tune", options.tune,
+          "Find the fastest kernels of the device first, as xrds tune does: never, now, or auto, where a frame\n"
+          "takes a minute and more. What was found before is used in any case")
+      ->check(CLI::IsMember({"never", "auto", "now"}))
+      ->capture_default_str();
 }
 
 void addParts(CLI::App& verb, UpscaleOptions& options) {
@@ -113,6 +119,7 @@ Upscaler::Options UpscaleOptions::upscaler() const {
   options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
   options.skip.bound = parseSkip(skip);
   options.ensemble = ensemble;
+  options.tune = Upscaler::Tune::never;  // what there is to tune is tuned before
   return options;
 }
 

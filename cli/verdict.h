@@ -30,6 +30,7 @@ struct Findings {
   std::vector<PrecisionExamination> precisions;  // fp32, fp16
   std::optional<UsualFrame> usual;               // none without a shipped model
   uint32_t runs = 0;
+  std::vector<std::string> tuning{};  // what runs on the device and why, a sentence each
 };
 
 /// In plain words, whether the device is trusted and what it lacks.

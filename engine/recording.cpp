@@ -438,7 +438,7 @@ bool Recording::run(const std::function<bool(size_t, size_t)>& progress) {
     meter.finished(submissions[flight.finished() - 1].work);
     if (progress && !stopped) stopped = !progress(flight.finished(), submissions.size());
   }
-  handles_->gpu.pace = meter.paceAfter(handles_->gpu.pace);
+  if (handles_->options.measuresPace) handles_->gpu.pace = meter.paceAfter(handles_->gpu.pace);
   if (flight.finished() < submissions.size()) return false;
   if (handles_->queryPool) handles_->readTimestamps();
   return !stopped;

@@ -28,6 +28,8 @@ struct RecordingOptions {
   /// A submission holds at most that much work (see workOf()) or one dispatch, and no more than the device does in
   /// kSubmissionSeconds by its measured pace, so that none runs past a driver's watchdog or keeps others waiting.
   uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
+  /// Its runs measure the device's pace: for whole frames, not for kernels that are only tried.
+  bool measuresPace = false;
 };
 
 /// Compiles the programs of the dispatches that are not compiled yet, many at once. Throws as Recording's constructor

@@ -142,7 +142,7 @@ Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionO
     for (const Binding& binding : placed.dispatch.bindings) placed.ranges.push_back(place(binding));
     placed_.push_back(std::move(placed));
   }
-  recording_.emplace(gpu, placed_, RecordingOptions{options.timestamps, options.multiplyAddsPerSubmission});
+  recording_.emplace(gpu, placed_, RecordingOptions{options.timestamps, options.multiplyAddsPerSubmission, true});
 }
 
 bool Session::run(const FrameInput& input, std::span<float> output,

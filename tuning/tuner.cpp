@@ -78,6 +78,23 @@ const Form& bestForm(const std::vector<Form>& forms, const KernelTrials& trials)
   return *chosen;
 }
 
+// Of a frame that is cut into tiles, kernels are tried on the largest; of one that takes long, on its upper rows.
+FrameShape cropOf(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Precision precision) {
+  constexpr double kLongSeconds = 4;
+  constexpr uint32_t kFewRows = 64;
+  const NetworkConfig& config = model.config();
+  FrameShape crop = chooseTiles(model, frame, precision, {0, 0, boundedHalo(config)},
+                                {gpu.description().memoryBytes / 4 * 3, gpu.traits()})
+                        .crop;
+  const auto work = [&] {
+    const NodeCost sum = cost(buildGraph(config, crop, model.lookup(), fastOn(gpu.traits(), {.precision = precision})));
+    return static_cast<double>(sum.multiplyAdds + sum.attentionMultiplyAdds);
+  };
+  while (gpu.pace().mean > 0 && crop.height > kFewRows && work() > kLongSeconds * gpu.pace().mean)
+    crop.height = alignUp(crop.height / 2, config.window);
+  return crop;
+}
+
 // First each family in the shape of its own rule, in all forms of the graph; then, in the best form, other shapes of
 // the families that are near the best, and the winners against the fixed choice.
 const Form& tryKernels(const std::vector<Form>& forms, KernelTrials& trials) {
@@ -141,10 +158,7 @@ TuningResult tune(Gpu& gpu, const NetworkModel& model, FrameShape frame, const T
   const uint32_t size = sizeClassOf(frame);
   KernelTrials trials(gpu, size, familiesOf(gpu, options.precision), options);
   gpu.setPatience(kPatienceSeconds);
-  // Of a frame that is cut into tiles, kernels are tried on the largest.
-  const Cut whole{0, 0, boundedHalo(model.config())};
-  const FrameShape crop =
-      chooseTiles(model, frame, options.precision, whole, {gpu.description().memoryBytes / 4 * 3, gpu.traits()}).crop;
+  const FrameShape crop = cropOf(gpu, model, frame, options.precision);
   const std::vector<Form> forms = formsOf(gpu, model, crop, options.precision);
   const Form& form = tryKernels(forms, trials);
   TuningResult result{.table = form.table, .shapes = tunedShapes(form, trials.record(), size)};

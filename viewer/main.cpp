@@ -42,6 +42,9 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
                  "Device memory to use at most, such as 256M or 2G (default: three quarters of what the device has); a "
                  "frame that needs more is shown tile by tile")
       ->check(CLI::Validator(xrds::validBytes, "BYTES"));
+  app.add_option("--tune", options.tune, "Find the fastest kernels first: never, auto or now, as in xrds upscale")
+      ->check(CLI::IsMember({"never", "auto", "now"}))
+      ->capture_default_str();
   app.add_option("--fps", options.framesPerSecond, "Frames a second of a sequence")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();

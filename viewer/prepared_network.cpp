@@ -24,7 +24,8 @@ Upscaler::Options upscalerOptions(const NetworkOptions& options) {
           .profile = true,
           .tiles = {.memoryBytes = options.memoryBytes},
           .skip = options.skip,
-          .multiplyAddsPerSubmission = options.multiplyAddsAtOnce};
+          .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
+          .tune = options.tune};
 }
 
 std::vector<float> downloaded(const Buffer& buffer, uint64_t floats) {

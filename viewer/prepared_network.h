@@ -21,6 +21,7 @@ struct NetworkOptions {
   bool fp16 = false;
   SkipOptions skip{};
   uint64_t memoryBytes = 0;  // of the device; 0: most of it. What does not fit is computed in tiles.
+  Upscaler::Tune tune = Upscaler::Tune::automatic;
   /// Of a submission, which a drawing may have to wait for; at first for a CPU to finish one in about 10 ms.
   uint64_t multiplyAddsAtOnce = uint64_t{1} << 26;
 };

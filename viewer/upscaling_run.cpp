@@ -36,7 +36,8 @@ std::string Upscaling::wantedModel(const Wanted& wanted) const {
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
 // frames follow each other; in a live view every sample changes every pixel but those that are skipped anyway.
 NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) const {
-  NetworkOptions options{.fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes, .multiplyAddsAtOnce = pace_};
+  NetworkOptions options{
+      .fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes, .tune = wanted.tune, .multiplyAddsAtOnce = pace_};
   if (wanted.skip.bound() == 0 || !model.whyNeverSkipped().empty()) return options;
   options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.inSequence)};
   return options;

@@ -58,6 +58,7 @@ Wanted wantedOf(const ViewerOptions& options) {
   wanted.fp16 = options.precision == kFp16;
   wanted.skip = skipChoice(options.skip);
   wanted.memoryBytes = parseBytes(options.memory);
+  if (options.tune != "auto") wanted.tune = options.tune == "now" ? Upscaler::Tune::now : Upscaler::Tune::never;
   const auto [width, height] = sizeOf(options.liveSize, "--live-size");
   wanted.live.width = static_cast<uint32_t>(width);
   wanted.live.height = static_cast<uint32_t>(height);

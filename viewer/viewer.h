@@ -22,7 +22,7 @@ struct ViewerOptions {
   std::string scene;                            // live: built-in or a file; with a scene there are no files
   std::string liveSize = "128x128";             // of its colour
   uint32_t samples = LiveWanted{}.mostSamples;  // of a pixel of it
-  std::string model, device, precision = kFp32, skip = "off", memory;
+  std::string model, device, precision = kFp32, skip = "off", memory, tune = "auto";
   double framesPerSecond = 24;
   std::string size;                  // "WIDTHxHEIGHT"; empty: as it was left
   std::string script;                // file of steps to take

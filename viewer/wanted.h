@@ -30,7 +30,8 @@ struct Wanted {
   std::string model;  // a name or a file; empty: the default of the frame's scale, of a live view the fastest
   bool fp16 = false;
   SkipChoice skip;
-  uint64_t memoryBytes = 0;              // of the device; 0: most of it
+  uint64_t memoryBytes = 0;  // of the device; 0: most of it
+  Upscaler::Tune tune = Upscaler::Tune::automatic;
   std::array<bool, kSlotCount> slots{};  // of bicubic, demodulated and guided: those that are looked at
   bool metrics = true;
   uint64_t reload = 0;  // another number reads the files again

@@ -25,6 +25,11 @@ struct StressReport;
 /// that does not fit the device's memory or limits is cut into tiles.
 class XRDS_API Upscaler {
  public:
+  /// Whether an upscaler tunes the device's kernels for its frame where that was not done (xrds/tuning.h): never; by
+  /// itself where paysToTune() says so; or now. What an earlier tuning found is used in any case, unless a kernel
+  /// family was asked for; an upscaler that need not tune does not wait for it.
+  enum class Tune : uint8_t { never, automatic, now };
+
   struct Options {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
     std::optional<float> exposure{};  // factor on the colour, see isExposure(); empty: from the mean log luminance
@@ -37,7 +42,16 @@ class XRDS_API Upscaler {
     SkipOptions skip{};
     /// A run is cut into submissions of about that much work: others wait for the device no longer than one takes.
     uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
+    Tune tune = Tune::automatic;
+    /// Hears how far the tuning is, with the share done in [0, 1]; returning false ends it, and the making of the
+    /// upscaler, with Cancelled. What is known by then is kept.
+    std::function<bool(double)> onTuning{};
   };
+  /// Whether Tune::automatic would tune for frames of width x height low-resolution pixels: no tuning is known, no
+  /// kernel family was asked for, and by the pace that was measured on the device in earlier runs a frame takes at
+  /// least kSecondsThatPay. Unknown paces say no. Throws Error if there is no frame of that size.
+  static bool paysToTune(const Device& device, const Model& model, uint32_t width, uint32_t height, bool fp16);
+  static constexpr double kSecondsThatPay = 60;
   /// Whether it may be given as an exposure.
   static constexpr bool isExposure(float value) { return value >= 1e-30F && value <= 1e30F; }
   static constexpr uint32_t kSmallFrame = 256;  // low-resolution pixels

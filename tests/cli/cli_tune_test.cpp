@@ -1,0 +1,75 @@
+// tune: what it refuses, what it keeps, and that a picture of winners is right.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "tests/cli/process.h"
+
+namespace xrds::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+class CliTune : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("xrds_cli_tune_" + std::to_string(std::random_device{}()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  // Caches of its own, but programs that are compiled once for all tests.
+  Ended run(std::vector<std::string> arguments) const {
+    return runXrds(arguments, {.environment = {{"XDG_CACHE_HOME", (folder_ / "cache").string()},
+                                               {"MESA_SHADER_CACHE_DIR", XRDS_TEST_CACHE "/tune"}}});
+  }
+  fs::path folder_;
+};
+
+TEST_F(CliTune, RefusesWhatItCannotTune) {
+  EXPECT_EQ(run({"tune", "--size", "big"}).exitCode, 2);
+  EXPECT_EQ(run({"tune", "--precision", "fp8"}).exitCode, 2);
+  EXPECT_EQ(run({"tune", "no-such-model"}).exitCode, 4);
+  EXPECT_EQ(run({"tune", "--json", "x.txt"}).exitCode, 2);
+  EXPECT_EQ(run({"upscale", "a.exr", "-o", "b.exr", "--tune", "perhaps"}).exitCode, 2);
+  const Ended asked =
+      runXrds({"tune", "xrds-x4-nano", "--size", "128x128"}, {.environment = {{"XRDS_KERNEL_FAMILY", "plain"}}});
+  EXPECT_EQ(asked.exitCode, 5);
+  EXPECT_TRUE(contains(asked.error, "nothing to tune")) << asked.error;
+}
+
+TEST_F(CliTune, SaysHowItIsUsed) {
+  const Ended help = run({"tune", "--help"});
+  EXPECT_EQ(help.exitCode, 0);
+  for (const char* part : {"MODEL", "--size", "--precision", "--anew", "--json", "--device", "--quiet", "xrds tune"})
+    EXPECT_TRUE(contains(help.output, part)) << part;
+}
+
+TEST_F(CliTune, KeepsWhatItFoundAndDoctorTells) {
+  const std::string json = (folder_ / "tune.json").string();
+  const std::vector<std::string> command{"tune",        "xrds-x4-nano", "--size", "128x128",
+                                         "--precision", "fp32",         "--json", json};
+  const Ended first = run(command);
+  ASSERT_EQ(first.exitCode, 0) << first.error;
+  EXPECT_TRUE(contains(first.output, "operator shapes")) << first.output;
+  const auto read = [&] {
+    std::ifstream in(json);
+    return nlohmann::json::parse(in).at("tuned").at(0);
+  };
+  EXPECT_GT(read().at("kernelsTried").get<int>(), 0);
+  EXPECT_GT(read().at("operators").size(), 10u);
+  const Ended again = run(command);
+  EXPECT_EQ(again.exitCode, 0);
+  EXPECT_TRUE(contains(again.output, "All was known")) << again.output;
+  EXPECT_EQ(read().at("kernelsTried").get<int>(), 0);
+
+  const Ended doctor = run({"doctor", "--runs", "2"});
+  EXPECT_TRUE(contains(doctor.output, "for xrds-x4-nano, fp32, 128 x 128")) << doctor.output;
+}
+
+}  // namespace
+}  // namespace xrds::test

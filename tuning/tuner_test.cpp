@@ -1,0 +1,158 @@
+// Tuning a small network, of which every kernel is compiled once for all tests.
+#include "tuning/tuner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "shaders/programs.h"
+#include "tests/environment_variable.h"
+#include "tests/harness.h"
+#include "tuning/frame_duel.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr FrameShape kFrame{48, 48};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+NetworkModel smallModel() {
+  NetworkConfig config{.scale = 2, .channels = 16, .groups = 1, .blocks = 1, .headChannels = 16};
+  config.auxInputs.clear();
+  config.base = BaseImage::bicubic;
+  config.block = BlockKind::rstb;
+  return NetworkModel::random(config, 7);
+}
+
+class Tuner : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("xrds_tuner_" + std::to_string(std::random_device{}()));
+    fs::create_directories(folder_);
+    open();
+  }
+  void TearDown() override {
+    gpu_.reset();
+    fs::remove_all(folder_);
+  }
+
+  void open(ProgramSource programs = embeddedProgram) {
+    gpu_.reset();
+    DeviceOptions options = test::gpuOptions();
+    options.validation = false;
+    options.onMessage = nullptr;
+    options.cacheFolder = folder_;
+    options.programs = std::move(programs);
+    gpu_.emplace(std::move(options));
+  }
+  TuningRecord record() const { return tuningFileOf(*gpu_).read(); }
+  TuningResult tuned(const TuningOptions& options = {}) { return tune(*gpu_, model_, kFrame, options); }
+
+  const test::EnvironmentVariable shaders_{"MESA_SHADER_CACHE_DIR",
+                                           (fs::path(testing::TempDir()) / "xrds_tuner_shaders").string()};
+  fs::path folder_;
+  std::optional<Gpu> gpu_;
+  const NetworkModel model_ = smallModel();
+};
+
+// The incumbent is the plain family, which has all operators; what wins is found by measuring alone.
+TEST_F(Tuner, FindsTheLaneKernelsByItself) {
+  if (gpu_->description().kind != DeviceKind::cpu) GTEST_SKIP() << "not a CPU device";
+  DeviceTraits traits = gpu_->traits();
+  traits.family = KernelFamily::plain;
+  gpu_->setTraits(traits);
+  const TuningResult result = tuned();
+  double inLane = 0, all = 0;
+  for (const TunedShape& shape : result.shapes) {
+    all += shape.fixedSeconds;
+    if (shape.winner.kernel.family == KernelFamily::lane) inLane += shape.fixedSeconds;
+    EXPECT_TRUE(shape.wrong.empty()) << shape.shape << " " << shape.wrong.front();
+    if (!shape.winner.isFixed) EXPECT_LT(shape.winner.microseconds, shape.winner.fixedMicroseconds) << shape.shape;
+  }
+  EXPECT_GT(inLane, 0.8 * all);
+  EXPECT_TRUE(result.frame.taken);
+  EXPECT_LT(result.frame.seconds, result.frame.fixedSeconds);
+  EXPECT_EQ(tunedKernels(*gpu_, model_, kFrame, Precision::fp32), result.table);
+
+  const FrameDuel duel = frameDuel(*gpu_, model_, kFrame, Precision::fp32, result.table);
+  EXPECT_TRUE(duel.isSame) << duel.difference;
+  EXPECT_EQ(tuned().measured, 0u) << "all is known";
+  EXPECT_EQ(tunedKernels(*gpu_, model_, {4 * kFrame.height, 4 * kFrame.width}, Precision::fp32), std::nullopt);
+  EXPECT_EQ(tunedKernels(*gpu_, model_, kFrame, Precision::fp16), std::nullopt);
+}
+
+TEST_F(Tuner, GoesOnWhereItWasInterrupted) {
+  size_t calls = 0;
+  EXPECT_THROW(tuned({.progress = [&](const TuningStep&) { return ++calls < 40; }}), Cancelled);
+  const size_t known = record().findings.size();
+  EXPECT_GT(known, 0u);
+  EXPECT_FALSE(record().trying);
+  EXPECT_TRUE(record().struckOff.empty());
+  EXPECT_EQ(tunedKernels(*gpu_, model_, kFrame, Precision::fp32), std::nullopt);
+  const TuningResult result = tuned();
+  EXPECT_GT(result.measured, 0u);
+  EXPECT_EQ(record().findings.size(), known + result.measured);
+}
+
+TEST_F(Tuner, AKernelThatLosesTheDeviceIsStruckOff) {
+  size_t tries = 0;
+  const TuningOptions options{.beforeRun = [&](const Dispatch& dispatch) {
+    if (!contains(dispatch.program, "linear_tile")) return;
+    ++tries;
+    throw DeviceLost("the test loses the device");
+  }};
+  EXPECT_THROW(tuned(options), DeviceLost);
+  ASSERT_EQ(record().struckOff.count("linear_tile_f32"), 1u);
+  EXPECT_TRUE(contains(record().struckOff.at("linear_tile_f32").second, "the test loses the device"));
+  open();
+  const TuningResult result = tuned(options);
+  EXPECT_EQ(tries, 1u) << "it is not tried again";
+  EXPECT_EQ(result.struckOff.count("linear_tile_f32"), 1u);
+  for (const TunedShape& shape : result.shapes) EXPECT_FALSE(contains(shape.winner.program.name, "linear_tile"));
+}
+
+// As if the process had been killed while it ran.
+TEST_F(Tuner, AKernelThatEndedTheProcessIsStruckOff) {
+  TuningRecord before;
+  before.trying = stampOf(*gpu_, "conv3x3_tile_f32");
+  ASSERT_TRUE(tuningFileOf(*gpu_).write(before));
+  bool tried = false;
+  const TuningResult result = tuned(
+      {.beforeRun = [&](const Dispatch& dispatch) { tried = tried || contains(dispatch.program, "conv3x3_tile"); }});
+  EXPECT_FALSE(tried);
+  EXPECT_EQ(result.struckOff.count("conv3x3_tile_f32"), 1u);
+}
+
+// Another kernel of the operator stands in for a driver that compiles wrongly.
+TEST_F(Tuner, AWrongKernelIsNamedAndNotTaken) {
+  open([](std::string_view name) {
+    return embeddedProgram(name == "window_attention_lane_f32" ? "window_attention_plain_f32" : name);
+  });
+  DeviceTraits traits = gpu_->traits();
+  traits.family = KernelFamily::plain;
+  gpu_->setTraits(traits);
+  const TuningResult result = tuned();
+  bool named = false;
+  for (const TunedShape& shape : result.shapes) {
+    EXPECT_NE(shape.winner.program.name, "window_attention_lane_f32");
+    for (const std::string& wrong : shape.wrong) named = named || contains(wrong, "window_attention_lane_f32: ");
+  }
+  EXPECT_TRUE(named);
+}
+
+TEST_F(Tuner, OneProcessAtATime) {
+  const TuningOptions options{.progress = [&](const TuningStep&) {
+    EXPECT_THROW(tuned(), Error);
+    return false;
+  }};
+  EXPECT_THROW(tuned(options), Cancelled);
+}
+
+}  // namespace
+}  // namespace xrds
