@@ -57,7 +57,7 @@ _xrds() {
   if [[ $current == -* ]]; then
     _xrds_complete -W "$(_xrds_options "${verbs[@]}")" -- "$current"
   else
-    [ "${verbs[0]}" = info ] && _xrds_complete -W "$("${COMP_WORDS[0]}" info 2>/dev/null)" -- "$current"
+    [[ ${verbs[0]} = info || ${verbs[0]} = tune ]] && _xrds_complete -W "$("${COMP_WORDS[0]}" info 2>/dev/null)" -- "$current"
     [ "${verbs[0]}" = devices ] || _xrds_complete -f -- "$current"
   fi
 }

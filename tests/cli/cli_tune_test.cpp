@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "tests/cli/frames.h"
 #include "tests/cli/process.h"
 
 namespace xrds::test {
@@ -23,9 +24,10 @@ class CliTune : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
   // Caches of its own, but programs that are compiled once for all tests.
-  Ended run(std::vector<std::string> arguments) const {
+  Ended run(const std::vector<std::string>& arguments, const std::string& family = "") const {
     return runXrds(arguments, {.environment = {{"XDG_CACHE_HOME", (folder_ / "cache").string()},
-                                               {"MESA_SHADER_CACHE_DIR", XRDS_TEST_CACHE "/tune"}}});
+                                               {"MESA_SHADER_CACHE_DIR", XRDS_TEST_CACHE "/tune"},
+                                               {"XRDS_KERNEL_FAMILY", family}}});
   }
   fs::path folder_;
 };
@@ -36,8 +38,7 @@ TEST_F(CliTune, RefusesWhatItCannotTune) {
   EXPECT_EQ(run({"tune", "no-such-model"}).exitCode, 4);
   EXPECT_EQ(run({"tune", "--json", "x.txt"}).exitCode, 2);
   EXPECT_EQ(run({"upscale", "a.exr", "-o", "b.exr", "--tune", "perhaps"}).exitCode, 2);
-  const Ended asked =
-      runXrds({"tune", "xrds-x4-nano", "--size", "128x128"}, {.environment = {{"XRDS_KERNEL_FAMILY", "plain"}}});
+  const Ended asked = run({"tune", "xrds-x4-nano", "--size", "128x128"}, "plain");
   EXPECT_EQ(asked.exitCode, 5);
   EXPECT_TRUE(contains(asked.error, "nothing to tune")) << asked.error;
 }
@@ -67,8 +68,18 @@ TEST_F(CliTune, KeepsWhatItFoundAndDoctorTells) {
   EXPECT_TRUE(contains(again.output, "All was known")) << again.output;
   EXPECT_EQ(read().at("kernelsTried").get<int>(), 0);
 
+  const std::string colour = (folder_ / "colour.exr").string(), aux = (folder_ / "aux.exr").string();
+  const std::string tuned = (folder_ / "tuned.exr").string(), plain = (folder_ / "plain.exr").string();
+  writeHalfEvenFrame(colour, aux, 45);
+  const auto upscaled = [&](const std::string& out, const std::string& family) {
+    return run({"upscale", colour, aux, "-o", out, "--model", "xrds-x4-nano", "--tune", "auto"}, family);
+  };
+  ASSERT_EQ(upscaled(tuned, "").exitCode, 0);
+  ASSERT_EQ(upscaled(plain, "plain").exitCode, 0);
+  EXPECT_EQ(run({"compare", tuned, plain, "--min-psnr", "90"}).exitCode, 0) << "the winners give another picture";
+
   const Ended doctor = run({"doctor", "--runs", "2"});
-  EXPECT_TRUE(contains(doctor.output, "for xrds-x4-nano, fp32, 128 x 128")) << doctor.output;
+  EXPECT_TRUE(contains(doctor.output, "for xrds-x4-nano, fp32, 360 x 280")) << doctor.output;
 }
 
 }  // namespace

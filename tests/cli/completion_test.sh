@@ -53,7 +53,7 @@ if "$program" view --help > /dev/null 2>&1; then
   offers fp16 view --precision f
 fi
 # Every command and every option that --help lists is offered.
-for verb in '' upscale compare info devices doctor bench 'bench quality' 'bench network' 'bench skip' 'bench stress' 'bench tiles'; do
+for verb in '' upscale compare info devices doctor tune bench 'bench quality' 'bench network' 'bench skip' 'bench stress' 'bench tiles'; do
   # shellcheck disable=SC2086
   typed $verb --
   for option in $("$program" $verb --help | grep -oE -- '^  (-[a-z],)?--[a-z-]+' | grep -oE -- '--.*'); do
