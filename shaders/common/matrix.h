@@ -16,11 +16,15 @@ XRDS_SHARED_END
 
 namespace xrds {
 
+/// Whether fragments are multiplied by plain arithmetic.
+inline bool inSoftware(const DeviceTraits& device) {
+  return device.matrixUnits == MatrixUnits::none || device.matrixUnits == MatrixUnits::software;
+}
+
 /// Invocations that multiply fragments together: a subgroup, or those in its place where there are no matrix units.
 inline uint32_t matrixLanes(const DeviceTraits& device) {
   constexpr uint32_t kSoftwareSubgroup = 32;
-  const bool inSoftware = device.matrixUnits == MatrixUnits::none || device.matrixUnits == MatrixUnits::software;
-  return inSoftware ? kSoftwareSubgroup : device.subgroupSize;
+  return inSoftware(device) ? kSoftwareSubgroup : device.subgroupSize;
 }
 
 /// How a workgroup shares its 8 rows of `outputs` fragments among its subgroups.

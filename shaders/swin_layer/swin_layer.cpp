@@ -30,12 +30,12 @@ struct WindowShare {
   uint32_t poolTexels = 0;   // of shared memory
 };
 
-/// The most queries and hidden features at a time for which there is room.
-WindowShare windowShare(const SwinLayer& op, const DeviceTraits& device) {
-  constexpr uint32_t kLeastSubgroups = 4, kLeastInvocations = 128, kMostHidden = 128;
+/// The most queries and hidden features at a time for which there is room, with at least as many invocations.
+WindowShare windowShare(const SwinLayer& op, const DeviceTraits& device, uint32_t leastInvocations) {
+  constexpr uint32_t kLeastSubgroups = 4, kMostHidden = 128;
   constexpr uint32_t kTexelBytes = 16, kTexelHalves = 8, kMostShares = 8;  // invocations for a row of scores
   const uint32_t lanes = matrixLanes(device);
-  WindowShare share{.subgroups = std::max(kLeastSubgroups, kLeastInvocations / lanes)};
+  WindowShare share{.subgroups = std::max(kLeastSubgroups, leastInvocations / lanes)};
   share.invocations = share.subgroups * lanes;
   const uint32_t tokenTexels = kTokens * (channelsOf(op) / kTexelHalves + 1);
   const uint32_t headTexels =
@@ -57,6 +57,14 @@ WindowShare windowShare(const SwinLayer& op, const DeviceTraits& device) {
                           share.invocations <= device.maxGroupInvocations;
   if (!isPossible) share.subgroups = 0;
   return share;
+}
+
+/// Few windows fit the shared memory of a GPU beside each other: each has many invocations, to keep it busy. In
+/// software they are few, because drivers take their time to compile more.
+WindowShare windowShare(const SwinLayer& op, const DeviceTraits& device) {
+  constexpr uint32_t kInvocations = 256, kFewInvocations = 128;
+  const WindowShare share = inSoftware(device) ? WindowShare{} : windowShare(op, device, kInvocations);
+  return share.subgroups > 0 ? share : windowShare(op, device, kFewInvocations);
 }
 
 /// [N][K] in double precision, as the kernel's tiles are made from it.
@@ -210,14 +218,13 @@ Dispatch dispatch(const SwinLayer& op, const DeviceTraits& device) {
                                        .firstWindowRow = windowRows.first,
                                        .storeOrigin = storeOrigin(op.output, rows),
                                        .epsilon = op.epsilon};
-  const bool inSoftware = device.matrixUnits == MatrixUnits::none;
   const WindowShare share = windowShare(op, device);
   const MatrixSize unit = device.matrixSize;
   Dispatch launch{.bindings = {readTexels(op.input), readPackedHalves(), writeRows(op.output, rows)},
                   .pushConstants = pushBytes(params),
                   .multiplyAdds = mapMultiplyAdds(op) + attentionMultiplyAdds(op)};
   launch.program =
-      matrixProgramName("swin_layer", inSoftware ? MatrixUnits::software : device.matrixUnits, DataType::f16);
+      matrixProgramName("swin_layer", inSoftware(device) ? MatrixUnits::software : device.matrixUnits, DataType::f16);
   launch.specialization = {share.subgroups, channelsOf(op),   op.headChannels,  hiddenOf(op), shape.channels,
                            grows(op),       unit.rows,        unit.columns,     unit.depth,   share.invocations,
                            share.scoreRows, share.hiddenPart, share.poolTexels, op.shift > 0};
