@@ -9,10 +9,12 @@ HEAD = """# The kernels under the compilers of GPUs
 Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}: RADV's null device compiled every pipeline of every shipped model for GPUs that
 were not there. Nothing ran, so these are counts and a compiler's estimates, not times. ACO guesses how often a loop runs: its latency
 and inverse throughput compare variants of one kernel, and nothing else. NVIDIA's GPUs (NVK) are left out: their shim must be built from Mesa's source.
-`bench/results/gpu_static.json` has every pipeline. Frames of {frame} x {frame} low-resolution pixels.
+On gfx1200 this Mesa offers no matrix units yet. `bench/results/gpu_static.json` has every pipeline. Frames of {frame} x {frame} low-resolution pixels.
 
 *Products* is the share of the inner loop's vector time that multiply-adds take, of which a product of matrix units counts as 16 vector instructions.
-*Filling* is the share of a frame's work in dispatches of at least two workgroups for each compute unit.
+*Filling* is the share of a frame's work in dispatches of at least two workgroups for each compute unit. *16-bit* are loads of single halves.
+
+What is short of the aim of four waves a SIMD: window attention, linear and 3 x 3 convolution of the tile kernels on vega10, whose waves then have 64 registers each.
 """
 
 

@@ -27,6 +27,7 @@ struct Options {
   uint32_t width = 256, height = 256;
   uint64_t memoryBytes = uint64_t{8} << 30;        // of the device; the null device says nothing of it
   uint32_t sharedBytes = 0, groupInvocations = 0;  // not 0: those of a smaller device
+  uint32_t subgroupSize = 0;                       // not 0: of the kernels that know theirs
 };
 
 // What stands behind the name in the compiler's text of a program: "workgroup_size: 64, 1, 1".
@@ -66,6 +67,7 @@ class Report {
     DeviceTraits& traits = device_.take(kernels);
     traits.memoryBytes = options_.memoryBytes;
     if (options_.sharedBytes) traits.maxSharedBytes = options_.sharedBytes;
+    if (options_.subgroupSize) traits.subgroupSize = options_.subgroupSize;
     if (options_.groupInvocations) traits.maxGroupInvocations = options_.groupInvocations;
     const Graph graph =
         buildGraph(model.config(), {options_.height, options_.width}, model.lookup(),
@@ -136,6 +138,7 @@ int main(int argc, char** argv) {
   app.add_option("--memory-bytes", options.memoryBytes, "Memory of the device");
   app.add_option("--shared-bytes", options.sharedBytes, "Shared memory of a smaller device");
   app.add_option("--group-invocations", options.groupInvocations, "Invocations of a group of a smaller device");
+  app.add_option("--subgroup-size", options.subgroupSize, "Of the kernels that know theirs");
   CLI11_PARSE(app, argc, argv);
   try {
     return xrds::run(options);
