@@ -14,7 +14,8 @@ On gfx1200 this Mesa offers no matrix units yet. `bench/results/gpu_static.json`
 *Products* is the share of the inner loop's vector time that multiply-adds take, of which a product of matrix units counts as 16 vector instructions.
 *Filling* is the share of a frame's work in dispatches of at least two workgroups for each compute unit. *16-bit* are loads of single halves.
 
-What is short of the aim of four waves a SIMD: window attention, linear and 3 x 3 convolution of the tile kernels on vega10, whose waves then have 64 registers each.
+Short of the aim of four waves a SIMD, on vega10 alone: window attention (2; plain 3), `linear_tile` (3) and `conv3x3_tile` (1), whose four waves would have 64
+registers each.
 """
 
 
