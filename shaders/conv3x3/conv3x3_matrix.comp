@@ -77,47 +77,61 @@ void finish(uvec2 position, uint quad, vec4 sum) {
   target[pixel * p.target.stride + p.target.offset + targetQuad - p.storeOrigin] = stored4(y);
 }
 
+// An invocation fetches the same texel of a step for each of its pixels and outputs.
+const uint kWeightLines = kTaps * kOutputs;
+uint fetchedTexel() { return gl_LocalInvocationIndex % kConv3x3MatrixTexels; }
+uint lineOf(uint i) { return i * kLines + gl_LocalInvocationIndex / kConv3x3MatrixTexels; }
+
+uint pixelFrom[kPixelFetches], weightFrom[kWeightFetches];
+bool inside[kPixelFetches];
+uvec4 nextX[kPixelFetches], nextW[kWeightFetches];  // of the next stage
+
+void findTexels() {
+  [[unroll]] for (uint i = 0; i < kPixelFetches; i++) {
+    const uvec2 at = uvec2(lineOf(i) % kConv3x3MatrixStride, lineOf(i) / kConv3x3MatrixStride);
+    const ivec2 pixel = ivec2(corner() + at) - 1;
+    pixelFrom[i] = firstTexel(pixel);
+    inside[i] = isInside(pixel);
+  }
+  [[unroll]] for (uint i = 0; i < kWeightFetches; i++) {
+    const uint row = lineOf(i) / kOutputs * outputs() + gl_WorkGroupID.x * kOutputs + lineOf(i) % kOutputs;
+    weightFrom[i] = row * kConv3x3MatrixTexels + fetchedTexel();
+  }
+}
+
+void fetch(uint stage) {
+  const uint quad = stage / kStages * kStep / 4 + 2 * fetchedTexel();
+  if (stage % kStages == 0)
+    [[unroll]] for (uint i = 0; i < kPixelFetches; i++)
+      nextX[i] = uvec4(quadAt(pixelFrom[i], inside[i], quad), quadAt(pixelFrom[i], inside[i], quad + 1));
+  const uint stageFrom = stage * kTaps * outputs() * kConv3x3MatrixTexels;
+  [[unroll]] for (uint i = 0; i < kWeightFetches; i++)
+    if (lineOf(i) < kWeightLines) nextW[i] = weights[weightFrom[i] + stageFrom];
+}
+
+void share(uint stage) {
+  if (stage % kStages == 0)
+    [[unroll]] for (uint i = 0; i < kPixelFetches; i++)
+      if (lineOf(i) < PIXELS) pool[lineOf(i) * kStride + fetchedTexel()] = nextX[i];
+  [[unroll]] for (uint i = 0; i < kWeightFetches; i++)
+    if (lineOf(i) < kWeightLines) pool[kRightAt + lineOf(i) * kStride + fetchedTexel()] = nextW[i];
+}
+
 void main() {
   const uint row = firstRow(subgroupIndex()), column = firstColumn(subgroupIndex());
   SUMS(sum, kFragmentRows, kFragmentColumns);
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) CLEAR_SUM(sum[r][c]);
 
-  // An invocation fetches the same texel of a step for each of its pixels and outputs.
-  const uint texel = gl_LocalInvocationIndex % kConv3x3MatrixTexels, line = gl_LocalInvocationIndex / kConv3x3MatrixTexels;
-  uint from[kPixelFetches];
-  bool inside[kPixelFetches];
-  [[unroll]] for (uint i = 0; i < kPixelFetches; i++) {
-    const uint at = i * kLines + line;
-    const ivec2 pixel = ivec2(corner()) + ivec2(at % kConv3x3MatrixStride, at / kConv3x3MatrixStride) - 1;
-    from[i] = firstTexel(pixel);
-    inside[i] = isInside(pixel);
-  }
-  uint weightFrom[kWeightFetches];
-  [[unroll]] for (uint i = 0; i < kWeightFetches; i++) {
-    const uint at = i * kLines + line, n = gl_WorkGroupID.x * kOutputs + at % kOutputs;
-    weightFrom[i] = (at / kOutputs * outputs() + n) * kConv3x3MatrixTexels + texel;
-  }
-  uvec4 nextX[kPixelFetches], nextW[kWeightFetches];
-  const uint stages = steps() * kStages, stageTexels = kTaps * outputs() * kConv3x3MatrixTexels;  // of weights
+  findTexels();
+  const uint stages = steps() * kStages;
   for (uint stage = 0; stage <= stages; stage++) {
     if (stage > 0) {  // what was fetched in the round before
       barrier();
-      if ((stage - 1) % kStages == 0)
-        [[unroll]] for (uint i = 0; i < kPixelFetches; i++)
-          if (i * kLines + line < PIXELS) pool[(i * kLines + line) * kStride + texel] = nextX[i];
-      [[unroll]] for (uint i = 0; i < kWeightFetches; i++)
-        if (i * kLines + line < kTaps * kOutputs) pool[kRightAt + (i * kLines + line) * kStride + texel] = nextW[i];
+      share(stage - 1);
       barrier();
     }
-    if (stage < stages) {
-      const uint quad = stage / kStages * kStep / 4 + 2 * texel;
-      if (stage % kStages == 0)
-        [[unroll]] for (uint i = 0; i < kPixelFetches; i++)
-          nextX[i] = uvec4(quadAt(from[i], inside[i], quad), quadAt(from[i], inside[i], quad + 1));
-      [[unroll]] for (uint i = 0; i < kWeightFetches; i++)
-        if (i * kLines + line < kTaps * kOutputs) nextW[i] = weights[weightFrom[i] + stage * stageTexels];
-    }
+    if (stage < stages) fetch(stage);
     if (stage > 0) {
       const uint firstTap = (stage - 1) % kStages * kTaps;
       [[unroll]] for (uint t = 0; t < kTaps; t++) {

@@ -60,7 +60,6 @@ void main() {
   SUMS(sum, kFragmentRows, kFragmentColumns);
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) CLEAR_SUM(sum[r][c]);
-
   // An invocation fetches the same texel of a step for each of its tokens and outputs.
   const uint texel = gl_LocalInvocationIndex % kLinearMatrixTexels, line = gl_LocalInvocationIndex / kLinearMatrixTexels;
   const uint kLines = kInvocations / kLinearMatrixTexels, weightRow = weightRowTexels();
@@ -98,7 +97,6 @@ void main() {
       }
     }
   }
-
   barrier();
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
