@@ -101,7 +101,8 @@ struct MatrixTile {
   uint32_t taps = 0;
 };
 
-// All taps at once where the outputs are few: a stage then has as many products as one of more outputs.
+// All taps at once where the outputs are few: a stage then has as many products as one of more outputs. Not in products
+// of 8 x 8 x 8, of which that are so many that drivers take minutes to compile them.
 MatrixTile matrixTile(const Conv3x3& op, const DeviceTraits& device) {
   constexpr uint32_t kFewOutputs = 2, kPixelTexels = shader::kConv3x3MatrixTexels + 1;  // in sixteens
   constexpr uint32_t kPixels = (shader::kMatrixRows + 2) * shader::kConv3x3MatrixStride;
@@ -109,7 +110,9 @@ MatrixTile matrixTile(const Conv3x3& op, const DeviceTraits& device) {
     const MatrixTile tile{matrixShape(device, {kPixels * kPixelTexels, taps * 16 * kPixelTexels}, op.input.type,
                                       op.weightType, kernelInputs(op), kernelOutputs(op)),
                           taps};
-    if (tile.shape.subgroups > 0 && (taps == 3 || tile.shape.outputs <= kFewOutputs)) return tile;
+    const MatrixSize& unit = device.matrixSize;
+    const bool arePiecesFew = unit.rows * unit.columns * unit.depth >= 16 * 8 * 16;
+    if (tile.shape.subgroups > 0 && (taps == 3 || (arePiecesFew && tile.shape.outputs <= kFewOutputs))) return tile;
   }
   return {};
 }
