@@ -1,5 +1,8 @@
 #include "tuning/kernel_trials.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include "xrds/error.h"
 
 namespace xrds {
@@ -116,37 +119,44 @@ void KernelTrials::tryOpen(const FormShape& shape, bool shapes, double share, st
   }
 }
 
-double KernelTrials::best(const std::string& shape, std::optional<KernelFamily> family, KernelChoice* kernel) const {
-  double best = 0;
+double KernelTrials::best(const std::string& shape, std::optional<KernelFamily> family) const {
+  for (const auto& [microseconds, kernel] : fastest(shape))
+    if (!family || kernel.family == *family) return microseconds;
+  return 0;
+}
+
+std::vector<std::pair<double, KernelChoice>> KernelTrials::fastest(const std::string& shape) const {
+  std::vector<std::pair<double, KernelChoice>> right;
   for (auto each = record_.findings.lower_bound({keyOf(shape), {}});
-       each != record_.findings.end() && each->first.first == keyOf(shape); ++each) {
-    const KernelChoice& choice = each->first.second;
-    const Finding& found = each->second;
-    if (!found.right || (family && choice.family != *family) || record_.isStruckOff(found.program)) continue;
-    if (best > 0 && found.microseconds >= best) continue;
-    best = found.microseconds;
-    if (kernel) *kernel = choice;
-  }
-  return best;
+       each != record_.findings.end() && each->first.first == keyOf(shape); ++each)
+    if (each->second.right && !record_.isStruckOff(each->second.program))
+      right.emplace_back(each->second.microseconds, each->first.second);
+  std::sort(right.begin(), right.end());
+  return right;
 }
 
 void KernelTrials::decide(const FormShape& shape, std::optional<Trial>& trial) {
+  constexpr size_t kMostDuels = 3;
   const TrialKey key = keyOf(shape.shape);
   const KernelCandidate fixed = candidatesOf(shape.node().op, gpu_.traits(), {}, false).front();
+  const auto right = fastest(shape.shape);
+  if (right.empty()) return;
   Winner winner;
-  winner.kernel = fixed.kernel;
   winner.fixedProgram = stampOf(gpu_, fixed.dispatch.program);
-  winner.microseconds = best(shape.shape, {}, &winner.kernel);
-  if (winner.microseconds == 0) return;  // none is right
-  const auto known = record_.findings.find({key, fixed.kernel});
-  if (known != record_.findings.end() && known->second.right && !record_.isStruckOff(winner.fixedProgram)) {
-    winner.fixedMicroseconds = known->second.microseconds;
-    if (winner.kernel != fixed.kernel) {
+  std::tie(winner.microseconds, winner.kernel) = right.front();
+  const auto own =
+      std::find_if(right.begin(), right.end(), [&](const auto& each) { return each.second == fixed.kernel; });
+  if (own != right.end()) {  // else the fixed choice is wrong
+    std::tie(winner.fixedMicroseconds, winner.kernel) = *own;
+    winner.microseconds = winner.fixedMicroseconds;
+    for (size_t i = 0; i < std::min(kMostDuels, static_cast<size_t>(own - right.begin())); ++i) {
       if (!trial) trial.emplace(gpu_, single(shape.form->graph, shape.node()));
-      const Trial::Duel duel = trial->duel(winner.kernel, fixed.kernel);
+      const Trial::Duel duel = trial->duel(right[i].second, fixed.kernel);
+      if (!duel.isWon) continue;
+      winner.kernel = right[i].second;
+      winner.microseconds = duel.microseconds;
       winner.fixedMicroseconds = duel.otherMicroseconds;
-      winner.microseconds = duel.isWon ? duel.microseconds : duel.otherMicroseconds;
-      if (!duel.isWon) winner.kernel = fixed.kernel;
+      break;
     }
   }
   winner.isFixed = winner.kernel == fixed.kernel;

@@ -36,7 +36,7 @@ class KernelTrials {
   bool isDecided(const std::string& shape) const { return record_.winners.contains(keyOf(shape)); }
 
   /// The least time of a kernel of the shape that is right, of a family or of any; 0: there is none.
-  double best(const std::string& shape, std::optional<KernelFamily> family = {}, KernelChoice* kernel = nullptr) const;
+  double best(const std::string& shape, std::optional<KernelFamily> family = {}) const;
 
   void keep(const std::string& frame, const TunedFrame& tuned);
   /// Throws Cancelled if the caller says so.
@@ -44,6 +44,8 @@ class KernelTrials {
 
  private:
   TrialKey keyOf(const std::string& shape) const { return {size_, shape}; }
+  // Those that are right, with their times, the fastest first.
+  std::vector<std::pair<double, KernelChoice>> fastest(const std::string& shape) const;
   void marked(const std::string& program, const std::function<void()>& work);
   Finding tried(Trial& trial, const KernelCandidate& candidate, double best);
 

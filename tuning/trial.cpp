@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLeastMicroseconds = 1500;  // of a timed run: shorter ones are noise
 constexpr uint32_t kMostCopies = 64;
-constexpr int kRuns = 3, kRounds = 7, kRoundsToWin = 6;
+constexpr int kRuns = 5, kRounds = 7, kRoundsToWin = 5;
 
 double median(std::vector<double> times) {
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
@@ -104,23 +104,28 @@ double Trial::time(const KernelChoice& kernel, double best) {
 
 Trial::Duel Trial::duel(const KernelChoice& kernel, const KernelChoice& other) {
   const PlacedOperator::Launch launch = placed_.launchOf(kernel), otherLaunch = placed_.launchOf(other);
-  Recording probe = repeated(gpu_, otherLaunch, 1);
-  run(probe);
-  const uint32_t copies = copiesFor(run(probe));
-  Recording mine = repeated(gpu_, launch, copies), others = repeated(gpu_, otherLaunch, copies);
-  run(mine);
-  run(others);
+  // Each as often as makes a run that is no noise, however far apart they are.
+  const auto copiesOf = [&](const PlacedOperator::Launch& each) {
+    Recording probe = repeated(gpu_, each, 1);
+    const double first = run(probe);
+    return copiesFor(std::min(first, run(probe)));
+  };
+  const uint32_t copies = copiesOf(launch), otherCopies = copiesOf(otherLaunch);
+  Recording mine = repeated(gpu_, launch, copies), others = repeated(gpu_, otherLaunch, otherCopies);
   std::vector<double> times, otherTimes, ratios;
   int won = 0;
   for (int round = 0; round < kRounds; ++round) {
     double time = 0, otherTime = 0;
-    for (const bool first : {round % 2 == 0, round % 2 != 0}) (first ? time : otherTime) = run(first ? mine : others);
-    times.push_back(time / copies);
-    otherTimes.push_back(otherTime / copies);
+    for (const bool first : {round % 2 == 0, round % 2 != 0})
+      (first ? time : otherTime) = first ? run(mine) / copies : run(others) / otherCopies;
+    times.push_back(time);
+    otherTimes.push_back(otherTime);
     ratios.push_back(time / otherTime);
     won += time < otherTime;
   }
-  return {median(times), median(otherTimes), won >= kRoundsToWin && median(ratios) < 1 - kMargin};
+  const auto least = [](const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); };
+  const bool isFaster = median(ratios) < 1 - kMargin && least(times) < (1 - kMargin) * least(otherTimes);
+  return {median(times), median(otherTimes), isFaster && won >= kRoundsToWin};
 }
 
 }  // namespace xrds

@@ -24,7 +24,7 @@ class Trial {
 
   struct Duel {
     double microseconds = 0, otherMicroseconds = 0;  // medians
-    bool isWon = false;                              // in all but a few rounds, by more than kMargin on the median
+    bool isWon = false;  // in most rounds, and by more than kMargin on the median and of the fastest
   };
   static constexpr double kMargin = 0.03;
   /// Both in turns.

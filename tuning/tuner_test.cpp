@@ -68,14 +68,20 @@ TEST_F(Tuner, FindsTheLaneKernelsByItself) {
   traits.family = KernelFamily::plain;
   gpu_->setTraits(traits);
   const TuningResult result = tuned();
-  double inLane = 0, all = 0;
+  double inLane = 0, all = 0;  // of the operators that have lane kernels of their own
+  std::string others;
   for (const TunedShape& shape : result.shapes) {
-    all += shape.fixedSeconds;
-    if (shape.winner.kernel.family == KernelFamily::lane) inLane += shape.fixedSeconds;
+    const bool isNetworks = shape.shape.starts_with("conv3x3") || shape.shape.starts_with("linear") ||
+                            shape.shape.starts_with("window_attention");
+    if (isNetworks) all += shape.fixedSeconds;
+    if (isNetworks && shape.winner.kernel.family == KernelFamily::lane) inLane += shape.fixedSeconds;
+    if (isNetworks && shape.winner.kernel.family != KernelFamily::lane)
+      others += "\n" + shape.shape + ": " + shape.winner.program.name + " " +
+                std::to_string(shape.winner.microseconds) + " of " + std::to_string(shape.winner.fixedMicroseconds);
     EXPECT_TRUE(shape.wrong.empty()) << shape.shape << " " << shape.wrong.front();
-    if (!shape.winner.isFixed) EXPECT_LT(shape.winner.microseconds, shape.winner.fixedMicroseconds) << shape.shape;
+    EXPECT_TRUE(shape.winner.isFixed || shape.winner.microseconds < shape.winner.fixedMicroseconds) << shape.shape;
   }
-  EXPECT_GT(inLane, 0.8 * all);
+  EXPECT_GT(inLane, 0.9 * all) << others;
   EXPECT_TRUE(result.frame.taken);
   EXPECT_LT(result.frame.seconds, result.frame.fixedSeconds);
   EXPECT_EQ(tunedKernels(*gpu_, model_, kFrame, Precision::fp32), result.table);
