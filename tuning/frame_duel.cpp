@@ -11,8 +11,8 @@
 namespace xrds {
 namespace {
 
-constexpr int kLeastRounds = 3, kMostRounds = 9;
-constexpr double kSeconds = 15;  // after which no further round begins
+constexpr int kLeastRounds = 2, kMostRounds = 9;
+constexpr double kSeconds = 8;  // after which no further round begins
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

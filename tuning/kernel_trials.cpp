@@ -99,9 +99,10 @@ Finding KernelTrials::tried(Trial& trial, const KernelCandidate& candidate, doub
     blamingKernel(
         [&] {
           if (options_.beforeRun) options_.beforeRun(candidate.dispatch);
-          found.why = trial.prove(candidate.kernel);
+          const Trial::Proof proof = trial.prove(candidate.kernel);
+          found.why = proof.why;
           found.right = found.why.empty();
-          if (found.right) found.microseconds = trial.time(candidate.kernel, best);
+          if (found.right) found.microseconds = trial.time(candidate.kernel, best, proof.microseconds);
         },
         [&](const std::exception& error) { found = {.program = found.program, .why = error.what()}; });
   });
@@ -150,6 +151,7 @@ void KernelTrials::decide(const FormShape& shape, std::optional<Trial>& trial) {
     std::tie(winner.fixedMicroseconds, winner.kernel) = *own;
     winner.microseconds = winner.fixedMicroseconds;
     for (size_t i = 0; i < std::min(kMostDuels, static_cast<size_t>(own - right.begin())); ++i) {
+      if (right[i].first >= (1 - Trial::kMargin) * own->first) break;
       if (!trial) trial.emplace(gpu_, single(shape.form->graph, shape.node()));
       const Trial::Duel duel = trial->duel(right[i].second, fixed.kernel);
       if (!duel.isWon) continue;

@@ -14,13 +14,17 @@ class Trial {
   /// `graph` holds one node. Throws Error if the device has no room for it.
   Trial(Gpu& gpu, Graph graph);
 
-  /// Why the kernel is wrong: a sentence; empty: it is right. Some rows of what it makes are compared with double
-  /// precision, all of it with what the first kernel that was right made. Throws Error if the device fails.
-  std::string prove(const KernelChoice& kernel);
+  struct Proof {
+    std::string why{};        // it is wrong: a sentence; empty: it is right
+    double microseconds = 0;  // of the run that proved it
+  };
+  /// Some rows of what the kernel makes are compared with double precision, all of it with what the first kernel that
+  /// was right made. Throws Error if the device fails.
+  Proof prove(const KernelChoice& kernel);
 
-  /// Microseconds of one launch of the kernel, the median of a few runs; of one that takes more than three times
-  /// `best`, of fewer. `best` 0: there is none.
-  double time(const KernelChoice& kernel, double best);
+  /// Microseconds of one launch of the kernel, the median of a few runs; of one that takes some times `best`, the
+  /// fastest so far, of fewer, or of its proof alone. `best` 0: there is none.
+  double time(const KernelChoice& kernel, double best, double proof);
 
   struct Duel {
     double microseconds = 0, otherMicroseconds = 0;  // medians
