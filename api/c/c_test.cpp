@@ -173,6 +173,9 @@ TEST_F(CApi, RefusesWhatCannotBe) {
   options = xrdsUpscalerOptionsDefault();
   options.exposure = -1;
   refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "exposure");
+  options = xrdsUpscalerOptionsDefault();
+  options.tune = static_cast<XrdsTune>(3);
+  refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "expected XRDS_TUNE_AUTO");
   options.structSize = 4;
   refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "structSize of 4");
   EXPECT_EQ(made, nullptr);

@@ -25,6 +25,12 @@ xrds::Upscaler::Options optionsOf(const XrdsUpscalerOptions& given) {
   xrds::Upscaler::Options options{.fp16 = given.fp16 != 0, .ensemble = given.ensemble};
   if (given.exposure != 0) options.exposure = given.exposure;
   options.tiles.memoryBytes = given.memoryBytes;
+  constexpr xrds::Upscaler::Tune kTunes[] = {xrds::Upscaler::Tune::automatic, xrds::Upscaler::Tune::never,
+                                             xrds::Upscaler::Tune::now};
+  if (given.tune < XRDS_TUNE_AUTO || given.tune > XRDS_TUNE_NOW)
+    throw xrds::InvalidArgument("The option tune is " + std::to_string(given.tune) +
+                                ", expected XRDS_TUNE_AUTO, XRDS_TUNE_NEVER or XRDS_TUNE_NOW.");
+  options.tune = kTunes[given.tune];
   options.skip = {.bound = given.skipBound, .keepUnchanged = given.keepUnchanged != 0};
   return options;
 }

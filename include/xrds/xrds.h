@@ -141,6 +141,11 @@ XRDS_API XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full,
 
 /* ----------------------------------------------------------------------------------------------------- Upscaling */
 
+/* Whether the kernels of the device are tuned for the frame where that was not done: minutes on a CPU, seconds on a
+ * GPU. AUTO: only where a frame takes at least a minute by what was measured on the device before. What an earlier
+ * tuning found is used in any case. */
+typedef enum XrdsTune { XRDS_TUNE_AUTO = 0, XRDS_TUNE_NEVER = 1, XRDS_TUNE_NOW = 2 } XrdsTune;
+
 typedef struct XrdsUpscalerOptions {
   uint32_t structSize;
   int32_t fp16;          /* 1: activations and weights are stored as halves, half of the memory; default 0 */
@@ -149,6 +154,7 @@ typedef struct XrdsUpscalerOptions {
   uint64_t memoryBytes;  /* of the device at most; a larger frame is cut into tiles; default 0: three quarters */
   float skipBound;       /* windows that change by less are interpolated, as 0.005; default 0: none */
   int32_t keepUnchanged; /* 1: windows whose inputs did not change since the last run keep their result; default 0 */
+  XrdsTune tune;         /* default XRDS_TUNE_AUTO */
 } XrdsUpscalerOptions;
 
 XRDS_API XrdsUpscalerOptions xrdsUpscalerOptionsDefault(void);

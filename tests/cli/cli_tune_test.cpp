@@ -50,7 +50,7 @@ TEST_F(CliTune, SaysHowItIsUsed) {
     EXPECT_TRUE(contains(help.output, part)) << part;
 }
 
-TEST_F(CliTune, KeepsWhatItFoundAndUpscalesWithIt) {
+TEST_F(CliTune, KeepsWhatItFoundWhichDoctorAndUpscaleUse) {
   const std::string json = (folder_ / "tune.json").string();
   const std::vector<std::string> command{"tune",        "xrds-x4-nano", "--size", "128x128",
                                          "--precision", "fp32",         "--json", json};
@@ -67,6 +67,9 @@ TEST_F(CliTune, KeepsWhatItFoundAndUpscalesWithIt) {
   EXPECT_EQ(again.exitCode, 0);
   EXPECT_TRUE(contains(again.output, "All was known")) << again.output;
   EXPECT_EQ(read().at("kernelsTried").get<int>(), 0);
+
+  const Ended doctor = run({"doctor", "--runs", "2"});
+  EXPECT_TRUE(contains(doctor.output, "for xrds-x4-nano, fp32, 128 x 128")) << doctor.output;
 
   const std::string colour = (folder_ / "colour.exr").string(), aux = (folder_ / "aux.exr").string();
   const std::string tuned = (folder_ / "tuned.exr").string(), plain = (folder_ / "plain.exr").string();
