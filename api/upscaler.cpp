@@ -62,9 +62,10 @@ KernelFamily familyFor(const Gpu& gpu, FrameShape frame) {
   return kernelFamilyOf(Upscaler::kernelFamily(nameOf(gpu.traits().family), frame.width, frame.height));
 }
 
-// Of frames that the device's own family makes.
-bool mayTune(const Gpu& gpu, FrameShape frame) {
-  return !gpu.hasAskedFamily() && familyFor(gpu, frame) == gpu.traits().family;
+// Of frames that the device's own family makes, and that one graph can hold.
+bool mayTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame) {
+  const bool isOneGraph = std::max(frame.width, frame.height) <= kMaxSide / model.config().scale;
+  return isOneGraph && !gpu.hasAskedFamily() && familyFor(gpu, frame) == gpu.traits().family;
 }
 
 SessionOptions sessionOptions(const Gpu& gpu, const NetworkModel& model, FrameShape frame,
@@ -72,7 +73,7 @@ SessionOptions sessionOptions(const Gpu& gpu, const NetworkModel& model, FrameSh
   const Precision precision = options.fp16 ? Precision::fp16 : Precision::fp32;
   const KernelFamily family = familyFor(gpu, frame);
   KernelTable kernels;
-  if (mayTune(gpu, frame)) kernels = tunedKernels(gpu, model, frame, precision).value_or(kernels);
+  if (mayTune(gpu, model, frame)) kernels = tunedKernels(gpu, model, frame, precision).value_or(kernels);
   return {.precision = precision,
           .autoExposure = !options.exposure.has_value(),
           .timestamps = options.profile,
@@ -94,7 +95,7 @@ SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options
 
 bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Precision precision) {
   const double pace = gpu.pace().mean;
-  if (pace <= 0 || !mayTune(gpu, frame) || tunedKernels(gpu, model, frame, precision)) return false;
+  if (pace <= 0 || !mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, precision)) return false;
   const NodeCost work =
       cost(buildGraph(model.config(), frame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})));
   return static_cast<double>(work.multiplyAdds + work.attentionMultiplyAdds) >= Upscaler::kSecondsThatPay * pace;
@@ -105,7 +106,7 @@ void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Up
   if (options.tune == Upscaler::Tune::never) return;
   TuningOptions tuning{.precision = options.fp16 ? Precision::fp16 : Precision::fp32};
   if (options.tune == Upscaler::Tune::automatic && !paysToTune(gpu, model, frame, tuning.precision)) return;
-  if (!mayTune(gpu, frame) || tunedKernels(gpu, model, frame, tuning.precision)) return;
+  if (!mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, tuning.precision)) return;
   if (options.onTuning) tuning.progress = [&](const TuningStep& step) { return options.onTuning(step.share); };
   tune(gpu, model, frame, tuning);
 }
