@@ -9,6 +9,7 @@
 #include "cli/device_choice.h"
 #include "cli/json_text.h"
 #include "cli/output_file.h"
+#include "cli/output_size.h"
 #include "image/exr_file.h"
 #include "xrds/xrds.hpp"
 
@@ -22,19 +23,6 @@ struct InfoOptions {
   bool wrap = false;
 };
 
-struct Size {
-  uint32_t width = 0, height = 0;
-};
-
-Size parseSize(const std::string& text) {
-  Size size;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%5ux%5u%c", &size.width, &size.height, &rest) != 2 || size.width == 0 ||
-      size.height == 0)
-    throw Failure{ExitCode::usage, "--size takes WIDTHxHEIGHT of the output, such as 1920x1080, found '" + text + "'."};
-  return size;
-}
-
 void printMetadata(const Model& model) {
   for (const auto& [key, value] : model.metadata())
     std::printf("%-26s %s\n", printable(key).c_str(), printable(value).c_str());
@@ -43,13 +31,13 @@ void printMetadata(const Model& model) {
 
 /// All that is asked of a model; the tilings if an amount of memory is given.
 struct Answer {
-  Size size;
+  OutputSize size;
   std::string kernelFamily;
   Model::Cost fp32, fp16;
   std::optional<Tiling> fp32Tiling{}, fp16Tiling{};
 };
 
-Answer answerOf(const Model& model, Size size, const InfoOptions& options) {
+Answer answerOf(const Model& model, OutputSize size, const InfoOptions& options) {
   if (uint64_t{size.width} * size.height > static_cast<uint64_t>(kMaxPixelCount))
     throw Error("--size is too large: expected at most " + std::to_string(kMaxPixelCount) + " pixels.");
   const uint32_t scale = model.scale();
@@ -156,7 +144,7 @@ void run(const InfoOptions& options) {
     requireWritable(options.json);
   }
   if (options.model.empty()) return listModels(options);
-  const Size size = parseSize(options.size);
+  const OutputSize size = parseOutputSize(options.size);
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
   const Answer answer = failingWith(ExitCode::usage, [&] { return answerOf(model, size, options); });
   printMetadata(model);

@@ -8,6 +8,7 @@
 #include "cli/common_options.h"
 #include "cli/device_choice.h"
 #include "cli/output_file.h"
+#include "cli/output_size.h"
 #include "cli/progress.h"
 #include "cli/timer.h"
 #include "cli/tune_report.h"
@@ -21,19 +22,6 @@ struct TuneOptions {
   std::string size = "1920x1080", device, json;
   bool anew = false, quiet = false;
 };
-
-struct Size {
-  uint32_t width = 0, height = 0;
-};
-
-Size parseSize(const std::string& text) {
-  Size size;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%5ux%5u%c", &size.width, &size.height, &rest) != 2 || size.width == 0 ||
-      size.height == 0)
-    throw Failure{ExitCode::usage, "--size takes WIDTHxHEIGHT of the output, such as 1920x1080, found '" + text + "'."};
-  return size;
-}
 
 /// A device that is opened again after a kernel has lost it: such a kernel is struck off by then.
 class ReopenedDevice {
@@ -66,7 +54,7 @@ class ReopenedDevice {
 
 TunedModel tuneModel(ReopenedDevice& reopened, const std::string& name, const Model& model, bool fp16, bool anew,
                      const TuneOptions& options) {
-  const Size size = parseSize(options.size);
+  const OutputSize size = parseOutputSize(options.size);
   const uint32_t scale = model.scale(), width = (size.width + scale - 1) / scale,
                  height = (size.height + scale - 1) / scale;
   TunedModel tuned{name, fp16, scale * width, scale * height};
@@ -99,7 +87,7 @@ void run(TuneOptions options) {
     requireExtension(options.json, ".json", "--json");
     requireWritable(options.json);
   }
-  parseSize(options.size);
+  parseOutputSize(options.size);
   if (options.models.empty()) options.models.push_back(defaultModelName(4));
   std::vector<std::pair<std::string, Model>> models;
   for (const std::string& name : options.models)
