@@ -15,8 +15,10 @@ constexpr const char* kWays = R"({"ways": [{
   "denoisesFirst": false, "takesFullColour": true, "ratios": [4, 16], "noise": [-12, -5], "spread": 0.9,
   "coefficients": {"constant": 10, "noise": -2, "detail": -0.5, "guideNoise": -0.25}}]})";
 
+// Tests run beside each other: each has a file of its own.
 std::filesystem::path written(const std::string& text) {
-  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "ways_test.json";
+  const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / ("xrds_ways_" + test + ".json");
   std::ofstream(file) << text;
   return file;
 }
