@@ -20,10 +20,10 @@ def device():
 
 
 def filtered(images, flags):
-    """The filter's image [3, h, w] of {name: image [3, h, w]}."""
+    """The filter's image [3, h, w], on the images' device, of {name: image [3, h, w]}."""
     import oidn
-    arrays = {name: np.ascontiguousarray(image.float().permute(1, 2, 0).numpy()) for name, image in images.items()}
-    return torch.from_numpy(oidn.filtered(device(), arrays, flags)[0]).permute(2, 0, 1)
+    arrays = {name: np.ascontiguousarray(image.float().permute(1, 2, 0).cpu().numpy()) for name, image in images.items()}
+    return torch.from_numpy(oidn.filtered(device(), arrays, flags)[0]).permute(2, 0, 1).to(next(iter(images.values())).device)
 
 
 def denoised_guides(aux, first_lights=()):

@@ -1,4 +1,4 @@
-"""Crops, mirrors and turns keep colour, auxiliary images and target consistent; shards give back what was put in."""
+"""Scenes keep colour, auxiliary images and target consistent; shards give back what was put in."""
 import numpy as np
 import pytest
 import torch
@@ -9,6 +9,7 @@ import pipeline
 import shards
 import train
 import weights
+from crops import Crops
 from network import Network, NetworkConfig
 from start import initialise, start_from
 
@@ -33,12 +34,13 @@ class FakeScenes:
         return 1
 
 
-def test_cut_repeats_whole_low_resolution_pixels_outside():
-    image = torch.arange(4 * 8 * 8).view(4, 8, 8)
-    crop = dataset.cut(image, 0, 1, 2, 1, 2)                # two of the four rows of 2 x 2 blocks, a border of one block
-    assert torch.equal(crop[:, :2], image[:, 0:2])          # above the image: its first row of blocks again
-    assert torch.equal(crop[:, 2:], image[:, 0:6])
-    assert torch.equal(dataset.cut(image, 1, 1, 2, 1, 2), image[:, 0:8, 0:8])
+def test_borders_repeat_whole_low_resolution_pixels():
+    image = torch.arange(3 * 8 * 8).view(3, 8, 8)
+    bordered = dataset.with_border(image, 4)                # blocks of 2 x 2 pixels, two around
+    assert torch.equal(bordered[:, 4:-4, 4:-4], image)
+    for first in (0, 2):
+        assert torch.equal(bordered[:, first:first + 2, 4:-4], image[:, 0:2])
+        assert torch.equal(bordered[:, 4:-4, 8 + 2 + first:8 + 4 + first], image[:, :, 6:8])
 
 
 @pytest.mark.parametrize("config", [SMALL, FULL], ids=["plain", "full"])
@@ -50,12 +52,12 @@ def test_forward_of_a_crop_is_the_pipeline(place, config):
     initialise(network, torch.Generator().manual_seed(1))
     torch.nn.init.normal_(network.out.bias, std=0.5)        # kernels and residual of the bias alone: no receptive field
     y, x = place
-    batch = {"colour": dataset.cut(scene.colours[64], y, x, size, 2, 1).float()[None],
-             "aux": dataset.cut(scene.aux[16], y, x, size, 2, 4).float()[None],
-             "target": dataset.cut(scene.target, y, x, size, 0, 4).float()[None], "exposure": torch.ones(1)}
+    def crop(key, scale):
+        return scene.bordered[key][None, :, scale * y:scale * (y + size + 4), scale * x:scale * (x + size + 4)].float()
+    batch = {"colour": crop(("colour", 64), 1), "aux": crop(("aux", 16), 4), "target": crop(("target",), 4)[:, :, 8:-8, 8:-8], "exposure": torch.ones(1)}
     full = scene.full[16].float()[None] if config.full else None
     if config.full:
-        batch["full"] = dataset.cut(full[0], y, x, size, 2, 4)[None]
+        batch["full"] = crop(("full", 16), 4)
     result, target, aux = train.forward(network, batch, "cpu", "bfloat16")
     with torch.no_grad():
         whole, _, _ = pipeline.upscale(network, scene.colours[64].float()[None], scene.aux[16].float()[None], 1.0, full)
@@ -66,42 +68,12 @@ def test_forward_of_a_crop_is_the_pipeline(place, config):
     assert aux.shape == (1, 6, 32, 32)
 
 
-def test_mirrors_turn_the_normal_along():
-    crop = {"colour": torch.rand(3, 12, 12), "aux": torch.rand(6, 48, 48), "target": torch.rand(3, 32, 32)}
-    copies = [{key: value.clone() for key, value in crop.items()} for _ in range(3)]
-    upside_down, mirrored = dataset.mirror(copies[0], 1, 3), dataset.mirror(copies[1], 2, 3)
-    turned = dataset.transpose(copies[2], 3)
-    assert torch.equal(mirrored["target"][:, :, 0], crop["target"][:, :, -1])
-    assert torch.equal(upside_down["colour"][:, 0], crop["colour"][:, -1])
-    assert torch.equal(mirrored["aux"][3, :, 0], -crop["aux"][3, :, -1])
-    assert torch.equal(mirrored["aux"][4, :, 0], crop["aux"][4, :, -1])
-    assert torch.equal(upside_down["aux"][4, 0], -crop["aux"][4, -1])
-    assert torch.equal(turned["aux"][3, 2, 5], -crop["aux"][4, 5, 2])       # what pointed up points left
-    assert torch.equal(turned["aux"][0, 2, 5], crop["aux"][0, 5, 2])
-
-
-def test_rotations_are_rotations():
-    generator = torch.Generator().manual_seed(3)
-    for _ in range(5):
-        turn = dataset.random_rotation(generator)
-        assert torch.allclose(turn @ turn.T, torch.eye(3), atol=1e-5)
-        assert torch.linalg.det(turn) == pytest.approx(1, abs=1e-5)
-
-
-def test_converged_aux_of_a_crop_varies_with_the_noisy_one():
-    scenes = FakeScenes()
-    scenes.scenes[0].aux[16] = scenes.scenes[0].aux[0]          # no noise: both must stay the same
-    batch = dataset.Crops(scenes, 8, seed=4, aux_shares={16: 1}).batch(6)
-    inner = slice(8, -8)
-    assert torch.equal(batch["clean"], batch["aux"][:, :, inner, inner])
-
-
 def test_noise_of_other_counts_is_scaled():
     scene = FakeScenes().scenes[0]
     noise = scene.aux[16].float() - scene.aux[0].float()
     assert torch.allclose(scene.noisy_aux(64).float() - scene.aux[0].float(), noise / 2, atol=2e-3)
     assert torch.allclose(scene.noisy_aux(4).float() - scene.aux[0].float(), 2 * noise, atol=4e-3)
-    assert scene.noisy_aux(16) is scene.aux[16]
+    assert torch.equal(scene.noisy_aux(16), scene.aux[16].float())
 
 
 def scene_of_one_noise(counts):
@@ -120,67 +92,33 @@ def test_colour_and_aux_of_an_imitated_render_share_their_noise():
     scene, clean, noise = scene_of_one_noise((1, 4))
     assert set(scene.full) == {1, 4}
     for spp, count in ((1, 1), (2, 2), (4, 4), (8, 8), (16, 16)):
-        aux, full, samples = scene.noisy_render(spp)
+        full, samples = scene.noisy_full(spp)
+        have, share = scene.nearest_full(spp)
         assert samples == pytest.approx(count)
-        assert torch.allclose(aux.float() - clean, noise.expand(6, 48, 48) * (4 / spp) ** 0.5, atol=4e-3)
-        assert torch.allclose(full.float() - clean[:3], noise.expand(3, 48, 48) * (4 / spp) ** 0.5, atol=4e-3)
+        assert torch.allclose(full - clean[:3], noise.expand(3, 48, 48) * (4 / spp) ** 0.5, atol=4e-3)
+        assert torch.allclose(share * (scene.aux[have].float() - clean), noise.expand(6, 48, 48) * (4 / spp) ** 0.5, atol=8e-3)
     scene, clean, noise = scene_of_one_noise((16,))
-    aux, full, samples = scene.noisy_render(1)                  # at most twice the noise: that of 4 samples
+    full, samples = scene.noisy_full(1)                         # at most twice the noise: that of 4 samples
     assert samples == 4 and torch.allclose(full - clean[:3], noise.expand(3, 48, 48), atol=4e-3)
     scene.target.zero_()
-    assert scene.noisy_render(1)[1].min() >= 0
+    assert scene.noisy_full(1)[0].min() >= 0
 
 
-def test_crops_of_a_full_model():
-    scenes = FakeScenes(FULL)
-    scenes.scenes[0], clean, noise = scene_of_one_noise((4,))
-    crops = dataset.Crops(scenes, 8, seed=4)
-    assert crops.aux_shares == dataset.FULL_SHARES
-    batch = crops.batch(8)
-    inner = slice(8, -8)
-    assert batch["full"].shape == (8, 3, 48, 48) and batch["aux"].shape == (8, 6, 48, 48) and batch["clean"].shape == (8, 6, 32, 32)
-    ratio = batch["full"][:, :, inner, inner] / batch["target"]          # mirrored, turned and tinted as the target is
-    assert ((ratio - 1).abs().mean((1, 2, 3)) < 0.2).all() and ratio.mean().item() == pytest.approx(1, abs=0.02)
-    low, box = batch["colour"][:, :, 2:-2, 2:-2], pipeline.box_mean(batch["full"][:, :, inner, inner], 4)
-    truth = pipeline.box_mean(batch["target"], 4)
-    share = ((low - truth) * (box - truth)).sum((1, 2, 3)) / (box - truth).square().sum((1, 2, 3))
-    expected = torch.tensor([16 * spp / (64 + 16 * spp) for spp in (1, 2, 4, 8, 16)])
-    assert ((share[:, None] - expected).abs().min(1).values < 0.02).all()       # the colour is the merged one
-    with pytest.raises(ValueError, match="converged"):
-        dataset.Crops(scenes, 8, seed=4, aux_shares={0: 1})
-
-
-def test_renders_of_few_samples_are_not_imitated_by_those_of_more():
-    scenes = FakeScenes(FULL)
-    scenes.scenes = [scene_of_one_noise(counts)[0] for counts in ((1,), (4,), (16,))]
-    for count, fitting in ((1, 1), (2, 1), (4, 2), (16, 3)):
-        crops = dataset.Crops(scenes, 8, seed=4, aux_shares={count: 1})
-        assert {min(crops.scene_and_render()[0].full) for _ in range(60)} == set((1, 4, 16)[:fitting])
-    scenes.scenes = scenes.scenes[2:]
-    assert dataset.Crops(scenes, 8, seed=4, aux_shares={1: 1}).scene_and_render() == (scenes.scenes[0], 1)      # there is no other
-
-
-def test_scale_1_takes_colour_and_aux_of_one_render():
+def test_scale_1_imitates_the_counts_that_were_not_rendered():
     config = NetworkConfig(**{**SMALL.__dict__, "scale": 1})
     torch.manual_seed(6)
-    clean = 0.5 + torch.rand(6, 12, 12)
-    noise = 0.1 * torch.randn(12, 12)
-    decoded = {"colour": {(1, 4): (clean[:3] + noise).half()}, "target": clean[:3].half(), "aux": {0: clean.half(), 4: (clean + noise).half()}}
+    clean, noise = 0.5 + torch.rand(6, 12, 12), 0.1 * torch.randn(2, 12, 12)
+    decoded = {"colour": {}, "target": clean[:3].half(), "aux": {0: clean.half()}}
+    for spp, own in zip((1, 8), noise):
+        decoded["aux"][spp], decoded["colour"][1, spp] = (clean + own).half(), (clean[:3] + own).half()
     scene = dataset.Scene(decoded, config, "cpu")
-    assert set(scene.colours) == {2, 4, 8, 16}                      # half to four times the samples
-    for spp in scene.colours:
+    assert set(scene.colours) == {1, 2, 4, 8, 16}
+    for spp, have, own in ((1, 1, 0), (2, 1, 0), (4, 1, 0), (8, 8, 1), (16, 8, 1)):
         colour, aux = scene.colours[spp].float() - clean[:3], scene.aux[spp].float() - clean
-        assert torch.allclose(colour, noise.expand(3, 12, 12) * (4 / spp) ** 0.5, atol=4e-3)
-        assert torch.allclose(aux, noise.expand(6, 12, 12) * (4 / spp) ** 0.5, atol=4e-3)
-    assert scene.exposure.keys() == scene.colours.keys()
-    scenes = FakeScenes(config)
-    scenes.scenes = [scene]
-    crops = dataset.Crops(scenes, 8, seed=4)
-    crops.varied = lambda crop: crop
-    crops.number = lambda: 0.5 * dataset.SAME_RENDER_SHARE          # the same render, and the middle of the image
-    crop = crops.one()
-    inner = (..., slice(2, -2), slice(2, -2))
-    assert torch.allclose((crop["colour"] - crop["aux"][:3])[inner], torch.zeros(3, 8, 8), atol=4e-3)
+        assert torch.allclose(colour, noise[own].expand(3, 12, 12) * (have / spp) ** 0.5, atol=4e-3)
+        assert torch.allclose(aux, noise[own].expand(6, 12, 12) * (have / spp) ** 0.5, atol=4e-3)
+    del decoded["colour"][1, 1]
+    assert set(dataset.Scene(decoded, config, "cpu").colours) == {4, 8, 16}      # half to four times the samples
 
 
 def write_scene(folder, name, side=16, depth_of=(), lights=False):
@@ -247,7 +185,7 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
     assert len(scenes) == 2
     full = dataset.Scenes([output], FULL)
     assert [list(scene.full) for scene in full.scenes] == [[1]]     # s0001 keeps no noisy colour
-    assert "full" in dataset.Crops(full, 2, seed=1).one()
+    assert "full" in Crops(full, 2, seed=1).batch(1)
 
 
 def test_packed_scenes_are_completed_by_renders(tmp_path, monkeypatch):
@@ -290,7 +228,7 @@ def test_shards_keep_depth(tmp_path, with_depth, converged):
     scenes = dataset.Scenes([tmp_path], with_depth_input)
     assert len(scenes) == 1 and scenes.scenes[0].aux[16].shape[0] == 9
     assert len(dataset.Scenes([tmp_path], SMALL)) == 2
-    assert dataset.Crops(scenes, 2, seed=1).one()["aux"].shape[0] == 9
+    assert Crops(scenes, 2, seed=1).batch(1)["aux"].shape[1] == 9
 
 
 def test_shards_keep_lights_which_crops_tint_as_colours(tmp_path):
@@ -309,10 +247,12 @@ def test_shards_keep_lights_which_crops_tint_as_colours(tmp_path):
     scene = scenes.scenes[0]
     for aux in scene.aux.values():      # lights that are the colour of the same render stay it
         aux[6:9] = 0.25
-    scene.full = {spp: torch.full_like(image, 0.25) for spp, image in scene.full.items()}
-    crop = dataset.Crops(scenes, 2, seed=1).one()
-    assert torch.allclose(crop["aux"][6:9], crop["full"], rtol=1e-3) and crop["aux"].shape[0] == 12
-    assert len({round(value, 4) for value in crop["full"][:, 0, 0].tolist()}) == 3
+    for image in (scene.target, *scene.full.values()):
+        image[:] = 0.25
+    crop = Crops(scenes, 2, seed=1).batch(1)
+    inner = (0, slice(None), slice(8, -8), slice(8, -8))
+    assert torch.allclose(crop["aux"][inner][6:9], crop["full"][inner], rtol=1e-3) and crop["aux"].shape[1] == 12
+    assert len({round(value, 4) for value in crop["full"][inner][:, 0, 0].tolist()}) == 3
 
 
 def test_relative_depth():

@@ -2,10 +2,10 @@
 import pytest
 import torch
 
-import dataset
 import denoise
 import evaluate
 import pipeline
+from crops import Crops
 from network import NetworkConfig
 from test_dataset import FULL, FakeScenes
 
@@ -64,24 +64,24 @@ def test_crops_of_denoised_images_are_made_once(monkeypatch):
     monkeypatch.setattr(denoise, "denoised_guides", lambda aux, first_lights: calls.append("guides") or torch.full(aux.shape, 0.25))
     monkeypatch.setattr(denoise, "denoised", lambda colour, guides: calls.append("full") or torch.zeros_like(colour))
     monkeypatch.setattr(denoise, "denoised_low", lambda colour, guides, scale: calls.append("low") or torch.ones_like(colour))
-    crops = dataset.Crops(scenes, 8, seed=1, aux_shares={16: 1}, denoised_share=1)
+    crops = Crops(scenes, 8, seed=1, aux_shares={16: 1}, denoised_share=1)
     for _ in range(3):
-        crop = crops.one()
-        assert not crop["full"].any() and (crop["colour"].amax((1, 2)) == crop["colour"].amin((1, 2))).all()
-        assert crop["aux"][:3].eq(0.25).all()
+        crop = crops.batch(1)
+        assert not crop["full"].any() and (crop["colour"].amax((2, 3)) == crop["colour"].amin((2, 3))).all()
+        assert crop["aux"][0, :3].eq(0.25).all()
     assert sorted(calls) == ["full", "guides", "low"]
 
 
 def test_crops_of_models_without_the_full_colour_are_denoised_too(monkeypatch):
     scenes, calls = FakeScenes(NetworkConfig(scale=2, base="guided"), side=16), []
     monkeypatch.setattr(denoise, "denoised_low", lambda colour, aux, scale: calls.append(aux) or torch.ones_like(colour))
-    crops = dataset.Crops(scenes, 8, seed=1, aux_shares={0: 1}, denoised_share=1)
+    crops = Crops(scenes, 8, seed=1, aux_shares={0: 1}, denoised_share=1)
     for _ in range(3):
-        colour = crops.one()["colour"]
-        assert (colour.amax((1, 2)) == colour.amin((1, 2))).all()
+        colour = crops.batch(1)["colour"]
+        assert (colour.amax((2, 3)) == colour.amin((2, 3))).all()
     assert len(calls) == 1 and torch.equal(calls[0], scenes.scenes[0].aux[0].float())
 
 
 def test_colours_are_denoised_with_albedo_and_normal():
     with pytest.raises(ValueError, match="albedo and normal"):
-        dataset.Crops(FakeScenes(NetworkConfig(base="guided", aux_inputs=("albedo",)), side=16), 8, seed=1, denoised_share=1)
+        Crops(FakeScenes(NetworkConfig(base="guided", aux_inputs=("albedo",)), side=16), 8, seed=1, denoised_share=1)

@@ -20,6 +20,7 @@ import dataset
 import evaluate
 import metrics
 import pipeline
+from crops import Crops
 from network import Network, NetworkConfig
 from start import initialise, start_from
 
@@ -207,11 +208,11 @@ def pairs_of(text):
 
 def train(training, scenes, options, report):
     """Runs until the budget is spent; evaluates, saves and looks for new shards every few minutes."""
-    crops = dataset.Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1),
-                          shares_of(options.colour_shares), shares_of(options.aux_shares), options.denoised_share)
+    crops = Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1),
+                  shares_of(options.colour_shares), shares_of(options.aux_shares), options.denoised_share)
     last = time.monotonic()
     next_report, next_checkpoint = last + 30, last + options.evaluate_every * 60
-    sums, count = torch.zeros(3), 0
+    sums, count = torch.zeros(3, device=options.device), 0
     while (progress := training.progress(options)) < 1:
         rate = options.rate * min(1, (training.step + 1) / options.warm_up) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
         for group in training.optimizer.param_groups:
@@ -229,13 +230,13 @@ def train(training, scenes, options, report):
             training.optimizer.step()
             training.update_average()
         training.step += 1
-        sums, count = sums + torch.stack([robust.detach(), tone.detach(), ratio.detach()]).cpu(), count + 1
+        sums, count = sums + torch.stack([robust.detach(), tone.detach(), ratio.detach()]), count + 1
         now = time.monotonic()
         training.seconds, last = training.seconds + now - last, now
         if now > next_report:
             report(f"{training.seconds / 60:6.2f} min  step {training.step:6d}  rate {rate:.2e}  robust {sums[0] / count:.5f}  "
                    f"tone {sums[1] / count:.4f}  ratio {sums[2] / count:.4f}  gradient {norm:.3f}")
-            sums, count, next_report = torch.zeros(3), 0, now + 30
+            sums, count, next_report = torch.zeros_like(sums), 0, now + 30
         ended = training.progress(options) >= 1
         if now > next_checkpoint or ended:
             training.scenes = len(scenes)
