@@ -276,6 +276,7 @@ def main():
     options = arguments_of_command_line()
     options.output.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(options.threads)
+    torch.backends.cudnn.benchmark = True       # every step has the same shapes
     options.precision, precision_line = arithmetic.choose(options.precision, options.device)
     config = config_of(options)
     training = Training(config, options)
