@@ -49,7 +49,7 @@ VkBufferView EmptyDispatches::viewOf(const Binding& binding) {
   VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
   info.buffer = scratch_.handles().buffer;
   info.format = texelFormatOf(binding.type, binding.kind);
-  info.range = kVariantTexels * 4 * byteSize(binding.type);
+  info.range = std::min(kVariantTexels, uint64_t{gpu_.limits.maxTexelBufferElements}) * 4 * byteSize(binding.type);
   checkResult(gpu_.vk.vkCreateBufferView(gpu_.device, &info, nullptr, &views_.emplace_back()), "vkCreateBufferView");
   return views_.back();
 }
