@@ -1,9 +1,11 @@
 #include "image/pending_file.h"
 
+#include <chrono>
 #include <cstdint>
 #include <random>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "xrds/error.h"
 
@@ -12,10 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::string kPrefix = ".xrds-", kSuffix = ".part";
+
 fs::path temporaryBeside(const fs::path& path) {
   std::random_device random;
   const uint64_t number = (uint64_t{random()} << 32U) | random();
-  return path.parent_path() / (".xrds-" + std::to_string(number) + ".part");
+  return path.parent_path() / (kPrefix + std::to_string(number) + kSuffix);
 }
 
 // Where a chain of symbolic links ends, whether or not there is a file.
@@ -68,6 +72,21 @@ void PendingFile::commit() {
                 "); check the permissions of the folder.");
   }
   committed_ = true;
+}
+
+void removeAbandonedFiles(const fs::path& folder) {
+  std::error_code failure;
+  const auto now = fs::file_time_type::clock::now();
+  std::vector<fs::path> abandoned;
+  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, failure), end; !failure && entry != end;
+       entry.increment(failure)) {
+    const std::string name = entry->path().filename().string();
+    std::error_code ignored;
+    if (name.starts_with(kPrefix) && name.ends_with(kSuffix) &&
+        now - entry->last_write_time(ignored) > std::chrono::hours(1) && !ignored)
+      abandoned.push_back(entry->path());
+  }
+  for (const fs::path& file : abandoned) fs::remove(file, failure);
 }
 
 }  // namespace xrds

@@ -30,4 +30,7 @@ class PendingFile {
   bool committed_ = false;
 };
 
+/// Removes what killed processes left of such files in a folder: temporaries that nobody has written to for an hour.
+void removeAbandonedFiles(const std::filesystem::path& folder);
+
 }  // namespace xrds
