@@ -1,0 +1,132 @@
+#include "sequence/file_pattern.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <regex>
+#include <system_error>
+#include <tuple>
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::regex& field() {
+  static const std::regex pattern(R"(#+|%(0(\d+))?d)");
+  return pattern;
+}
+
+// The number that the digits between are, if they are what of() writes for it with at least so many digits.
+std::optional<int> numberOf(const std::string& text, int digits) {
+  if (text.empty() || text.size() > 11) return {};
+  const long long number = std::strtoll(text.c_str(), nullptr, 10);
+  char written[32];
+  std::snprintf(written, sizeof written, "%0*lld", digits, number);
+  if (written != text || number != static_cast<int>(number)) return {};
+  return static_cast<int>(number);
+}
+
+bool isExr(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".exr";
+}
+
+std::vector<fs::path> filesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code failure;
+  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, failure), end; !failure && entry != end;
+       entry.increment(failure))
+    if (!entry->is_directory(failure)) files.push_back(entry->path().filename());
+  if (failure) throw Error("Cannot read the folder '" + folder.string() + "': " + failure.message() + ".");
+  return files;
+}
+
+}  // namespace
+
+bool FilePattern::mayBeMany(const std::string& text) {
+  std::error_code ignored;
+  if (fs::is_directory(text, ignored)) return true;
+  return !fs::exists(text, ignored) && std::regex_search(fs::path(text).filename().string(), field());
+}
+
+FilePattern::FilePattern(const std::string& text) {
+  std::error_code ignored;
+  if (fs::is_directory(text, ignored)) {
+    findSeries(text);
+    return;
+  }
+  const fs::path path(text);
+  folder_ = path.parent_path();
+  before_ = path.filename().string();
+  std::smatch match;
+  const std::string name = before_;
+  if (fs::exists(path, ignored) || !std::regex_search(name, match, field())) return;
+  before_ = match.prefix();
+  after_ = match.suffix();
+  digits_ = match.str()[0] == '#' ? static_cast<int>(match.length()) : match[2].matched ? std::stoi(match[2].str()) : 1;
+  if (digits_ < 1 || digits_ > 10 || std::regex_search(after_, field()))
+    throw Error("'" + text + "' is no name of frames: expected one field of at most 10 digits, #### or %04d.");
+}
+
+void FilePattern::findSeries(const fs::path& folder) {
+  folder_ = folder;
+  static const std::regex last(R"(^(.*?)(\d+)(\D*)$)");
+  using Series = std::pair<std::string, std::string>;
+  std::map<Series, std::vector<std::string>> found;
+  for (const fs::path& file : filesIn(folder)) {
+    const std::string name = file.filename().string();
+    if (std::smatch match; isExr(file) && std::regex_match(name, match, last))
+      found[{match[1], match[3]}].push_back(match[2]);
+  }
+  if (found.size() != 1) {
+    std::string names;
+    for (const auto& [series, numbers] : found)
+      names += (names.empty() ? ": " : ", ") + series.first + std::string(numbers.front().size(), '#') + series.second;
+    throw Error("The folder '" + folder.string() + "' holds " + std::to_string(found.size()) +
+                " numbered series of EXR files" + names + "; name one, such as beauty.####.exr.");
+  }
+  const auto& [series, numbers] = *found.begin();
+  std::tie(before_, after_) = series;
+  const auto shorter = [](const std::string& a, const std::string& b) { return a.size() < b.size(); };
+  digits_ = static_cast<int>(std::min_element(numbers.begin(), numbers.end(), shorter)->size());
+}
+
+fs::path FilePattern::of(int frame) const {
+  if (!isMany()) return folder_ / before_;
+  char number[32];
+  std::snprintf(number, sizeof number, "%0*d", digits_, frame);
+  return folder_ / (before_ + number + after_);
+}
+
+std::vector<int> FilePattern::frames() const {
+  std::vector<int> found;
+  if (!isMany()) return found;
+  for (const fs::path& file : filesIn(folder_)) {
+    const std::string name = file.string();
+    if (name.size() <= before_.size() + after_.size() || !name.starts_with(before_) || !name.ends_with(after_))
+      continue;
+    const std::string between = name.substr(before_.size(), name.size() - before_.size() - after_.size());
+    if (const auto number = numberOf(between, digits_)) found.push_back(*number);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+FilePattern FilePattern::in(const fs::path& folder) const {
+  FilePattern other = *this;
+  other.folder_ = folder;
+  return other;
+}
+
+std::string FilePattern::text() const {
+  return (folder_ / (before_ + std::string(static_cast<size_t>(digits_), '#') + after_)).string();
+}
+
+}  // namespace xrds

@@ -1,0 +1,68 @@
+#include "sequence/file_pattern.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+
+#include "xrds/error.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FilePatterns : public testing::Test {
+ protected:
+  FilePatterns() : folder_(fs::path(testing::TempDir()) / ("xrds_pattern_" + std::to_string(std::random_device{}()))) {
+    fs::create_directories(folder_);
+  }
+  ~FilePatterns() override { fs::remove_all(folder_); }
+
+  void touch(const char* name) const { std::ofstream(folder_ / name) << "x"; }
+  std::string at(const char* name) const { return (folder_ / name).string(); }
+
+  fs::path folder_;
+};
+
+TEST_F(FilePatterns, FieldsOfDigits) {
+  EXPECT_EQ(FilePattern("a/b.####.exr").of(7), "a/b.0007.exr");
+  EXPECT_EQ(FilePattern("a/b.####.exr").of(12345), "a/b.12345.exr");
+  EXPECT_EQ(FilePattern("a/b.####.exr").of(-7), "a/b.-007.exr");
+  EXPECT_EQ(FilePattern("b%05d.exr").of(7), "b00007.exr");
+  EXPECT_EQ(FilePattern("b%d.exr").of(7), "b7.exr");
+  EXPECT_EQ(FilePattern("b.exr").of(7), "b.exr");
+  EXPECT_FALSE(FilePattern("b.exr").isMany());
+  EXPECT_EQ(FilePattern("a/b.%04d.exr").text(), "a/b.####.exr");
+  EXPECT_EQ(FilePattern("a/b.##.exr").in("c").of(3), "c/b.03.exr");
+  for (const char* text : {"a##_##.exr", "a%04d#.exr", "a%099d.exr"}) EXPECT_THROW(FilePattern{text}, Error) << text;
+}
+
+TEST_F(FilePatterns, AFileOfThatVeryNameIsOneFile) {
+  touch("a#.exr");
+  EXPECT_FALSE(FilePattern::mayBeMany(at("a#.exr")));
+  EXPECT_EQ(FilePattern(at("a#.exr")).of(7), at("a#.exr"));
+  EXPECT_TRUE(FilePattern::mayBeMany(at("b#.exr")));
+}
+
+TEST_F(FilePatterns, FramesThatAreThere) {
+  for (const char* name : {"b.0003.exr", "b.0001.exr", "b.12345.exr", "b.-002.exr", "b.00004.exr", "b.05.exr",
+                           "b.x.exr", "c.0001.exr", "b.0006.png", "b.exr"})
+    touch(name);
+  EXPECT_EQ(FilePattern(at("b.####.exr")).frames(), (std::vector<int>{-2, 1, 3, 12345}));
+  EXPECT_EQ(FilePattern(at("b.%02d.exr")).frames(), (std::vector<int>{5, 12345}));
+  EXPECT_EQ(FilePattern(at("d.####.exr")).frames(), std::vector<int>{});
+  EXPECT_THROW(FilePattern("/nowhere/d.####.exr").frames(), Error);
+}
+
+TEST_F(FilePatterns, AFolderOfOneSeries) {
+  for (const char* name : {"v2_b.0098.exr", "v2_b.0099.exr", "v2_b.0100.exr", "notes.txt", "cover.exr"}) touch(name);
+  const FilePattern pattern(folder_.string());
+  EXPECT_EQ(pattern.text(), at("v2_b.####.exr"));
+  EXPECT_EQ(pattern.frames(), (std::vector<int>{98, 99, 100}));
+  touch("v2_c.0001.exr");
+  EXPECT_THROW(FilePattern{folder_.string()}, Error);
+}
+
+}  // namespace
+}  // namespace xrds
