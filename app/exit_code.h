@@ -14,6 +14,7 @@ enum class ExitCode : int {
   device = 5,   // no Vulkan device, or it failed, or not enough memory
   output = 6,   // the result cannot be written
   differs = 7,  // --check, doctor or compare --min-psnr found too large a difference, advise no plan
+  frames = 8,   // frames of a sequence could not be made; the others were
   interrupted = 130
 };
 

@@ -3,13 +3,10 @@
 #include <algorithm>
 
 #include "cli/progress.h"
-#include "xrds/alpha.h"
 
 namespace xrds {
 
-Image upscaleAlpha(Device& device, const Image& alpha, int scale, const TileOptions& tiles) {
-  AlphaUpscaler upscaler(device, static_cast<uint32_t>(alpha.width), static_cast<uint32_t>(alpha.height),
-                         static_cast<uint32_t>(scale), tiles);
+Image upscaleAlpha(AlphaUpscaler& upscaler, const Image& alpha, int scale) {
   std::vector<float> opacity(alpha.pixelCount());
   for (size_t p = 0; p < opacity.size(); ++p) opacity[p] = alpha.pixels[p * alpha.channels];
   Image result(alpha.width * scale, alpha.height * scale, 1);

@@ -52,6 +52,17 @@ void runOn(const std::string& select, bool quiet, const std::function<void(Devic
 
 }  // namespace
 
+std::unique_ptr<Device> openDevice(const std::string& select, bool quiet) {
+  const auto line = std::make_shared<PreparationLine>(quiet);
+  try {
+    return std::make_unique<Device>(Device::Options{
+        .select = select, .onPreparation = [line](const Preparation& now) { return line->update(now); }});
+  } catch (const Cancelled&) {
+    stopIfInterrupted();
+    throw;
+  }
+}
+
 void printNotes(const Device& device) {
   for (const std::string& note : device.notes()) std::fprintf(stderr, "xrds: warning: %s.\n", note.c_str());
 }

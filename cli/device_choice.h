@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "xrds/xrds.hpp"
@@ -9,6 +10,10 @@ namespace xrds {
 
 /// Warns on stderr of what the device notes.
 void printNotes(const Device& device);
+
+/// Opens the device that `select` names, the best one where it is empty. Shows on stderr, unless quiet, how far it is
+/// with its programs. Throws Error, and Failure when interrupted.
+std::unique_ptr<Device> openDevice(const std::string& select, bool quiet);
 
 /// Runs the work on the device that `select` names. Where it is empty, on the best device, and after a failure of that
 /// one on the next best, saying so on stderr: the work starts anew and must not have kept anything. Throws Failure

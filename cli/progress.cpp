@@ -42,11 +42,11 @@ void setInterrupted(int) {
   _exit(static_cast<int>(ExitCode::interrupted));
 }
 
-ProgressStyle styleOf(bool quiet) {
+}  // namespace
+
+ProgressStyle progressStyle(bool quiet) {
   return quiet ? ProgressStyle::none : XRDS_IS_TERMINAL ? ProgressStyle::bar : ProgressStyle::lines;
 }
-
-}  // namespace
 
 void catchInterrupts() {
   onTerminal = XRDS_IS_TERMINAL;
@@ -70,7 +70,7 @@ EndsAtOnce::EndsAtOnce() {
 
 EndsAtOnce::~EndsAtOnce() { endsAtOnce = 0; }
 
-PreparationLine::PreparationLine(bool quiet) : style_(styleOf(quiet)) {}
+PreparationLine::PreparationLine(bool quiet) : style_(progressStyle(quiet)) {}
 
 bool PreparationLine::update(const Preparation& preparation) {
   constexpr double kSecondsBetween = 2;
@@ -94,7 +94,7 @@ bool PreparationLine::update(const Preparation& preparation) {
   return !interrupted();
 }
 
-ProgressBar::ProgressBar(bool quiet) : style_(styleOf(quiet)) { update(0); }
+ProgressBar::ProgressBar(bool quiet) : style_(progressStyle(quiet)) { update(0); }
 
 ProgressBar::~ProgressBar() {
   if (style_ == ProgressStyle::bar) std::fprintf(stderr, "\r\033[K");

@@ -25,6 +25,7 @@ class EndsAtOnce {
 
 /// How messages of progress appear: a line that is written over on a terminal, lines otherwise.
 enum class ProgressStyle { none, lines, bar };
+ProgressStyle progressStyle(bool quiet);
 
 /// Says which programs a device is making, and how many of how many: on a terminal while it does, otherwise a line once
 /// it has taken half a second and at tenths from then on, two seconds apart; nothing if quiet.

@@ -147,6 +147,14 @@ void leaveUnmergedOut(const UpscaleOptions& options, OpenedModel& opened, Frame&
   reopen(options, file, opened, frame);
 }
 
+// What is left to do before the network, once the model is certain.
+void prepare(const UpscaleOptions& options, const OpenedModel& opened, Frame& frame) {
+  failingWith(ExitCode::input, [&] { (void)inputsOf(opened.model, frame); });  // throws if one is not there
+  requireSkippable(options, opened);
+  if (options.denoiseFirst)
+    failingWith(ExitCode::device, [&] { frame.denoise(Denoiser(), options.cleanGuides, options.ensemble); });
+}
+
 }  // namespace
 
 void sortInputs(UpscaleOptions& options) {
@@ -163,11 +171,14 @@ UpscaleInput openInput(const UpscaleOptions& options) {
     leaveUnmergedOut(options, opened, frame);
     leaveConstantsOut(options, opened, frame);
   }
-  failingWith(ExitCode::input, [&] { (void)inputsOf(opened.model, frame); });  // throws if one is not there
-  requireSkippable(options, opened);
-  if (options.denoiseFirst)
-    failingWith(ExitCode::device, [&] { frame.denoise(Denoiser(), options.cleanGuides, options.ensemble); });
+  prepare(options, opened, frame);
   return {std::move(opened), std::move(frame)};
+}
+
+Frame readFrame(const UpscaleOptions& options, const OpenedModel& opened) {
+  Frame frame = openFrame(options, opened);
+  prepare(options, opened, frame);
+  return frame;
 }
 
 }  // namespace xrds

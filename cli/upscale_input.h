@@ -28,4 +28,7 @@ void sortInputs(UpscaleOptions& options);
 /// Opens model and frame, and reads the frame. Warnings about the choice of the model are printed. Throws Failure.
 UpscaleInput openInput(const UpscaleOptions& options);
 
+/// The frame as openInput() reads it, for a model that is there already. Throws Failure.
+Frame readFrame(const UpscaleOptions& options, const OpenedModel& opened);
+
 }  // namespace xrds

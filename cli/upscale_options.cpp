@@ -111,13 +111,33 @@ void addReports(CLI::App& verb, UpscaleOptions& options) {
   verb.add_flag("--check", options.check, "First compare each operator with its double-precision reference, on a crop");
 }
 
+void addSequence(CLI::App& verb, UpscaleOptions& options) {
+  verb.add_option("--frames", options.frames,
+                  "Of a sequence: 1-240, 1-240:2 or 1-3,7,10-20:5 (default: those whose COLOR is there)")
+      ->type_name("FRAMES");
+  verb.add_flag("--skip-existing", options.skipExisting,
+                "Leave frames out whose output is there: goes on where a run ended");
+  verb.add_flag(
+      "--keep-unchanged", options.keepUnchanged,
+      "Compute only windows that differ from the frame before. Needs --exposure E, so that the result does not "
+      "depend on\nwhich frame was before");
+  verb.add_option("--devices", options.devices, "Devices that share the frames: all, or numbers with commas")
+      ->type_name("all|N,N")
+      ->excludes("--device");
+  verb.add_option("--jobs-per-device", options.jobsPerDevice, "Frames that a device computes at once")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
+  verb.add_option("--log", options.log, "File to write with what became of each frame, anew every few seconds")
+      ->type_name("JSON");
+}
+
 }  // namespace
 
 Upscaler::Options UpscaleOptions::upscaler() const {
   Upscaler::Options options{.fp16 = precision == kFp16, .profile = profile};
   if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
   options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
-  options.skip.bound = parseSkip(skip);
+  options.skip = {.bound = parseSkip(skip), .keepUnchanged = keepUnchanged};
   options.ensemble = ensemble;
   options.tune = Upscaler::Tune::never;  // what there is to tune is tuned before
   return options;
@@ -129,14 +149,20 @@ void addUpscaleOptions(CLI::App& verb, UpscaleOptions& options) {
   addParts(verb, options);
   addLayers(verb, options);
   addReports(verb, options);
+  addSequence(verb, options);
   verb.footer(
       "The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
       "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
       "RenderMan, LuxCore and plain names; --color, --albedo, --normal and --depth choose others. The scale follows\n"
-      "from the two sizes.\n\nExamples:\n"
+      "from the two sizes.\n\n"
+      "Sequences: COLOR, AUX and --output with #### or %04d in their names, or folders of one numbered series; AUX may "
+      "be one\nfile for all frames. The model is chosen by the first frame. A frame that fails is told and the others "
+      "are "
+      "made.\n\nExamples:\n"
       "  xrds upscale color.exr aux.exr -o out.exr\n"
       "  xrds upscale color.exr aux.exr -o out.exr --model my.safetensors --precision fp16 --preview out.png\n"
-      "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'");
+      "  xrds upscale multilayer.exr -o out.exr --albedo 'ViewLayer.Denoising Albedo'\n"
+      "  xrds upscale beauty.####.exr guides.####.exr -o out/frame.####.exr --frames 1-240 --skip-existing");
 }
 
 void requireOutputs(const UpscaleOptions& options) {

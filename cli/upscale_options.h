@@ -17,6 +17,10 @@ struct UpscaleOptions {
   uint32_t ensemble = 1;
   bool half = false, profile = false, check = false, quiet = false, wrap = false;
   bool denoiseFirst = false, cleanGuides = false;
+  // Of sequences.
+  std::string frames, log, devices;
+  uint32_t jobsPerDevice = 1;
+  bool skipExisting = false, keepUnchanged = false;
 
   Upscaler::Options upscaler() const;
 };

@@ -1,0 +1,99 @@
+#include "cli/sequence_plan.h"
+
+#include <system_error>
+
+#include "app/failing_with.h"
+#include "app/frame_files.h"
+#include "cli/output_file.h"
+#include "image/pending_file.h"
+#include "sequence/file_pattern.h"
+#include "sequence/frame_range.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+// COLOR, AUX and --output as patterns.
+struct Patterns {
+  FilePattern colour, auxiliary, output;
+};
+
+bool isFolder(const std::string& path) {
+  std::error_code ignored;
+  return path.ends_with('/') || fs::is_directory(path, ignored);
+}
+
+Patterns patternsOf(const UpscaleOptions& options) {
+  const FilePattern colour(options.color), auxiliary(options.aux.empty() ? options.color : options.aux);
+  const FilePattern output = isFolder(options.output) ? (colour.isMany() ? colour : auxiliary).in(options.output)
+                                                      : FilePattern(options.output);
+  if (!output.isMany())
+    throw Failure{ExitCode::usage, "--output '" + options.output +
+                                       "' is one file for many frames: put #### in its name, or name a folder."};
+  for (const FilePattern& input : {colour, auxiliary})
+    if (input.text() == output.text())
+      throw Failure{ExitCode::usage,
+                    "--output '" + output.text() + "' is an input, too: choose another name or folder."};
+  return {colour, auxiliary, output};
+}
+
+std::vector<int> framesOf(const UpscaleOptions& options, const FilePattern& input) {
+  if (!options.frames.empty()) return failingWith(ExitCode::usage, [&] { return parseFrames(options.frames); });
+  std::vector<int> frames = failingWith(ExitCode::input, [&] { return input.frames(); });
+  if (frames.empty())
+    throw Failure{ExitCode::input, "There is no file '" + input.text() + "'; look at the name, or give --frames."};
+  return frames;
+}
+
+// Whether COLOR and AUX were given the other way round, by the first frame whose two files can be read.
+bool areSwapped(const Patterns& patterns, const std::vector<int>& frames) {
+  for (const int frame : frames) try {
+      const fs::path colour = patterns.colour.of(frame);
+      return sortPair(colour, patterns.auxiliary.of(frame)).colour != colour;
+    } catch (const Error&) {  // told when its turn comes
+    }
+  return false;
+}
+
+void makeFolder(const fs::path& folder, const std::string& output) {
+  std::error_code failure;
+  if (!folder.empty()) fs::create_directories(folder, failure);
+  if (failure)
+    throw Failure{ExitCode::output, "Cannot make the folder of '" + output + "': " + failure.message() + "."};
+  requireWritable((folder / ".xrds").string());
+  removeAbandonedFiles(folder);
+}
+
+}  // namespace
+
+UpscaleOptions SequenceFrame::alone(const UpscaleOptions& options) const {
+  UpscaleOptions one = options;
+  one.color = colour.string();
+  one.aux = auxiliary.string();
+  one.output = output.string();
+  return one;
+}
+
+SequencePlan planSequence(const UpscaleOptions& options) {
+  Patterns patterns = failingWith(ExitCode::usage, [&] { return patternsOf(options); });
+  const std::vector<int> numbers = framesOf(options, patterns.colour.isMany() ? patterns.colour : patterns.auxiliary);
+  if (!options.aux.empty() && areSwapped(patterns, numbers)) std::swap(patterns.colour, patterns.auxiliary);
+  if (!patterns.colour.isMany())
+    throw Failure{ExitCode::usage, "COLOR '" + options.color + "' is one file for many frames: put #### in its name."};
+  requireExtension(patterns.output.of(numbers.front()).string(), ".exr", "--output");
+  makeFolder(patterns.output.of(numbers.front()).parent_path(), patterns.output.text());
+  SequencePlan plan{.output = patterns.output.text()};
+  for (const int number : numbers) {
+    SequenceFrame frame{number, patterns.colour.of(number), {}, patterns.output.of(number)};
+    if (!options.aux.empty()) frame.auxiliary = patterns.auxiliary.of(number);
+    std::error_code ignored;
+    if (options.skipExisting && fs::exists(frame.output, ignored))
+      plan.there.push_back(number);
+    else
+      plan.frames.push_back(std::move(frame));
+  }
+  return plan;
+}
+
+}  // namespace xrds

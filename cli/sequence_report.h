@@ -1,0 +1,60 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/exit_code.h"
+#include "cli/progress.h"
+#include "cli/sequence_plan.h"
+#include "cli/timer.h"
+#include "sequence/assembly_line.h"
+
+namespace xrds {
+
+/// What became of the frames of a sequence: shown as it goes, listed at the end, and kept in a log. One thread at a
+/// time.
+class SequenceReport {
+ public:
+  SequenceReport(const UpscaleOptions& options, const SequencePlan& plan, const LineThreads& threads);
+
+  /// Takes one outcome in and shows the progress. Returns false once the sequence must end: it was interrupted, or
+  /// kFailuresInARow frames failed one after the other by the device or the output.
+  bool add(const Outcome& outcome);
+  static constexpr int kFailuresInARow = 3;
+
+  /// A warning about a frame: printed at its first appearance.
+  void warn(int frame, const std::vector<std::string>& warnings);
+
+  /// Writes the log and prints what was made. Throws Failure if frames failed, or the process was interrupted.
+  void finish();
+
+ private:
+  struct Row {
+    Outcome outcome;
+    std::string message;
+    ExitCode code = ExitCode::ok;
+  };
+  std::string progressText() const;
+  std::string slowestStage() const;
+  void show(const Row& row);
+  void writeLog() const;
+
+  const UpscaleOptions& options_;
+  const SequencePlan& plan_;
+  const LineThreads threads_;
+  const ProgressStyle style_;
+  std::map<size_t, Row> rows_;  // by the frame's index
+  std::vector<int> failed_;
+  std::set<std::string> warnings_;
+  std::array<double, 3> seconds_{};
+  size_t done_ = 0, skipped_ = 0;
+  int failuresInARow_ = 0;
+  std::optional<Failure> ended_;  // why it must end
+  Timer whole_;
+  double logged_ = 0;  // seconds of the last log
+};
+
+}  // namespace xrds

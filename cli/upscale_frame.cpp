@@ -1,0 +1,68 @@
+#include "cli/upscale_frame.h"
+
+#include <cstdio>
+
+#include "cli/progress.h"
+#include "cli/timer.h"
+#include "xrds/tuning.h"
+
+namespace xrds {
+
+void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& options) {
+  const auto& [opened, frame] = input;
+  const bool fp16 = options.precision == kFp16;
+  if (options.tune == "never" ||
+      (options.tune == "auto" && !Upscaler::paysToTune(device, opened.model, frame.width(), frame.height(), fp16)))
+    return;
+  if (Tuning::known(device, opened.model, frame.width(), frame.height(), fp16)) return;
+  if (!options.quiet) std::fputs("xrds: finding the fastest kernels of this device, kept for the next time\n", stderr);
+  ProgressBar bar(options.quiet);
+  try {
+    Tuning::run(device, opened.model, frame.width(), frame.height(),
+                {.fp16 = fp16, .label = opened.name(), .progress = [&](double share, const std::string&) {
+                   return bar.update(share);
+                 }});
+  } catch (const Cancelled&) {
+    stopIfInterrupted();
+    throw;
+  }
+}
+
+Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, const Upscaler::Progress& progress) {
+  const int scale = static_cast<int>(model.scale());
+  Upscaled result{Image(frame.colour().width * scale, frame.colour().height * scale, 3)};
+  const Timer timer;
+  const auto auxiliary = inputsOf(model, frame);
+  upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, progress);
+  stopIfInterrupted();
+  result.seconds = timer.seconds();
+  result.deviceBytes = upscaler.deviceBytes();
+  result.exposure = upscaler.exposure();
+  result.tiling = upscaler.tiling();
+  result.skipped = upscaler.skipMap();
+  result.profile = upscaler.profile();
+  result.brokenPixels = upscaler.repairs().output;
+  return result;
+}
+
+std::vector<std::string> warningsOf(const Upscaled& result, const UpscaleOptions& options) {
+  if (result.brokenPixels == 0) return {};
+  return {"the network gave " + std::to_string(result.brokenPixels) +
+          " pixels that were not finite: they show the base image without it" +
+          (options.precision == kFp16 ? "; --precision fp32 has a larger range." : ".")};
+}
+
+ExrOutput outputOf(const UpscaleOptions& options, const OpenedModel& opened, const Frame& frame, float factor) {
+  char exposure[32];
+  std::snprintf(exposure, sizeof exposure, "%.6g", factor);
+  ExrOutput output = frame.output(static_cast<int>(opened.model.scale()));
+  output.texts["xrds:version"] = XRDS_VERSION;
+  output.texts["xrds:model"] = opened.name() + " " + opened.model.hash();
+  output.texts["xrds:options"] =
+      "precision=" + options.precision + " exposure=" + exposure + (options.exposure == "auto" ? " (auto)" : "");
+  if (options.ensemble > 1) output.texts["xrds:options"] += " ensemble=" + std::to_string(options.ensemble);
+  output.pixelType = options.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
+  return output;
+}
+
+}  // namespace xrds

@@ -1,0 +1,207 @@
+#include "cli/upscale_sequence.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include "app/failing_with.h"
+#include "cli/alpha.h"
+#include "cli/device_choice.h"
+#include "cli/output_file.h"
+#include "cli/sequence_plan.h"
+#include "cli/sequence_report.h"
+#include "cli/upscale_frame.h"
+#include "cli/warnings.h"
+#include "sequence/file_pattern.h"
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A result on its way to its file.
+struct MadeFrame {
+  Image image;
+  ExrOutput output;
+  std::vector<std::string> warnings;
+};
+
+/// A device, opened anew after a failure, and what is recorded on it for the size of the frames.
+class Worker {
+ public:
+  Worker(std::string select, const UpscaleOptions& options, const OpenedModel& opened)
+      : select_(std::move(select)), options_(options), opened_(opened) {}
+
+  /// Opens the device, tunes it where that is asked for, and says what there is to say. Throws Failure.
+  void open(const UpscaleInput& first) {
+    withDevice([&] {
+      printNotes(*device_);
+      tuneFirst(*device_, first, options_);
+    });
+  }
+
+  MadeFrame compute(const Frame& frame) {
+    MadeFrame made;
+    withDevice([&] {
+      prepareFor(frame);
+      Upscaled result = upscaledBy(*upscaler_, opened_.model, frame, [](double) { return !interrupted(); });
+      made.warnings = warningsOf(result, options_);
+      made.output = outputOf(options_, opened_, frame, result.exposure);
+      made.image = frame.alpha() ? withAlpha(result.colour, upscaleAlpha(*alpha_, *frame.alpha(), scale()))
+                                 : std::move(result.colour);
+    });
+    return made;
+  }
+
+ private:
+  int scale() const { return static_cast<int>(opened_.model.scale()); }
+
+  template <class Action>
+  void withDevice(Action&& action) {
+    try {
+      failingWith(ExitCode::device, [&] {
+        if (!device_) device_ = openDevice(select_, options_.quiet);
+        action();
+      });
+    } catch (const Failure& failure) {
+      if (failure.code == ExitCode::device) {
+        alpha_.reset();
+        upscaler_.reset();
+        device_.reset();
+      }
+      throw;
+    }
+  }
+
+  void prepareFor(const Frame& frame) {
+    if (!upscaler_ || width_ != frame.width() || height_ != frame.height()) {
+      alpha_.reset();
+      upscaler_.reset();  // its memory may be needed
+      width_ = frame.width();
+      height_ = frame.height();
+      upscaler_.emplace(*device_, opened_.model, width_, height_, options_.upscaler());
+    }
+    if (frame.alpha() && !alpha_)
+      alpha_.emplace(*device_, width_, height_, opened_.model.scale(), options_.upscaler().tiles);
+  }
+
+  const std::string select_;
+  const UpscaleOptions& options_;
+  const OpenedModel& opened_;
+  std::unique_ptr<Device> device_;
+  std::optional<Upscaler> upscaler_;
+  std::optional<AlphaUpscaler> alpha_;
+  uint32_t width_ = 0, height_ = 0;
+};
+
+// Names of the devices, as Device::Options::select takes them: one a worker.
+std::vector<std::string> workersOf(const UpscaleOptions& options) {
+  std::vector<std::string> devices;
+  if (options.devices == "all") {
+    const size_t count = failingWith(ExitCode::device, [] { return Device::list().size(); });
+    for (size_t i = 0; i < count; ++i) devices.push_back(std::to_string(i));
+  } else if (!options.devices.empty()) {
+    std::istringstream list(options.devices);
+    for (std::string device; std::getline(list, device, ',');) devices.push_back(device);
+  } else {
+    devices.push_back(options.device);
+  }
+  std::vector<std::string> workers;
+  for (uint32_t job = 0; job < options.jobsPerDevice; ++job)
+    workers.insert(workers.end(), devices.begin(), devices.end());
+  return workers;
+}
+
+// The first frame that can be opened chooses the model; the others have to fit it.
+UpscaleInput openFirst(const UpscaleOptions& options, const SequencePlan& plan) {
+  std::optional<Failure> first;
+  for (const SequenceFrame& frame : plan.frames) try {
+      stopIfInterrupted();
+      return openInput(frame.alone(options));
+    } catch (const Failure& failure) {
+      if (failure.code != ExitCode::input) throw;
+      if (!first) first = failure;
+    }
+  throw Failure{ExitCode::input, "No frame can be read, the first: " + first->message};
+}
+
+void runSequence(const UpscaleOptions& options, const SequencePlan& plan) {
+  const UpscaleInput first = openFirst(options, plan);
+  const OpenedModel& opened = first.opened;
+  std::vector<Worker> workers;
+  for (const std::string& device : workersOf(options)) workers.emplace_back(device, options, opened);
+  for (Worker& worker : workers) worker.open(first);
+
+  const LineThreads threads = threadsFor(workers.size(), std::thread::hardware_concurrency());
+  SequenceReport report(options, plan, threads);
+  std::mutex warning;
+  const auto warn = [&](size_t index, const std::vector<std::string>& warnings) {
+    const std::lock_guard lock(warning);
+    report.warn(plan.frames[index].number, warnings);
+  };
+  const LineStages<Frame, MadeFrame> stages{
+      .read = [&](size_t index) -> std::optional<Frame> {
+        const SequenceFrame& frame = plan.frames[index];
+        if (std::error_code ignored; options.skipExisting && fs::exists(frame.output, ignored)) return {};
+        Frame read = readFrame(frame.alone(options), opened);
+        warn(index, read.warnings());
+        return read;
+      },
+      .compute = [&](Frame frame, size_t worker) { return workers[worker].compute(frame); },
+      .write =
+          [&](MadeFrame made, size_t index) {
+            failingWith(ExitCode::output, [&] { writeExr(plan.frames[index].output, made.image, made.output); });
+            warn(index, made.warnings);
+          }};
+  runLine<Frame, MadeFrame>(plan.frames.size(), threads, stages,
+                            [&](const Outcome& outcome) { return report.add(outcome); });
+  report.finish();
+}
+
+void refuse(bool given, const char* option, const char* why) {
+  if (given) throw Failure{ExitCode::usage, std::string(option) + " " + why};
+}
+
+}  // namespace
+
+bool isSequence(const UpscaleOptions& options) {
+  if (FilePattern::mayBeMany(options.color) || (!options.aux.empty() && FilePattern::mayBeMany(options.aux)))
+    return true;
+  constexpr const char* kWhy = "is for sequences: put #### in the names of the files.";
+  refuse(!options.frames.empty(), "--frames", kWhy);
+  refuse(options.skipExisting, "--skip-existing", kWhy);
+  refuse(options.keepUnchanged, "--keep-unchanged", kWhy);
+  refuse(!options.devices.empty(), "--devices", kWhy);
+  refuse(options.jobsPerDevice > 1, "--jobs-per-device", kWhy);
+  refuse(!options.log.empty(), "--log", kWhy);
+  return false;
+}
+
+void upscaleSequence(const UpscaleOptions& options) {
+  constexpr const char* kWhy = "is for one frame, not for sequences.";
+  refuse(!options.reference.empty(), "--reference", kWhy);
+  refuse(!options.preview.empty(), "--preview", kWhy);
+  refuse(!options.sideBySide.empty(), "--side-by-side", kWhy);
+  refuse(!options.skipMap.empty(), "--skip-map", kWhy);
+  refuse(!options.json.empty(), "--json", "is for one frame; --log is for sequences.");
+  refuse(options.profile, "--profile", kWhy);
+  refuse(options.check, "--check", kWhy);
+  refuse(options.keepUnchanged && options.exposure == "auto", "--keep-unchanged",
+         "needs --exposure E: an automatic one would make results depend on the frames before.");
+  refuse(options.keepUnchanged && options.ensemble > 1, "--keep-unchanged", "and --ensemble exclude each other.");
+  if (!options.log.empty()) {
+    requireExtension(options.log, ".json", "--log");
+    requireWritable(options.log);
+  }
+  const SequencePlan plan = planSequence(options);
+  if (plan.frames.empty()) {
+    if (!options.quiet) std::printf("%s: all %zu frames are there\n", plan.output.c_str(), plan.there.size());
+    return;
+  }
+  runSequence(options, plan);
+}
+
+}  // namespace xrds
