@@ -1,6 +1,7 @@
 // tune: what it refuses, what it keeps, and that a picture of winners is right.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -24,10 +25,22 @@ class CliTune : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
   // Caches of its own, but programs that are compiled once for all tests.
+  StartOptions start(const std::string& family = "") const {
+    return {.environment = {{"XDG_CACHE_HOME", (folder_ / "cache").string()},
+                            {"MESA_SHADER_CACHE_DIR", XRDS_TEST_CACHE "/tune"},
+                            {"XRDS_KERNEL_FAMILY", family}}};
+  }
   Ended run(const std::vector<std::string>& arguments, const std::string& family = "") const {
-    return runXrds(arguments, {.environment = {{"XDG_CACHE_HOME", (folder_ / "cache").string()},
-                                               {"MESA_SHADER_CACHE_DIR", XRDS_TEST_CACHE "/tune"},
-                                               {"XRDS_KERNEL_FAMILY", family}}});
+    return runXrds(arguments, start(family));
+  }
+  // Bytes of what tuning keeps.
+  uintmax_t recordBytes() const {
+    std::error_code none;
+    uintmax_t bytes = 0;
+    for (fs::recursive_directory_iterator entry(folder_ / "cache", none), end; !none && entry != end;
+         entry.increment(none))
+      if (entry->path().filename().string().starts_with("tuning-")) bytes = std::max(bytes, entry->file_size(none));
+    return bytes;
   }
   fs::path folder_;
 };
@@ -80,6 +93,29 @@ TEST_F(CliTune, KeepsWhatItFoundWhichDoctorAndUpscaleUse) {
   ASSERT_EQ(upscaled(tuned, "").exitCode, 0);
   ASSERT_EQ(upscaled(plain, "plain").exitCode, 0);
   EXPECT_EQ(run({"compare", tuned, plain, "--min-psnr", "90"}).exitCode, 0) << "the winners give another picture";
+}
+
+TEST_F(CliTune, AKilledTuningGoesOnWhereItStopped) {
+  const std::string json = (folder_ / "tune.json").string();
+  const std::vector<std::string> command{"tune",        "xrds-x4-nano", "--size", "64x64",
+                                         "--precision", "fp16",         "--json", json};
+  const Ended killed = killXrds(
+      command, [&] { return recordBytes() > 1000; }, start());
+  ASSERT_EQ(killed.exitCode, 1009);
+  const auto tried = [&] {
+    std::ifstream in(json);
+    return nlohmann::json::parse(in).at("tuned").at(0);
+  };
+  ASSERT_EQ(run(command).exitCode, 0);
+  const auto resumed = tried();
+  EXPECT_LE(resumed.at("struckOff").size(), 1u) << "at most the kernel that ran when the process was killed";
+  std::vector<std::string> anew = command;
+  anew.emplace_back("--anew");
+  ASSERT_EQ(run(anew).exitCode, 0);
+  const int all = tried().at("kernelsTried").get<int>();
+  EXPECT_LT(resumed.at("kernelsTried").get<int>(), all) << "what was known was not tried again";
+  EXPECT_GT(resumed.at("kernelsTried").get<int>(), 0);
+  EXPECT_EQ(tried().at("struckOff").size(), 0u);
 }
 
 }  // namespace

@@ -72,9 +72,10 @@ Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& opt
   return ended;
 }
 
-Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due) {
+Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due,
+               const StartOptions& options) {
   const pid_t child = fork();
-  if (child == 0) becomeXrds(arguments, {});
+  if (child == 0) becomeXrds(arguments, options);
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0)
     if (due()) kill(child, SIGKILL);

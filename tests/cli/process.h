@@ -25,7 +25,8 @@ struct StartOptions {
 Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& options = {});
 
 /// Starts xrds, kills it (SIGKILL) as soon as `due` says so, and waits for the end; `due` is asked over and over.
-Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due);
+Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due,
+               const StartOptions& options = {});
 
 /// Starts xrds on a terminal of its own, types `keys` once the output contains `awaited`, and waits for the end.
 /// `output` is all that appeared on the terminal.
