@@ -3,10 +3,13 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
+#include <random>
 
 #include "xrds/engine_access.h"
 #include "xrds/stress.h"
+#include "xrds/tuning.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {
@@ -178,6 +181,44 @@ TEST(Api, ListsDevicesWithTheKernelsThatTheyWouldRun) {
   for (const auto& act : {+[] { (void)Device::list(); }, +[] { Device device; }})
     expectError(act, {"'foo'", "plain, lane, tile, matrix or fused"});
   EXPECT_EQ(Device::kernelFamilies(), (std::vector<std::string>{"plain", "lane", "tile", "matrix", "fused"}));
+}
+
+/// A device whose caches are its own.
+struct FreshDevice {
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("xrds_api_" + std::to_string(std::random_device{}()));
+  Device device{{.cacheFolder = folder}};
+  ~FreshDevice() { std::filesystem::remove_all(folder); }
+};
+
+TEST(Api, TunesNowWhereItIsAsked) {
+  FreshDevice fresh;
+  constexpr uint32_t kSide = 24;  // more than Upscaler::kSmallFrame pixels
+  const Model& model = guided();
+  const auto known = [&] { return Tuning::known(fresh.device, model, kSide, kSide, false).has_value(); };
+  EXPECT_FALSE(known());
+  EXPECT_FALSE(Upscaler::paysToTune(fresh.device, model, kSide, kSide, false)) << "it has shown no pace yet";
+  Upscaler untuned(fresh.device, model, kSide, kSide, {});
+  EXPECT_FALSE(known()) << "a small frame is not tuned by itself";
+  int told = 0;
+  Upscaler::Options options{.tune = Upscaler::Tune::now, .onTuning = [&](double) { return ++told < 2; }};
+  EXPECT_THROW(Upscaler(fresh.device, model, kSide, kSide, options), Cancelled);
+  EXPECT_FALSE(known());
+  double last = 0;
+  options.onTuning = [&](double share) {
+    last = std::max(last, share);
+    return true;
+  };
+  Upscaler tuned(fresh.device, model, kSide, kSide, options);
+  EXPECT_TRUE(known());
+  EXPECT_GT(last, 0);
+  const std::vector<float> pixels(size_t{3} * kScale * kScale * kSide * kSide, 0.5F);
+  const PixelView auxiliary[] = {{pixels.data(), kScale * kSide, kScale * kSide},
+                                 {pixels.data(), kScale * kSide, kScale * kSide}};
+  std::vector<float> one(pixels.size()), two(pixels.size());
+  untuned.run({pixels.data(), kSide, kSide}, auxiliary, one);
+  tuned.run({pixels.data(), kSide, kSide}, auxiliary, two);
+  for (size_t i = 0; i < one.size(); ++i) ASSERT_NEAR(one[i], two[i], 1e-5) << i;
 }
 
 }  // namespace
