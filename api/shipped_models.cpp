@@ -1,11 +1,14 @@
 #include "xrds/shipped_models.h"
 
+#include <algorithm>
 #include <cstdlib>
 #if defined(_WIN32)
 #include <windows.h>
 #else
 #include <dlfcn.h>
 #endif
+
+#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -40,8 +43,10 @@ std::vector<fs::path> modelFolders() {
   std::vector<fs::path> folders;
   if (const char* folder = std::getenv("XRDS_MODELS")) folders.emplace_back(folder);
   if (const fs::path own = ownFolder(); !own.empty())
-    for (const char* up : {"..", "../.."}) folders.push_back((own / up / "share/xrds/models").lexically_normal());
+    for (const char* up : {".", "..", "../.."}) folders.push_back((own / up / "share/xrds/models").lexically_normal());
+#ifdef XRDS_MODEL_FOLDER
   folders.emplace_back(XRDS_MODEL_FOLDER);
+#endif
   return folders;
 }
 
@@ -49,6 +54,17 @@ fs::path findModel(const std::string& name) {
   for (const fs::path& folder : modelFolders())
     if (fs::path file = folder / (name + ".safetensors"); fs::exists(file)) return file;
   return {};
+}
+
+std::string variantName(uint32_t scale, std::span<const std::string_view> inputs, std::optional<double> samples) {
+  const auto has = [&](const AuxiliaryInput& input) {
+    return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
+  };
+  const std::string name = "xrds-x" + std::to_string(scale);
+  if (inputs.empty()) return name + "-compact-plain";
+  if (!has(kNormal)) return name + "-compact-albedo";
+  if (has(kFullColour)) return name + "-full";
+  return name + (samples && *samples <= kFewSamples ? "-live" : "-compact");
 }
 
 }  // namespace xrds

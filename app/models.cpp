@@ -4,7 +4,6 @@
 
 #include "app/listed.h"
 #include "xrds/error.h"
-#include "xrds/shipped_models.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -23,14 +22,9 @@ std::string noModels() {
 
 std::string nameOf(int scale, const char* kind) { return "xrds-x" + std::to_string(scale) + "-" + kind; }
 
-std::string variantName(int scale, const std::vector<std::string>& inputs, std::optional<double> samples = {}) {
-  const auto has = [&](const AuxiliaryInput& input) {
-    return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
-  };
-  if (inputs.empty()) return defaultModelName(scale) + "-plain";
-  if (!has(kNormal)) return defaultModelName(scale) + "-albedo";
-  if (has(kFullColour)) return nameOf(scale, "full");
-  return samples && *samples <= kFewSamples ? nameOf(scale, "live") : defaultModelName(scale);
+std::string variantOf(int scale, const std::vector<std::string>& inputs, std::optional<double> samples = {}) {
+  return variantName(static_cast<uint32_t>(scale), std::vector<std::string_view>(inputs.begin(), inputs.end()),
+                     samples);
 }
 
 }  // namespace
@@ -78,12 +72,12 @@ bool takes(const Model& model, const AuxiliaryInput& input) {
 }
 
 fs::path shippedVariant(int scale, const std::vector<std::string>& inputs) {
-  return findModel(variantName(scale, inputs));
+  return findModel(variantOf(scale, inputs));
 }
 
 fs::path defaultModel(int scale, const std::vector<std::string>& inputs, std::optional<double> samples) {
-  if (inputs.empty()) return resolveModel(variantName(kScaleOfColourAlone, inputs));
-  if (fs::path variant = findModel(variantName(scale, inputs, samples)); !variant.empty()) return variant;
+  if (inputs.empty()) return resolveModel(variantOf(kScaleOfColourAlone, inputs));
+  if (fs::path variant = findModel(variantOf(scale, inputs, samples)); !variant.empty()) return variant;
   fs::path file = findModel(defaultModelName(scale));
   if (file.empty() && shippedModels().empty())
     throw Error("Without --model a shipped model is taken, but " + noModels());

@@ -7,6 +7,7 @@
 
 #include "xrds/auxiliary_input.h"
 #include "xrds/model.h"
+#include "xrds/shipped_models.h"
 
 namespace xrds {
 
@@ -35,10 +36,6 @@ bool takes(const Model& model, const AuxiliaryInput& input);
 /// The file of the default model's variant for frames with these auxiliary images: of the colour alone, without
 /// normals, with the full-resolution colour, or the default model itself. Empty if it is not shipped for the scale.
 std::filesystem::path shippedVariant(int scale, const std::vector<std::string>& inputs);
-
-/// Of the low-resolution colour: with at most so many samples a pixel the models of few samples make the better picture
-/// (bench/budgets.md).
-inline constexpr double kFewSamples = 4;
 
 /// The file of the model for frames with these auxiliary images, `scale` times the colour's size: the variant that
 /// suits them, or the default model itself where that is not shipped. Albedo and normal with a colour of at most

@@ -12,7 +12,7 @@ import sys
 
 PUBLIC = {"AlphaUpscaler", "Cancelled", "Device", "DeviceLost", "Error", "Examination", "InvalidArgument", "Model", "OutOfMemory",
           "Tuning", "Upscaler", "colourDifference", "estimatedFullShare", "findModel", "fullShare", "levelledColour", "mergedColour", "mirrored",
-          "mirroredPixel", "mirrorsOf", "modelFolders", "relativeDepth"}
+          "mirroredPixel", "mirrorsOf", "modelFolders", "relativeDepth", "variantName"}
 NAME = re.compile(r"^(?:typeinfo for |typeinfo name for |vtable for )?xrds::(\w+)(?!::State::)")
 STORED = pathlib.Path(__file__).parent / "abi" / "abi.txt"
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <thread>
 
@@ -254,6 +255,27 @@ TEST(CApiModels, AreFoundByName) {
   xrdsCloseModel(model);
 }
 
+TEST(CApiModels, AreChosenByWhatThereIs) {
+  const char* const guides[] = {"albedo", "normal", "colour"};
+  const auto chosen = [&](uint32_t scale, uint32_t count, double samples) {
+    char name[64] = "";
+    EXPECT_EQ(xrdsChooseModel(scale, guides, count, samples, name, sizeof name), XRDS_OK) << xrdsGetMessage();
+    return std::string(name);
+  };
+  EXPECT_EQ(chosen(4, 2, 0), "xrds-x4-compact");
+  EXPECT_EQ(chosen(2, 2, 64), "xrds-x2-compact");
+  EXPECT_EQ(chosen(4, 2, 4), "xrds-x4-live");
+  EXPECT_EQ(chosen(4, 1, 4), "xrds-x4-compact-albedo");
+  EXPECT_EQ(chosen(2, 3, 64), "xrds-x2-full");
+  EXPECT_EQ(chosen(8, 3, 64), "xrds-x8-compact");  // of which no other is shipped
+  EXPECT_EQ(chosen(2, 0, 0), "xrds-x4-compact-plain");
+  char name[64] = "";
+  EXPECT_EQ(xrdsChooseModel(5, guides, 2, 0, name, sizeof name), XRDS_ERROR_FAILED);
+  EXPECT_NE(std::string(xrdsGetMessage()).find("upscales by 5"), std::string::npos) << xrdsGetMessage();
+  EXPECT_EQ(xrdsChooseModel(4, guides, 2, 0, name, 4), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsChooseModel(4, nullptr, 2, 0, name, sizeof name), XRDS_ERROR_ARGUMENT);
+}
+
 TEST(CApiDevices, AreDescribed) {
   uint32_t count = 0;
   ASSERT_EQ(xrdsCountDevices(&count), XRDS_OK) << xrdsGetMessage();
@@ -271,6 +293,44 @@ TEST(CApiDevices, AreDescribed) {
   EXPECT_EQ(xrdsOpenDevice(&options, &device), XRDS_ERROR_FAILED);
   EXPECT_NE(std::string(xrdsGetMessage()).find(found.name), std::string::npos) << xrdsGetMessage();
   EXPECT_EQ(device, nullptr);
+  ASSERT_EQ(xrdsOpenDevice(nullptr, &device), XRDS_OK) << xrdsGetMessage();
+  XrdsDeviceDescription open{.structSize = sizeof open};
+  ASSERT_EQ(xrdsDescribeOpenDevice(device, &open), XRDS_OK) << xrdsGetMessage();
+  EXPECT_STREQ(open.uuid, Device().description().uuid.c_str());
+  open.structSize = 1;
+  EXPECT_EQ(xrdsDescribeOpenDevice(device, &open), XRDS_ERROR_ARGUMENT);
+  xrdsCloseDevice(device);
+  open.structSize = sizeof open;
+  EXPECT_EQ(xrdsDescribeOpenDevice(device, &open), XRDS_ERROR_ARGUMENT);
+}
+
+// Minutes on a CPU, which nobody must have to wait for.
+TEST(CApiDevices, CancelATuning) {
+  const std::filesystem::path cache = std::filesystem::path(testing::TempDir()) / "xrds_c_api_tuning";
+  std::filesystem::remove_all(cache);
+  const std::string folder = cache.string();
+  int heard = 0;
+  XrdsDeviceOptions options = xrdsDeviceOptionsDefault();
+  options.cacheFolder = folder.c_str();
+  options.preparationUser = &heard;
+  options.preparation = [](void* user, int machineCode, size_t done, size_t total) {
+    EXPECT_LE(done, total);
+    *static_cast<int*>(user) += machineCode == 2;
+    return static_cast<int>(machineCode != 2);
+  };
+  XrdsDevice* device = nullptr;
+  XrdsModel* model = nullptr;
+  XrdsUpscaler* upscaler = nullptr;
+  ASSERT_EQ(xrdsOpenDevice(&options, &device), XRDS_OK) << xrdsGetMessage();
+  ASSERT_EQ(xrdsOpenModel(kModel.c_str(), &model), XRDS_OK) << xrdsGetMessage();
+  XrdsUpscalerOptions tuned = xrdsUpscalerOptionsDefault();
+  tuned.tune = XRDS_TUNE_NOW;
+  EXPECT_EQ(xrdsCreateUpscaler(device, model, 24, 24, &tuned, &upscaler), XRDS_CANCELLED);
+  EXPECT_EQ(heard, 1);
+  EXPECT_EQ(upscaler, nullptr);
+  xrdsCloseModel(model);
+  xrdsCloseDevice(device);
+  std::filesystem::remove_all(cache);
 }
 
 TEST(CApiColours, AreMerged) {
@@ -287,6 +347,11 @@ TEST(CApiColours, AreMerged) {
   }
   EXPECT_EQ(xrdsMergeColour(&with, &from, 64, 16, &with), XRDS_ERROR_ARGUMENT);
   EXPECT_EQ(xrdsMergeColour(&from, &with, 64, 0, &to), XRDS_ERROR_ARGUMENT);
+  double difference = -1;
+  ASSERT_EQ(xrdsCompareColour(&from, &with, &difference), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(difference, colourDifference({low.data(), kWidth, kHeight, 4}, {full.data(), kWide, kHigh}));
+  EXPECT_EQ(xrdsCompareColour(&with, &from, &difference), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsCompareColour(&from, &with, nullptr), XRDS_ERROR_ARGUMENT);
 }
 
 TEST(CApiVersion, IsThatOfTheProject) {

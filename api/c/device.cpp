@@ -30,6 +30,16 @@ xrds::Device::Options optionsOf(const XrdsDeviceOptions& given) {
   return options;
 }
 
+void describe(const xrds::Device::Description& found, XrdsDeviceDescription& out) {
+  setText(out.name, found.name);
+  setText(out.kind, found.kind);
+  setText(out.uuid, found.uuid);
+  setText(out.driver, found.driver);
+  setText(out.apiVersion, found.apiVersion);
+  setText(out.kernelFamily, found.kernelFamily);
+  out.memoryBytes = found.memoryBytes;
+}
+
 }  // namespace
 
 XrdsDeviceOptions xrdsDeviceOptionsDefault() { return {.structSize = sizeof(XrdsDeviceOptions)}; }
@@ -48,15 +58,7 @@ XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* description
     if (index >= devices.size())
       throw xrds::InvalidArgument("There is no device " + std::to_string(index) + ": there are " +
                                   std::to_string(devices.size()) + ".");
-    const xrds::Device::Description& found = devices[index];
-    XrdsDeviceDescription& out = *description;
-    setText(out.name, found.name);
-    setText(out.kind, found.kind);
-    setText(out.uuid, found.uuid);
-    setText(out.driver, found.driver);
-    setText(out.apiVersion, found.apiVersion);
-    setText(out.kernelFamily, found.kernelFamily);
-    out.memoryBytes = found.memoryBytes;
+    describe(devices[index], *description);
     return XRDS_OK;
   });
 }
@@ -64,8 +66,18 @@ XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* description
 XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device) {
   return guarded([&] {
     XrdsDevice*& out = required(device, "device");
-    out = Devices::open().add(
-        std::make_shared<XrdsDevice>(optionsOf(options ? checkSize(*options) : xrdsDeviceOptionsDefault())));
+    const XrdsDeviceOptions given = options ? checkSize(*options) : xrdsDeviceOptionsDefault();
+    out = Devices::open().add(std::make_shared<XrdsDevice>(optionsOf(given), given.preparation, given.preparationUser));
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsDescribeOpenDevice(XrdsDevice* device, XrdsDeviceDescription* description) {
+  return guarded([&] {
+    checkSize(required(description, "description"));
+    const auto found = Devices::open().opened(device, "device");
+    const std::lock_guard lock(found->access);
+    describe(found->device.description(), *description);
     return XRDS_OK;
   });
 }

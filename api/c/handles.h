@@ -11,8 +11,11 @@
 
 /// A device, which one thread at a time may use.
 struct XrdsDevice {
-  explicit XrdsDevice(const xrds::Device::Options& options) : device(options) {}
+  XrdsDevice(const xrds::Device::Options& options, XrdsPreparation hear, void* user)
+      : device(options), preparation(hear), preparationUser(user) {}
   xrds::Device device;
+  const XrdsPreparation preparation;  // may be null
+  void* const preparationUser;
   std::mutex access;
 };
 

@@ -3,6 +3,7 @@
 #include "api/c/handles.h"
 #include "api/c/images.h"
 #include "api/c/result.h"
+#include "xrds/auxiliary_input.h"
 #include "xrds/shipped_models.h"
 
 using namespace xrds::c;
@@ -20,15 +21,41 @@ std::filesystem::path fileOf(const std::string& nameOrFile) {
                     ": give a .safetensors file, or set XRDS_MODELS to the folder of the models.");
 }
 
+void copyText(const std::string& text, char* to, const char* argument, size_t capacity) {
+  if (text.size() >= capacity)
+    throw xrds::InvalidArgument("A text of " + std::to_string(text.size()) + " characters has no room in " +
+                                std::to_string(capacity) + " for '" + argument + "'.");
+  std::memcpy(&required(to, argument), text.c_str(), text.size() + 1);
+}
+
+// As the command chooses; an unknown image has no say.
+std::string chosenModel(uint32_t scale, const std::vector<std::string_view>& inputs, double samples) {
+  constexpr uint32_t kScaleOfColourAlone = 4;
+  const uint32_t known = inputs.empty() ? kScaleOfColourAlone : scale;
+  std::string name = xrds::variantName(known, inputs, samples > 0 ? std::optional(samples) : std::nullopt);
+  if (!xrds::findModel(name).empty()) return name;
+  constexpr std::string_view kBoth[] = {xrds::kAlbedo.name, xrds::kNormal.name};
+  if (name = inputs.empty() ? name : xrds::variantName(known, kBoth); !xrds::findModel(name).empty()) return name;
+  throw xrds::Error("No model is shipped that upscales by " + std::to_string(known) + " (" + name +
+                    "): render at another size, or name a .safetensors file.");
+}
+
 }  // namespace
+
+XrdsResult xrdsChooseModel(uint32_t scale, const char* const* inputs, uint32_t inputCount, double samples, char* name,
+                           size_t capacity) {
+  return guarded([&] {
+    std::vector<std::string_view> images;
+    for (uint32_t i = 0; i < inputCount; ++i)
+      images.emplace_back(&required((&required(inputs, "inputs"))[i], "inputs"));
+    copyText(chosenModel(scale, images, samples), name, "name", capacity);
+    return XRDS_OK;
+  });
+}
 
 XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity) {
   return guarded([&] {
-    const std::string found = fileOf(&required(name, "name")).string();
-    if (found.size() >= capacity)
-      throw xrds::InvalidArgument("A path of " + std::to_string(found.size()) + " characters has no room in " +
-                                  std::to_string(capacity) + ".");
-    std::memcpy(&required(path, "path"), found.c_str(), found.size() + 1);
+    copyText(fileOf(&required(name, "name")).string(), path, "path", capacity);
     return XRDS_OK;
   });
 }
@@ -93,6 +120,14 @@ XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double l
       const float opaque = 1;
       writeChannel(*merged, 3, alpha.empty() ? &opaque : alpha.data(), alpha.empty() ? 0 : 1);
     }
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double* difference) {
+  return guarded([&] {
+    const ReadImage colour(required(low, "low"), "low-resolution"), detail(required(full, "full"), "full-resolution");
+    required(difference, "difference") = xrds::colourDifference(colour.view(), detail.view());
     return XRDS_OK;
   });
 }

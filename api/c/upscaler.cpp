@@ -119,8 +119,12 @@ XrdsResult xrdsCreateUpscaler(XrdsDevice* device, const XrdsModel* model, uint32
                               const XrdsUpscalerOptions* options, XrdsUpscaler** upscaler) {
   return guarded([&] {
     XrdsUpscaler*& out = required(upscaler, "upscaler");
-    const auto given = optionsOf(options ? checkSize(*options) : xrdsUpscalerOptionsDefault());
+    auto given = optionsOf(options ? checkSize(*options) : xrdsUpscalerOptionsDefault());
     const auto on = Devices::open().opened(device, "device");
+    if (on->preparation)
+      given.onTuning = [&on](double share) {
+        return on->preparation(on->preparationUser, 2, static_cast<size_t>(1000 * share), 1000) != 0;
+      };
     const auto of = Models::open().opened(model, "model");
     out = Upscalers::open().add(std::make_shared<XrdsUpscaler>(on, of, width, height, given));
     return XRDS_OK;

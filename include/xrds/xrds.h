@@ -69,7 +69,8 @@ typedef struct XrdsDeviceDescription {
 
 /* Heard in the calling thread about ten times a second while programs are compiled, when a device is opened and when
  * an upscaler is created. machineCode: 0 while the driver reads programs, seconds at most; 1 while a CPU driver
- * compiles what its cache lacks, minutes once. Returning 0 cancels. */
+ * compiles what its cache lacks, minutes once; 2 before each kernel that an upscaler tries as it tunes the device,
+ * `done` thousandths of it being done. Returning 0 cancels. */
 typedef int (*XrdsPreparation)(void* user, int machineCode, size_t done, size_t total);
 
 typedef struct XrdsDeviceOptions {
@@ -91,14 +92,24 @@ XRDS_API XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* de
 
 /* Opens a device for compute; options may be NULL. */
 XRDS_API XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device);
+/* Of an open device. The caller sets description->structSize. */
+XRDS_API XrdsResult xrdsDescribeOpenDevice(XrdsDevice* device, XrdsDeviceDescription* description);
 XRDS_API void xrdsCloseDevice(XrdsDevice* device);
 
 /* -------------------------------------------------------------------------------------------------------- Models */
 
 /* The file of a shipped model, as "xrds-x4-compact", with its final zero into path[capacity]. Looked for in the folder
- * of the environment variable XRDS_MODELS, in share/xrds/models of the folders above that of the library (as installed:
- * lib, lib/x86_64-linux-gnu or bin beside share), and in the source tree. Fails if there is none or no room. */
+ * of the environment variable XRDS_MODELS, in share/xrds/models of the library's folder and those above it (as
+ * installed: lib, lib/x86_64-linux-gnu or bin beside share), and in the source tree. Fails if there is none or no room.
+ */
 XRDS_API XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity);
+
+/* The name of the shipped model that suits frames with these images beside the colour, each named as
+ * xrdsGetModelInput() does and of `scale` times the colour's size, with its final zero into name[capacity]. samples: of
+ * a pixel of the colour, 0 if that is not known; few take a model of few samples. Without images the model of the
+ * colour alone, scale 4 whatever `scale` is. Fails if no model of the scale is shipped, or no room. */
+XRDS_API XrdsResult xrdsChooseModel(uint32_t scale, const char* const* inputs, uint32_t inputCount, double samples,
+                                    char* name, size_t capacity);
 
 /* Reads a model: a .safetensors file, or the name of a shipped one. */
 XRDS_API XrdsResult xrdsOpenModel(const char* nameOrFile, XrdsModel** model);
@@ -138,6 +149,10 @@ XRDS_API XrdsImage xrdsInterleavedImage(void* pixels, XrdsFormat format, uint32_
  * of `low`; its alpha is that of `low`. */
 XRDS_API XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double lowSamples, double fullSamples,
                                     const XrdsImage* merged);
+
+/* How much the two colours differ beside noise, their relative difference in parts of the frame: above 0.1 they are of
+ * other light (a full-resolution render without indirect light, say), and must not be merged. */
+XRDS_API XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double* difference);
 
 /* ----------------------------------------------------------------------------------------------------- Upscaling */
 
