@@ -1,0 +1,241 @@
+// xrds._native: the C API for the package around it, which has the defaults, the names and the documentation.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "python/native/call.h"
+#include "python/native/image.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace xrds::python {
+namespace {
+
+using Text = std::optional<std::string>;
+
+const char* textOf(const Text& text) { return text ? text->c_str() : nullptr; }
+
+template <class Handle, void (*closeOne)(Handle*)>
+void closeHandle(void* handle) {
+  closeOne(static_cast<Handle*>(handle));
+}
+
+nb::dict fieldsOf(const XrdsDeviceDescription& found) {
+  nb::dict fields;
+  fields["name"] = found.name;
+  fields["kind"] = found.kind;
+  fields["uuid"] = found.uuid;
+  fields["driver"] = found.driver;
+  fields["api_version"] = found.apiVersion;
+  fields["kernel_family"] = found.kernelFamily;
+  fields["memory"] = found.memoryBytes;
+  return fields;
+}
+
+class Device {
+ public:
+  Device(const Text& select, const Text& cacheFolder, const Text& kernelFamily, nb::handle progress) {
+    Call call(progress);
+    XrdsDeviceOptions options = xrdsDeviceOptionsDefault();
+    options.select = textOf(select);
+    options.cacheFolder = textOf(cacheFolder);
+    options.kernelFamily = textOf(kernelFamily);
+    options.preparation = Call::hearPreparation;
+    call.run([&] { return xrdsOpenDevice(&options, &handle_); });
+  }
+  ~Device() { close(); }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  void close() {
+    if (handle_) Call::close(closeHandle<XrdsDevice, xrdsCloseDevice>, std::exchange(handle_, nullptr));
+  }
+  nb::dict fields() const {
+    XrdsDeviceDescription found{.structSize = sizeof found};
+    Call call;
+    call.run([&] { return xrdsDescribeOpenDevice(handle_, &found); });
+    return fieldsOf(found);
+  }
+  XrdsDevice* handle() const { return handle_; }
+
+ private:
+  XrdsDevice* handle_ = nullptr;
+};
+
+class Model {
+ public:
+  explicit Model(const std::string& nameOrFile) {
+    Call call;
+    call.run([&] { return xrdsOpenModel(nameOrFile.c_str(), &handle_); });
+  }
+  ~Model() { Call::close(closeHandle<XrdsModel, xrdsCloseModel>, handle_); }
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+  uint32_t scale() const { return xrdsGetModelScale(handle_); }
+  std::vector<std::string> inputs() const {
+    std::vector<std::string> names(xrdsCountModelInputs(handle_));
+    for (uint32_t i = 0; i < names.size(); ++i) names[i] = xrdsGetModelInput(handle_, i);
+    return names;
+  }
+  Text metadata(const std::string& key) const {
+    const char* const text = xrdsGetModelMetadata(handle_, key.c_str());
+    return text ? Text(text) : std::nullopt;
+  }
+  const XrdsModel* handle() const { return handle_; }
+
+ private:
+  XrdsModel* handle_ = nullptr;
+};
+
+struct UpscalerOptions {
+  bool fp16 = false, keepUnchanged = false;
+  float exposure = 0, skip = 0;
+  uint32_t ensemble = 1;
+  uint64_t memory = 0;
+  int tune = XRDS_TUNE_AUTO;
+};
+
+XrdsUpscalerOptions optionsOf(const UpscalerOptions& given) {
+  XrdsUpscalerOptions options = xrdsUpscalerOptionsDefault();
+  options.fp16 = given.fp16;
+  options.exposure = given.exposure;
+  options.ensemble = given.ensemble;
+  options.memoryBytes = given.memory;
+  options.skipBound = given.skip;
+  options.keepUnchanged = given.keepUnchanged;
+  options.tune = static_cast<XrdsTune>(given.tune);
+  return options;
+}
+
+class Upscaler {
+ public:
+  Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const UpscalerOptions& given,
+           nb::handle progress) {
+    Call call(progress);
+    const XrdsUpscalerOptions options = optionsOf(given);
+    call.run([&] { return xrdsCreateUpscaler(device.handle(), model.handle(), width, height, &options, &handle_); });
+  }
+  ~Upscaler() { close(); }
+  Upscaler(const Upscaler&) = delete;
+  Upscaler& operator=(const Upscaler&) = delete;
+  void close() {
+    if (handle_) Call::close(closeHandle<XrdsUpscaler, xrdsDestroyUpscaler>, std::exchange(handle_, nullptr));
+  }
+  void run(const Image& colour, const std::vector<const Image*>& auxiliary, const Image& output, nb::handle progress) {
+    std::vector<XrdsImage> images;
+    for (const Image* image : auxiliary) images.push_back(image->view());
+    Call call(progress);
+    call.run([&] {
+      return xrdsUpscale(handle_, &colour.view(), images.data(), static_cast<uint32_t>(images.size()), &output.view(),
+                         Call::hearFrame, &call);
+    });
+  }
+  float exposure() const { return xrdsGetExposure(handle_); }
+  uint64_t deviceBytes() const { return xrdsGetDeviceBytes(handle_); }
+
+ private:
+  XrdsUpscaler* handle_ = nullptr;
+};
+
+std::vector<nb::dict> devices() {
+  std::vector<XrdsDeviceDescription> found;
+  Call call;
+  call.run([&] {
+    uint32_t count = 0;
+    if (const XrdsResult result = xrdsCountDevices(&count); result != XRDS_OK) return result;
+    for (uint32_t i = 0; i < count; ++i) {
+      XrdsDeviceDescription& one = found.emplace_back(XrdsDeviceDescription{.structSize = sizeof one});
+      if (const XrdsResult result = xrdsDescribeDevice(i, &one); result != XRDS_OK) return result;
+    }
+    return XRDS_OK;
+  });
+  std::vector<nb::dict> fields;
+  for (const XrdsDeviceDescription& one : found) fields.push_back(fieldsOf(one));
+  return fields;
+}
+
+std::string findModel(const std::string& name) {
+  std::array<char, 4096> path{};
+  require(xrdsFindModel(name.c_str(), path.data(), path.size()), xrdsGetMessage());
+  return path.data();
+}
+
+std::string chooseModel(uint32_t scale, const std::vector<std::string>& inputs, double samples) {
+  std::array<char, 256> name{};
+  std::vector<const char*> images;
+  for (const std::string& input : inputs) images.push_back(input.c_str());
+  require(
+      xrdsChooseModel(scale, images.data(), static_cast<uint32_t>(images.size()), samples, name.data(), name.size()),
+      xrdsGetMessage());
+  return name.data();
+}
+
+void mergeColour(const Image& low, const Image& full, double lowSamples, double fullSamples, const Image& merged) {
+  Call call;
+  call.run([&] { return xrdsMergeColour(&low.view(), &full.view(), lowSamples, fullSamples, &merged.view()); });
+}
+
+double compareColour(const Image& low, const Image& full) {
+  double difference = 0;
+  Call call;
+  call.run([&] { return xrdsCompareColour(&low.view(), &full.view(), &difference); });
+  return difference;
+}
+
+std::string version() {
+  uint32_t numbers[3] = {};
+  xrdsGetVersion(&numbers[0], &numbers[1], &numbers[2]);
+  return std::to_string(numbers[0]) + "." + std::to_string(numbers[1]) + "." + std::to_string(numbers[2]);
+}
+
+}  // namespace
+
+NB_MODULE(_native, module) {
+  nb::class_<Image>(module, "Image")
+      .def(nb::init<nb::handle, std::string, bool>(), "array"_a.none(), "name"_a, "writable"_a)
+      .def_prop_ro("height", [](const Image& image) { return image.view().height; })
+      .def_prop_ro("width", [](const Image& image) { return image.view().width; })
+      .def_prop_ro("channels", &Image::channels)
+      .def_prop_ro("dtype", &Image::type)
+      .def_prop_ro("name", &Image::name)
+      .def("overlaps", &Image::overlaps);
+  nb::class_<Device>(module, "Device")
+      .def(nb::init<const Text&, const Text&, const Text&, nb::handle>(), "select"_a.none(), "cache_folder"_a.none(),
+           "kernel_family"_a.none(), "progress"_a.none())
+      .def("fields", &Device::fields)
+      .def("close", &Device::close);
+  nb::class_<Model>(module, "Model")
+      .def(nb::init<const std::string&>())
+      .def_prop_ro("scale", &Model::scale)
+      .def_prop_ro("inputs", &Model::inputs)
+      .def("metadata", &Model::metadata);
+  nb::class_<UpscalerOptions>(module, "UpscalerOptions")
+      .def(nb::init<>())
+      .def_rw("fp16", &UpscalerOptions::fp16)
+      .def_rw("keep_unchanged", &UpscalerOptions::keepUnchanged)
+      .def_rw("exposure", &UpscalerOptions::exposure)
+      .def_rw("skip", &UpscalerOptions::skip)
+      .def_rw("ensemble", &UpscalerOptions::ensemble)
+      .def_rw("memory", &UpscalerOptions::memory)
+      .def_rw("tune", &UpscalerOptions::tune);
+  nb::class_<Upscaler>(module, "Upscaler")
+      .def(nb::init<Device&, const Model&, uint32_t, uint32_t, const UpscalerOptions&, nb::handle>(), "device"_a,
+           "model"_a, "width"_a, "height"_a, "options"_a, "progress"_a.none())
+      .def("run", &Upscaler::run, "colour"_a, "auxiliary"_a, "output"_a, "progress"_a.none())
+      .def("close", &Upscaler::close)
+      .def_prop_ro("exposure", &Upscaler::exposure)
+      .def_prop_ro("device_bytes", &Upscaler::deviceBytes);
+  module.def("devices", &devices);
+  module.def("find_model", &findModel);
+  module.def("choose_model", &chooseModel);
+  module.def("merge_colour", &mergeColour);
+  module.def("compare_colour", &compareColour);
+  module.def("version", &version);
+}
+
+}  // namespace xrds::python

@@ -1,0 +1,87 @@
+"""python -m xrds is the command, and upscale() makes the picture of `xrds upscale`, bit for bit."""
+
+import subprocess
+import sys
+import warnings
+
+import numpy
+import pytest
+from frames import MODEL, ROOT, frame, layers, noise, sample, write
+
+import xrds
+
+
+def command(*words):
+    done = subprocess.run([sys.executable, "-m", "xrds", *map(str, words)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def picture(tmp_path, *words):
+    command("upscale", *words, "-o", tmp_path / "out.exr", "--quiet")
+    return layers(tmp_path / "out.exr")["RGB"]
+
+
+def files(tmp_path, colour, **images):
+    write(tmp_path / "low.exr", colour=colour)
+    write(tmp_path / "full.exr", **images)
+    return tmp_path / "low.exr", tmp_path / "full.exr"
+
+
+def corner(name):
+    """The upper left of a sample, which is quick."""
+    colour, albedo, normal = sample(name)
+    return colour[:24, :40], {"albedo": albedo[:96, :160], "normal": normal[:96, :160]}
+
+
+def same(found, wanted):
+    numpy.testing.assert_array_equal(found.view(numpy.uint32), numpy.ascontiguousarray(wanted).view(numpy.uint32))
+
+
+def test_the_command_is_there_with_its_models():
+    assert command("--version").strip() == f"xrds {xrds.__version__}"
+    assert set(xrds.models()) <= set(command("info").split())
+    assert subprocess.run([sys.executable, "-m", "xrds", "nothing"], capture_output=True).returncode == 2
+
+
+def test_a_sample(tmp_path):
+    colour, albedo, normal = sample("outdoor")
+    read = [ROOT / "samples" / f"outdoor_{kind}.exr" for kind in ("lr64", "aux16")]
+    same(xrds.upscale(colour, albedo=albedo, normal=normal, model=MODEL), picture(tmp_path, *read, "--model", MODEL))
+
+
+def test_the_model_that_suits_is_chosen(tmp_path):
+    colour, images = corner("outdoor")
+    same(xrds.upscale(colour, **images), picture(tmp_path, *files(tmp_path, colour, **images)))
+
+
+@pytest.mark.parametrize("words, options", [
+    (["--precision", "fp16"], {"precision": "fp16"}),
+    (["--exposure", "2"], {"exposure": 2.0}),
+    (["--ensemble", "2"], {"ensemble": 2}),
+    (["--skip", "safe"], {"skip": "safe"}),
+    (["--memory", "16M"], {"memory": 16 << 20}),
+])
+def test_options_are_those_of_the_command(tmp_path, words, options):
+    colour, images = corner("studio")
+    found = xrds.upscale(colour, model=MODEL, **images, **options)
+    same(found, picture(tmp_path, *files(tmp_path, colour, **images), "--model", MODEL, *words))
+
+
+@pytest.mark.parametrize("samples", [None, (64, 4)])
+def test_the_colour_of_the_full_render_is_merged(tmp_path, samples):
+    low, images = frame(12, 16)
+    full = (numpy.repeat(numpy.repeat(low, 4, 0), 4, 1) * (0.5 + noise(48, 64, seed=4))).astype(numpy.float32)
+    words = ["--samples", "64,4"] if samples else []
+    wanted = picture(tmp_path, *files(tmp_path, low, beauty=full, **images), *words)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        same(xrds.upscale(low, full_colour=full, samples=samples, **images), wanted)
+
+
+def test_a_colour_of_other_light_is_left_out(tmp_path):
+    low, images = frame(12, 16)
+    full = numpy.repeat(numpy.repeat(3 * low, 4, 0), 4, 1)
+    with pytest.warns(UserWarning, match="other light"):
+        found = xrds.upscale(low, full_colour=full, **images)
+    same(found, xrds.upscale(low, **images))

@@ -1,0 +1,97 @@
+"""What cannot be is answered with a sentence, and nothing is lost."""
+
+import numpy
+import pytest
+from frames import MODEL, frame, noise
+
+import xrds
+
+COLOUR, IMAGES = frame()
+ALBEDO, NORMAL = IMAGES["albedo"], IMAGES["normal"]
+
+
+@pytest.mark.parametrize("change, words", [
+    ({"colour": COLOUR[0]}, r"colour has the shape \[32, 3\]"),
+    ({"colour": COLOUR[..., :2]}, r"colour has the shape \[24, 32, 2\], expected \[height, width, 3\]"),
+    ({"colour": COLOUR[:0]}, r"colour has the shape \[0, 32, 3\]"),
+    ({"albedo": ALBEDO[:-1]}, "albedo is 128 x 95 pixels, expected a whole multiple of the colour's 32 x 24"),
+    ({"albedo": ALBEDO[:, :16]}, "albedo is 16 x 96 pixels"),
+    ({"normal": NORMAL[::2, ::2]}, "normal is 64 x 48 pixels and the albedo 128 x 96"),
+    ({"normal": None}, "takes albedo and normal, but no normal was given"),
+    ({"depth": ALBEDO[..., 0]}, "takes albedo and normal, and no depth"),
+    ({"model": "xrds-x2-compact"}, "128 x 96"),
+    ({"out": noise(5, 5)}, "output image is 5 x 5 pixels, expected 128 x 96"),
+    ({"out": ALBEDO}, "shares memory with the albedo"),
+    ({"ensemble": 3}, "3 passes"),
+    ({"ensemble": 2**40}, "ensemble"),
+    ({"memory": -1}, "memory -1"),
+    ({"exposure": 0.0}, "exposure is 0"),
+    ({"exposure": float("nan")}, "exposure is nan"),
+    ({"skip": -1.0}, "skip"),
+    ({"skip": "always"}, "skip is 'always', expected 'safe'"),
+    ({"precision": "fp8"}, "precision is 'fp8', expected 'fp32' or 'fp16'"),
+    ({"tune": "often"}, "tune is 'often'"),
+    ({"full_colour": ALBEDO, "samples": (0, 1)}, "samples are 0 and 1"),
+])
+def test_arguments_that_cannot_be(change, words):
+    with pytest.raises(ValueError, match=words) as caught:
+        xrds.upscale(**{"colour": COLOUR, "albedo": ALBEDO, "normal": NORMAL, "model": MODEL, **change})
+    assert isinstance(caught.value, xrds.Error)
+    assert str(caught.value).endswith(".")
+
+
+@pytest.mark.parametrize("change, words", [
+    ({"colour": [[1.0]]}, "colour is of type list"),
+    ({"colour": None}, "colour is None"),
+    ({"colour": COLOUR.astype(numpy.float64)}, "colour has numbers of another type, expected float16 or float32"),
+    ({"albedo": ALBEDO.astype(numpy.int32)}, "albedo has numbers of another type"),
+    ({"out": numpy.broadcast_to(numpy.float32(0), (96, 128, 3))}, "out is of type ndarray, expected an array that can"),
+    ({"out": "out.exr"}, "out is of type str"),
+])
+def test_what_is_no_array(change, words):
+    with pytest.raises(TypeError, match=words):
+        xrds.upscale(**{"colour": COLOUR, "albedo": ALBEDO, "normal": NORMAL, "model": MODEL, **change})
+
+
+@pytest.mark.parametrize("change, words", [
+    ({"model": "xrds-x4-giant"}, "There is no model 'xrds-x4-giant'"),
+    ({"model": "/nowhere/model.safetensors"}, "/nowhere/model.safetensors"),
+    ({"device": "no such device"}, 'No Vulkan device matches "no such device"'),
+    ({"device": 77}, "77"),
+])
+def test_the_world(change, words):
+    with pytest.raises(xrds.Error, match=words) as caught:
+        xrds.upscale(**{"colour": COLOUR, "albedo": ALBEDO, "normal": NORMAL, "model": MODEL, **change})
+    assert not isinstance(caught.value, ValueError)
+
+
+def test_a_scale_without_a_model():
+    with pytest.raises(xrds.Error, match="upscales by 5"):
+        xrds.upscale(noise(4, 4), albedo=noise(20, 20), normal=noise(20, 20))
+
+
+def test_nothing_is_lost():
+    wanted = xrds.upscale(COLOUR, model=MODEL, **IMAGES)
+    albedo = ALBEDO.copy()
+    for out in (ALBEDO, ALBEDO[::-1], noise(5, 5)):
+        with pytest.raises(ValueError):
+            xrds.upscale(COLOUR, model=MODEL, out=out, **IMAGES)
+    numpy.testing.assert_array_equal(ALBEDO, albedo)
+    numpy.testing.assert_array_equal(xrds.upscale(COLOUR, model=MODEL, **IMAGES), wanted)
+
+
+def test_a_closed_upscaler_is_refused():
+    with xrds.Upscaler(32, 24, MODEL) as upscaler:
+        upscaler(COLOUR, **IMAGES)
+        assert upscaler.device_bytes > 0 and upscaler.exposure > 0
+    with pytest.raises(xrds.Error):
+        upscaler(COLOUR, **IMAGES)
+    assert upscaler.device_bytes == 0
+
+
+def test_frames_of_another_size_are_refused():
+    with xrds.Upscaler(16, 24, MODEL) as upscaler, pytest.raises(ValueError, match="32 x 24 pixels, expected 16 x 24"):
+        upscaler(COLOUR, **IMAGES)
+    for size in (0, -1, 2**32):
+        with pytest.raises(ValueError, match="pixels, expected"):
+            xrds.Upscaler(size, 24, MODEL)

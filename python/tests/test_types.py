@@ -1,0 +1,35 @@
+"""The package is typed: mypy --strict finds nothing in it, nothing in what a user writes, and what is wrong there."""
+
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+import xrds
+
+pytest.importorskip("mypy")
+USER = pathlib.Path(__file__).parent / "user.py"
+
+
+def mypy(tmp_path, *words):
+    cache = ["--cache-dir", str(tmp_path.parent / "mypy")]
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", *cache, *words], capture_output=True, text=True,
+                          cwd=pathlib.Path(xrds.__file__).parents[1])
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_package_and_user(tmp_path):
+    assert (pathlib.Path(xrds.__file__).parent / "py.typed").exists()
+    code, text = mypy(tmp_path, "-p", "xrds")
+    assert code == 0, text
+    code, text = mypy(tmp_path, str(USER))
+    assert code == 0, text
+
+
+def test_what_is_wrong_is_found(tmp_path):
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("import xrds\nxrds.upscale([1.0])\nxrds.upscale(xrds, albedoo=1)\nx: str = xrds.Model('x').scale\n")
+    code, text = mypy(tmp_path, str(wrong))
+    assert code == 1
+    assert [number for number in "234" if f"wrong.py:{number}:" in text] == ["2", "3", "4"], text

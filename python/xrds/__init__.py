@@ -1,0 +1,39 @@
+"""xrds upscales noisy low-resolution renders with the help of full-resolution albedo and normals, on any Vulkan device.
+
+    import xrds
+    picture = xrds.upscale(colour, albedo=albedo, normal=normal)
+
+Arrays in and out are numpy's, or of any library with DLPack. See upscale(); Upscaler for sequences; devices().
+"""
+
+from . import _native
+from ._arrays import Array, SupportsDlpack
+from ._colour import Samples, merge_colour
+from ._devices import Device, DeviceDescription, devices
+from ._errors import ArgumentError, Cancelled, DeviceLost, Error, OutOfMemory
+from ._frame import release, upscale
+from ._models import Model, models
+from ._progress import Progress
+from ._upscaler import Upscaler
+
+__version__ = _native.version()
+__all__ = [
+    "ArgumentError",
+    "Array",
+    "Cancelled",
+    "Device",
+    "DeviceDescription",
+    "DeviceLost",
+    "Error",
+    "Model",
+    "OutOfMemory",
+    "Progress",
+    "Samples",
+    "SupportsDlpack",
+    "Upscaler",
+    "devices",
+    "merge_colour",
+    "models",
+    "release",
+    "upscale",
+]

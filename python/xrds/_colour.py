@@ -1,0 +1,60 @@
+"""The colours of the two renders of a frame, merged into one."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any, Optional
+
+import numpy
+
+from . import _native
+from ._arrays import Array, Result, output_for, readable, writable
+from ._errors import ArgumentError
+
+Samples = tuple[float, float]
+MOST_DIFFERENCE = 0.1  # of colours that are of the same light
+
+
+def merge_colour(low: Array, full: Array, *, samples: Optional[Samples] = None, out: Optional[Array] = None) -> Any:
+    """The mean of a low-resolution colour and that of the full-resolution render, weighted by samples.
+
+    low: [height, width, 3 or 4] linear radiance; full: [scale height, scale width, 3] the same.
+    samples: of a pixel of both, as (64, 16); None: estimated from the noise.
+    out: None: a new array of the type of `low`.
+
+    Returns [height, width, channels of low]; its alpha is that of `low`. Raises ArgumentError. Safe in any thread.
+    """
+    image = readable(low, "colour")
+    result = output_for(image, 1, out)
+    merge_into(result, image, readable(full, "full_colour"), samples)
+    return result
+
+
+def merge_into(result: Any, low: _native.Image, full: _native.Image, samples: Optional[Samples]) -> None:
+    of_low, of_full = _checked(samples)
+    _native.merge_colour(low, full, of_low, of_full, writable(result, "out"))
+
+
+def merged_or_none(low: _native.Image, full: _native.Image, samples: Optional[Samples]) -> Optional[Result]:
+    """In 32 bits; None, with a warning, where nobody says that the two belong together and they do not."""
+    if samples is None:
+        difference = _native.compare_colour(low, full)
+        if difference > MOST_DIFFERENCE:
+            warnings.warn(
+                f"The full_colour differs from the colour by {100 * difference:.0f} %: it is of other light, and is not "
+                "used; samples=(LOW, FULL) uses it.",
+                stacklevel=4,
+            )
+            return None
+    merged = numpy.empty((low.height, low.width, low.channels), numpy.float32)
+    merge_into(merged, low, full, samples)
+    return merged
+
+
+def _checked(samples: Optional[Samples]) -> Samples:
+    if samples is None:
+        return 0, 0
+    low, full = samples
+    if not (low > 0 and full > 0):
+        raise ArgumentError(f"The samples are {low} and {full}, expected two positive numbers.")
+    return float(low), float(full)

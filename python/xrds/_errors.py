@@ -1,0 +1,21 @@
+"""What goes wrong, as exceptions; the text of each is one sentence that says what failed and what to do."""
+
+
+class Error(RuntimeError):
+    """A failure of the world around the package: a file, a driver, no device."""
+
+
+class ArgumentError(Error, ValueError):
+    """What was given cannot be: a shape, an option. A ValueError, too."""
+
+
+class OutOfMemory(Error):
+    """The device or the host has no room for what was asked. Less may fit."""
+
+
+class DeviceLost(Error):
+    """A device stopped working. What was made on it is of no more use; it may be opened again."""
+
+
+class Cancelled(Error):
+    """The function that heard the progress returned False."""

@@ -1,0 +1,138 @@
+"""upscale(): one call, which keeps what it made ready for the next."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import threading
+from typing import Any, Optional
+
+from . import _native
+from ._arrays import Array, readable
+from ._colour import Samples, merged_or_none
+from ._devices import Device
+from ._errors import ArgumentError, DeviceLost
+from ._models import Model
+from ._progress import Progress
+from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given
+
+_lock = threading.Lock()
+_last: Optional[tuple[tuple[Any, ...], Upscaler]] = None
+
+
+def upscale(
+    colour: Array,
+    *,
+    albedo: Optional[Array] = None,
+    normal: Optional[Array] = None,
+    depth: Optional[Array] = None,
+    diffuse: Optional[Array] = None,
+    glossy: Optional[Array] = None,
+    full_colour: Optional[Array] = None,
+    samples: Optional[Samples] = None,
+    model: Optional[AnyModel] = None,
+    device: AnyDevice = None,
+    precision: str = "fp32",
+    exposure: Optional[float] = None,
+    skip: Skip = None,
+    ensemble: int = 1,
+    memory: Optional[int] = None,
+    tune: str = "auto",
+    out: Optional[Array] = None,
+    progress: Optional[Progress] = None,
+) -> Any:
+    """Upscales a noisy low-resolution render with the help of full-resolution albedo and normals.
+
+    colour: [height, width, 3, or 4 with alpha] linear radiance. Images are float16 or float32 of any strides: numpy
+    arrays, or what shares its memory by DLPack, as tensors of torch on the CPU.
+    albedo, normal, depth, diffuse, glossy: [scale height, scale width, 3] of the full-resolution render, those that the
+    model takes; normal in the camera's axes; depth also [scale height, scale width] of distances in any unit.
+    full_colour: that of the same render, which is merged into the colour, weighted by `samples` a pixel of the two, as
+    (64, 16); None: estimated from the noise, and not used, with a warning, where it is of other light.
+    model: a Model, the name of a shipped one, or a file; None: what suits the images and samples.
+    out: an array for the result, of which no byte is the inputs'; None: a new one.
+    progress: hears how far it is, and can end it, see Progress. So does KeyboardInterrupt.
+    The others are those of Upscaler.
+
+    Returns `out`, or a numpy array [scale height, scale width, channels of colour] of the colour's type: linear
+    radiance, finite whatever the inputs. Pixels that are not finite count as their neighbours.
+
+    What is made ready for a size is kept for the next call with the same size and options, until release(). Safe in any
+    thread; threads wait for each other. Raises ArgumentError (a ValueError) for images and options that cannot be,
+    TypeError for what is no array of floats, OutOfMemory, DeviceLost, Cancelled, and Error for everything else.
+    """
+    low = readable(colour, "colour")
+    given = _given(albedo, normal, depth, diffuse, glossy, full_colour)
+    scale = _scale(low, given)
+    merged = merged_or_none(low, given["colour"], samples) if "colour" in given and scale > 1 else None
+    options = {
+        "precision": precision,
+        "exposure": exposure,
+        "skip": skip,
+        "ensemble": ensemble,
+        "memory": memory,
+        "tune": tune,
+    }
+    chosen = model if model is not None else _suitable(scale, given, merged is not None, samples)
+    upscaler = _kept(low, chosen, device, options, progress)
+    try:
+        return upscaler._run(low, merged, given, out, progress)
+    except DeviceLost:
+        release()
+        raise
+
+
+def release() -> None:
+    """Gives back what upscale() keeps for the next call: an upscaler with its device. Safe in any thread."""
+    global _last
+    with _lock:
+        _last = None
+
+
+atexit.register(release)
+
+
+def _scale(low: _native.Image, given: dict[str, _native.Image]) -> int:
+    """The size of the images over that of the colour; 0 without images."""
+    scale = 0
+    for name, image in given.items():
+        found = image.width // low.width
+        if found == 0 or (image.width, image.height) != (found * low.width, found * low.height):
+            raise ArgumentError(
+                f"The {_argument(name)} is {image.width} x {image.height} pixels, expected a whole multiple of the "
+                f"colour's {low.width} x {low.height}."
+            )
+        if scale not in (0, found):
+            first = next(iter(given))
+            raise ArgumentError(
+                f"The {_argument(name)} is {image.width} x {image.height} pixels and the {_argument(first)} "
+                f"{given[first].width} x {given[first].height}, expected one size."
+            )
+        scale = found
+    return scale
+
+
+def _suitable(scale: int, given: dict[str, _native.Image], merged: bool, samples: Optional[Samples]) -> str:
+    inputs = [name for name in given if merged or name != "colour"]
+    return _native.choose_model(scale, inputs, float(samples[0]) if samples else 0)
+
+
+def _kept(
+    low: _native.Image, model: AnyModel, device: AnyDevice, options: dict[str, Any], progress: Optional[Progress]
+) -> Upscaler:
+    """The upscaler of the last call if it fits, or a new one on the same device."""
+    global _last
+    model_key = model if isinstance(model, Model) else os.fspath(model)
+    key = (low.width, low.height, model_key, device, *options.values())
+    with _lock:
+        if _last is not None and _last[0] == key:
+            return _last[1]
+        same = _last is not None and _last[0][3] == device
+        opened: AnyDevice = _last[1].device if _last is not None and same else device
+        _last = None  # its memory first
+    if not isinstance(opened, Device):
+        opened = Device(opened, progress=progress)
+    upscaler = Upscaler(low.width, low.height, model, device=opened, progress=progress, **options)
+    with _lock:
+        _last = (key, upscaler)
+    return upscaler

@@ -1,0 +1,236 @@
+from __future__ import annotations
+
+import os
+import threading
+from types import TracebackType
+from typing import Any, Optional, Union
+
+from . import _native
+from ._arrays import Array, output_for, readable, refuse_overlap, writable
+from ._colour import Samples, merged_or_none
+from ._devices import Device
+from ._errors import ArgumentError
+from ._models import Model
+from ._progress import Progress
+
+AnyModel = Union[Model, str, "os.PathLike[str]"]
+AnyDevice = Union[Device, str, int, None]
+Skip = Union[float, str, None]
+
+_SAFE_SKIP = 0.005  # loses at most 0.05 dB: bench/skip.md
+_TUNE = {"auto": 0, "never": 1, "now": 2}
+_PRECISIONS = ("fp32", "fp16")
+
+
+class Upscaler:
+    """A model made ready for frames of one size on a device: slow once, then fast for each frame.
+
+    width, height: of the low-resolution colour, pixels.
+    model: a Model, the name of a shipped one, or a file.
+    device: a Device, or what Device takes; None: the best one.
+    precision: "fp32", or "fp16": half the memory.
+    exposure: factor on the colour for the network, 1e-30 to 1e30; None: from the mean log luminance of each frame.
+    skip: windows of the frame that change by less are interpolated without the network; "safe": 0.005. None: none are.
+    keep_unchanged: windows whose inputs did not change since the last run keep their result, for sequences.
+    ensemble: passes over mirrored images, 1, 2, 4 or 8.
+    memory: bytes of the device at most; a larger frame is cut into tiles. None: three quarters.
+    tune: "auto", "never" or "now": whether the device's fastest kernels are found before, minutes on a CPU.
+    progress: hears how it is made ready, see Progress.
+
+    A frame: `upscaler(colour, albedo=albedo, normal=normal)`. Threads that use one upscaler wait for each other. Raises
+    ArgumentError for options that cannot be, OutOfMemory, and Error.
+    """
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        model: AnyModel = "xrds-x4-compact",
+        *,
+        device: AnyDevice = None,
+        precision: str = "fp32",
+        exposure: Optional[float] = None,
+        skip: Skip = None,
+        keep_unchanged: bool = False,
+        ensemble: int = 1,
+        memory: Optional[int] = None,
+        tune: str = "auto",
+        progress: Optional[Progress] = None,
+    ) -> None:
+        options = _options(precision, exposure, skip, ensemble, memory, tune)
+        options.keep_unchanged = keep_unchanged
+        self.width, self.height = _size(width, "width"), _size(height, "height")
+        self.model = model if isinstance(model, Model) else Model(model)
+        self.device = device if isinstance(device, Device) else Device(device, progress=progress)
+        self._lock = threading.Lock()
+        self._native = _native.Upscaler(
+            self.device._native, self.model._native, self.width, self.height, options, progress
+        )
+
+    def __call__(
+        self,
+        colour: Array,
+        *,
+        albedo: Optional[Array] = None,
+        normal: Optional[Array] = None,
+        depth: Optional[Array] = None,
+        diffuse: Optional[Array] = None,
+        glossy: Optional[Array] = None,
+        full_colour: Optional[Array] = None,
+        samples: Optional[Samples] = None,
+        out: Optional[Array] = None,
+        progress: Optional[Progress] = None,
+    ) -> Any:
+        """Upscales one frame; the images are those of xrds.upscale(), of which the model takes `model.inputs`.
+
+        Returns `out`, or a new numpy array [scale height, scale width, channels of the colour] of the colour's type.
+        Raises ArgumentError for an image that is missing, too many, or of a wrong shape, TypeError for what is no array
+        of floats. After an exception `out` holds anything.
+        """
+        given = _given(albedo, normal, depth, diffuse, glossy, full_colour)
+        return self._upscale(readable(colour, "colour"), given, samples, out, progress)
+
+    @property
+    def scale(self) -> int:
+        """Output pixels to a side of a colour pixel."""
+        return self.model.scale
+
+    @property
+    def exposure(self) -> float:
+        """The exposure of the last frame."""
+        with self._lock:
+            return self._native.exposure
+
+    @property
+    def device_bytes(self) -> int:
+        """Memory of the device that this holds."""
+        with self._lock:
+            return self._native.device_bytes
+
+    def close(self) -> None:
+        """Gives its memory back now. It is of no more use; without it, this comes by itself."""
+        with self._lock:
+            self._native.close()
+
+    def __enter__(self) -> Upscaler:
+        return self
+
+    def __exit__(
+        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self.close()
+
+    def _upscale(
+        self,
+        low: _native.Image,
+        given: dict[str, _native.Image],
+        samples: Optional[Samples],
+        out: Optional[Array],
+        progress: Optional[Progress],
+    ) -> Any:
+        full = given.get("colour")
+        merged = merged_or_none(low, full, samples) if full and self.scale > 1 else None
+        return self._run(low, merged, given, out, progress)
+
+    def _run(
+        self,
+        low: _native.Image,
+        merged: Optional[Array],
+        given: dict[str, _native.Image],
+        out: Optional[Array],
+        progress: Optional[Progress],
+    ) -> Any:
+        if (low.width, low.height) != (self.width, self.height):
+            raise ArgumentError(
+                f"The colour is {low.width} x {low.height} pixels, expected {self.width} x {self.height}: "
+                "make an upscaler of that size."
+            )
+        inputs = self._chosen(given, merged is not None)
+        result = output_for(low, self.scale, out)
+        output = writable(result, "out")
+        refuse_overlap(output, [low, *inputs])
+        frame = low if merged is None else readable(merged, "colour")
+        with self._lock:
+            self._native.run(frame, inputs, output, progress)
+        return result
+
+    def _chosen(self, given: dict[str, _native.Image], merged: bool) -> list[_native.Image]:
+        """The images of the model in its order."""
+        wanted = self.model.inputs
+        takes = f"The model {self.model.name} takes {_listed(wanted)}"
+        for name in wanted:
+            if name not in given:
+                raise ArgumentError(f"{takes}, but no {_argument(name)} was given.")
+        if "colour" in wanted and not merged:
+            raise ArgumentError(f"{takes}, but the full_colour is not merged: give samples=(LOW, FULL).")
+        for name in given:
+            if name not in wanted and name != "colour":  # which is merged into the other
+                raise ArgumentError(f"{takes}, and no {_argument(name)}.")
+        return [given[name] for name in wanted]
+
+
+def _given(
+    albedo: Optional[Array],
+    normal: Optional[Array],
+    depth: Optional[Array],
+    diffuse: Optional[Array],
+    glossy: Optional[Array],
+    full_colour: Optional[Array],
+) -> dict[str, _native.Image]:
+    """The images that there are, by the names that models have for them."""
+    arrays = {
+        "albedo": albedo,
+        "normal": normal,
+        "depth": depth,
+        "diffuse": diffuse,
+        "glossy": glossy,
+        "colour": full_colour,
+    }
+    return {name: readable(array, _argument(name)) for name, array in arrays.items() if array is not None}
+
+
+def _argument(name: str) -> str:
+    return "full_colour" if name == "colour" else name
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return " and ".join(_argument(name) for name in names) or "the colour alone"
+
+
+def _size(value: int, name: str) -> int:
+    if not 0 < value < 2**32:
+        raise ArgumentError(f"The {name} is {value} pixels, expected a positive number.")
+    return value
+
+
+def _options(
+    precision: str,
+    exposure: Optional[float],
+    skip: Skip,
+    ensemble: int,
+    memory: Optional[int],
+    tune: str,
+) -> _native.UpscalerOptions:
+    options = _native.UpscalerOptions()
+    options.fp16 = _one_of(precision, "precision", _PRECISIONS) == "fp16"
+    options.tune = _TUNE[_one_of(tune, "tune", tuple(_TUNE))]
+    if exposure is not None:
+        if not exposure > 0:
+            raise ArgumentError(f"The exposure is {exposure}, expected a number from 1e-30 to 1e30, or None.")
+        options.exposure = exposure
+    if isinstance(skip, str):
+        _one_of(skip, "skip", ("safe",))
+        options.skip = _SAFE_SKIP
+    elif skip is not None:
+        options.skip = skip
+    if not 0 < ensemble <= 8 or not (memory is None or 0 < memory < 2**64):
+        raise ArgumentError(f"The ensemble is {ensemble} and the memory {memory}, expected 1, 2, 4 or 8, and bytes or None.")
+    options.ensemble = ensemble
+    options.memory = memory or 0
+    return options
+
+
+def _one_of(value: str, name: str, known: tuple[str, ...]) -> str:
+    if value not in known:
+        raise ArgumentError(f"The {name} is {value!r}, expected " + " or ".join(repr(one) for one in known) + ".")
+    return value
