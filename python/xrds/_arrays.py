@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional, Protocol, Union
+from typing import Any, Optional, Protocol, Union, cast
 
 import numpy
 import numpy.typing
@@ -39,10 +39,10 @@ def writable(array: Array, name: str) -> _native.Image:
     return _native.Image(array, name, True)
 
 
-def output_for(low: _native.Image, scale: int, out: Optional[Array]) -> Any:
-    """`out`, or a new array of the type and channels of the colour."""
+def output_for(low: _native.Image, scale: int, out: Optional[Array]) -> Result:
+    """`out`, of whatever library, or a new array of the type and channels of the colour."""
     if out is not None:
-        return out
+        return cast(Result, out)
     return numpy.empty((scale * low.height, scale * low.width, low.channels), low.dtype)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, Optional
+from typing import Optional
 
 import numpy
 
@@ -15,7 +15,7 @@ Samples = tuple[float, float]
 MOST_DIFFERENCE = 0.1  # of colours that are of the same light
 
 
-def merge_colour(low: Array, full: Array, *, samples: Optional[Samples] = None, out: Optional[Array] = None) -> Any:
+def merge_colour(low: Array, full: Array, *, samples: Optional[Samples] = None, out: Optional[Array] = None) -> Result:
     """The mean of a low-resolution colour and that of the full-resolution render, weighted by samples.
 
     low: [height, width, 3 or 4] linear radiance; full: [scale height, scale width, 3] the same.
@@ -30,7 +30,7 @@ def merge_colour(low: Array, full: Array, *, samples: Optional[Samples] = None, 
     return result
 
 
-def merge_into(result: Any, low: _native.Image, full: _native.Image, samples: Optional[Samples]) -> None:
+def merge_into(result: Result, low: _native.Image, full: _native.Image, samples: Optional[Samples]) -> None:
     of_low, of_full = _checked(samples)
     _native.merge_colour(low, full, of_low, of_full, writable(result, "out"))
 

@@ -8,7 +8,7 @@ import threading
 from typing import Any, Optional
 
 from . import _native
-from ._arrays import Array, readable
+from ._arrays import Array, Result, readable
 from ._colour import Samples, merged_or_none
 from ._devices import Device
 from ._errors import ArgumentError, DeviceLost
@@ -40,7 +40,7 @@ def upscale(
     tune: str = "auto",
     out: Optional[Array] = None,
     progress: Optional[Progress] = None,
-) -> Any:
+) -> Result:
     """Upscales a noisy low-resolution render with the help of full-resolution albedo and normals.
 
     colour: [height, width, 3, or 4 with alpha] linear radiance. Images are float16 or float32 of any strides: numpy

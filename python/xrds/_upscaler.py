@@ -3,10 +3,10 @@ from __future__ import annotations
 import os
 import threading
 from types import TracebackType
-from typing import Any, Optional, Union
+from typing import Optional, Union
 
 from . import _native
-from ._arrays import Array, output_for, readable, refuse_overlap, writable
+from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
 from ._colour import Samples, merged_or_none
 from ._devices import Device
 from ._errors import ArgumentError
@@ -80,7 +80,7 @@ class Upscaler:
         samples: Optional[Samples] = None,
         out: Optional[Array] = None,
         progress: Optional[Progress] = None,
-    ) -> Any:
+    ) -> Result:
         """Upscales one frame; the images are those of xrds.upscale(), of which the model takes `model.inputs`.
 
         Returns `out`, or a new numpy array [scale height, scale width, channels of the colour] of the colour's type.
@@ -127,7 +127,7 @@ class Upscaler:
         samples: Optional[Samples],
         out: Optional[Array],
         progress: Optional[Progress],
-    ) -> Any:
+    ) -> Result:
         full = given.get("colour")
         merged = merged_or_none(low, full, samples) if full and self.scale > 1 else None
         return self._run(low, merged, given, out, progress)
@@ -139,7 +139,7 @@ class Upscaler:
         given: dict[str, _native.Image],
         out: Optional[Array],
         progress: Optional[Progress],
-    ) -> Any:
+    ) -> Result:
         if (low.width, low.height) != (self.width, self.height):
             raise ArgumentError(
                 f"The colour is {low.width} x {low.height} pixels, expected {self.width} x {self.height}: "
