@@ -5,7 +5,7 @@ packages=(
   g++ cmake ninja-build ccache git
   libvulkan-dev libvulkan-volk-dev glslang-tools mesa-vulkan-drivers vulkan-validationlayers spirv-tools
   libopenexr-dev libpng-dev nlohmann-json3-dev libcli11-dev libgtest-dev libbenchmark-dev libglfw3-dev libimgui-dev
-  libassimp-dev libstb-dev libx11-dev pkg-config xvfb
+  libassimp-dev libstb-dev libx11-dev pkg-config xvfb python3-dev python3-venv
 )
 if ! command -v dpkg-query >/dev/null; then
   echo "This is no Debian or Ubuntu: install ${packages[*]} or their like by hand." >&2

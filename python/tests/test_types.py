@@ -1,5 +1,6 @@
 """The package is typed: mypy --strict finds nothing in it, nothing in what a user writes, and what is wrong there."""
 
+import os
 import pathlib
 import subprocess
 import sys
@@ -13,9 +14,10 @@ USER = pathlib.Path(__file__).parent / "user.py"
 
 
 def mypy(tmp_path, *words):
-    cache = ["--cache-dir", str(tmp_path.parent / "mypy")]
-    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", *cache, *words], capture_output=True, text=True,
-                          cwd=pathlib.Path(xrds.__file__).parents[1])
+    folder = pathlib.Path(xrds.__file__).parents[1]
+    environment = dict(os.environ) if folder.name == "site-packages" else {**os.environ, "MYPYPATH": str(folder)}
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path.parent / "mypy"), *words]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
     return done.returncode, done.stdout + done.stderr
 
 
