@@ -19,7 +19,9 @@ layout(constant_id = 4) const bool kHasResidual = false;
 #include "shaders/conv3x3/winograd.glsl"
 const uint kTileQuads = kTile / 4;
 const uint kRegisters = (3 * kElements * kTile + kLanes - 1) / kLanes;  // texels of weights that a lane holds
-#define WEIGHT(texel) handedOut(w[(texel) / kLanes], (texel) % kLanes)
+// Outputs side by side whose sums, of all rows, stay in registers: of 8 lanes (AVX2) 16, of which two hold weight and
+// product.
+const uint kPieces = kLanes <= 8 && kRows > 2 ? 2 : 1, kPiece = 4 / kPieces;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
@@ -71,18 +73,17 @@ void main() {
     }
     [[unroll]] for (uint n = 0; n < kTileQuads; n++)
       [[unroll]] for (uint e = 0; e < kElements; e++)
-        [[unroll]] for (uint ky = 0; ky < 3; ky++) {
-          const uint texel = (e * 3 + ky) * 4 * kTileQuads + n;
-          const vec4 w0 = WEIGHT(texel), w1 = WEIGHT(texel + kTileQuads);
-          const vec4 w2 = WEIGHT(texel + 2 * kTileQuads), w3 = WEIGHT(texel + 3 * kTileQuads);
-          [[unroll]] for (uint i = 0; i < kRows; i++) {
-            const vec4 v = x[i + ky][e];
-            product[i][n][e] = plusProduct(product[i][n][e], v.x, w0);
-            product[i][n][e] = plusProduct(product[i][n][e], v.y, w1);
-            product[i][n][e] = plusProduct(product[i][n][e], v.z, w2);
-            product[i][n][e] = plusProduct(product[i][n][e], v.w, w3);
-          }
-        }
+        [[unroll]] for (uint piece = 0; piece < kPieces; piece++)
+          [[unroll]] for (uint ky = 0; ky < 3; ky++)
+            [[unroll]] for (uint c = 0; c < 4; c++) {
+              const uint texel = ((e * 3 + ky) * 4 + c) * kTileQuads + n;
+              [[unroll]] for (uint o = 0; o < kPiece; o++) {
+                const uint q = piece * kPiece + o;
+                const float weight = handedOut(w[texel / kLanes][q], texel % kLanes);
+                [[unroll]] for (uint i = 0; i < kRows; i++)
+                  product[i][n][e][q] = plusProduct(product[i][n][e][q], x[i + ky][e][c], weight);
+              }
+            }
     inputQuad++;
     if (inputQuad == p.inputChannels / 4) {
       inputQuad = 0;
