@@ -48,7 +48,7 @@ struct MatrixSize {
 /// left to the operator's own rule.
 struct KernelShape {
   uint32_t outputs = 0;  // channels of a lane, or fragments of them of a workgroup
-  uint32_t rows = 0;     // rows of pixels, tokens or queries of an invocation
+  uint32_t rows = 0;     // rows of pixels, tokens or queries of an invocation; or the order of its outputs
   auto operator<=>(const KernelShape&) const = default;
 };
 
@@ -111,7 +111,8 @@ struct Dispatch {
   std::array<uint32_t, 3> groupCount{1, 1, 1};
   bool fullSubgroups = false;  // subgroups of DeviceTraits::subgroupSize invocations, no fewer
   std::string label;           // the node's name in the graph
-  uint64_t multiplyAdds = 0;   // for the profile and for cutting submissions
+  uint64_t multiplyAdds = 0;   // of the formula: for the profile and for cutting submissions
+  uint64_t savedProducts = 0;  // of these, those that the kernel does without (Winograd's)
 
   bool isCopy() const { return !bindings.empty() && bindings[0].kind == BindingKind::copied; }
 };

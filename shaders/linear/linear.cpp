@@ -18,7 +18,8 @@ namespace {
 // fetched input.
 constexpr uint32_t kMaxBody = 6144, kGoodBody = 2048;
 constexpr uint32_t kMaxTile = 64, kGoodTile = 48;
-constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kernel
+constexpr uint32_t kMaxRows = 32;              // subgroups in a workgroup of the lane kernel
+constexpr uint32_t kAtOnce = 1, kInTurns = 2;  // KernelShape::rows of the lane kernel
 
 uint32_t outputChannels(const Linear& op) { return ceilDivide(op.bias.size(), 4) * 4; }
 
@@ -49,6 +50,16 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
     return asked;
   const uint32_t tile = largest(std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile));
   return tile < kGoodTile / 2 ? largest(kMaxTile) : tile;  // 56 outputs: not 8
+}
+
+// Whether the subgroups of a workgroup of the lane kernel take turns. The code for vectors of 256 bits is longer,
+// because AVX2 reads a weight by an instruction of its own; from 64 inputs on it leaves the instruction cache. With
+// newer drivers, whose code is shorter, this was not tried.
+bool takesTurns(const Linear& op, const DeviceTraits& device) {
+  constexpr uint32_t kLanes = 8, kInputs = 64;
+  if (laneTile(op, device) <= 8) return false;  // one turn
+  if (device.shape.rows > 0) return device.shape.rows == kInTurns;
+  return device.subgroupSize == kLanes && inputChannels(op) >= kInputs && !device.knowsUniforms;
 }
 
 // A workgroup of the tile kernel: columns * rows invocations, each four outputs of `tokens` tokens.
@@ -130,8 +141,9 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
     const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin) % 2 == 0;
-    launch.specialization = {device.subgroupSize, params.inputChannels, tile, activation, hasResidual, rows, inEights,
-                             normalized,          op.input.channels / 4};
+    launch.specialization = {
+        device.subgroupSize,   params.inputChannels,  tile, activation, hasResidual, rows, inEights, normalized,
+        op.input.channels / 4, takesTurns(op, device)};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
@@ -163,12 +175,18 @@ std::vector<KernelShape> shapesToTry(const Linear& op, const DeviceTraits& devic
   if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.rows = 2}};
   if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
   if (device.family != KernelFamily::lane) return {};
-  // The next smaller and larger tiles: half the registers, or half the fetches.
+  // The next smaller and larger tiles: half the registers, or half the fetches. Of each, and of its own, both orders.
   const uint32_t outputs = outputChannels(op), own = laneTile(op, device);
   std::vector<KernelShape> shapes;
-  const auto add = [&](uint32_t tile) { shapes.push_back({.outputs = tile}); };
-  for (uint32_t tile = own; tile > 8 && shapes.empty(); tile -= 8)
-    if (outputs % (tile - 8) == 0) add(tile - 8);
+  const auto add = [&](uint32_t tile) {
+    for (const uint32_t rows : {kAtOnce, kInTurns}) shapes.push_back({.outputs = tile, .rows = rows});
+  };
+  if (own > 0) add(own);
+  for (uint32_t tile = own; tile > 8; tile -= 8)
+    if (outputs % (tile - 8) == 0) {
+      add(tile - 8);
+      break;
+    }
   for (uint32_t tile = own + 8; own > 0 && tile <= std::min(outputs, kMaxTile); tile += 8)
     if (outputs % tile == 0) {
       add(tile);

@@ -51,8 +51,8 @@ TensorShape outputShape(const Linear& op);
 /// kernel, goes to the plain one. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const Linear& op, const DeviceTraits& device);
 
-/// Shapes of the device's family that are worth a try beside the rule's own: outputs of a lane, tokens of an invocation
-/// of the tile kernel, fragments of a workgroup of the matrix kernel.
+/// Shapes of the device's family that are worth a try beside the rule's own: outputs of a lane, in turns or at once;
+/// tokens of an invocation of the tile kernel; fragments of a workgroup of the matrix kernel.
 std::vector<KernelShape> shapesToTry(const Linear& op, const DeviceTraits& device);
 
 /// [N][K] and [N] of the map, into which those of a norm or of a first map are multiplied, in double precision.

@@ -2,7 +2,8 @@
 // A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Weights of the tile, [K][kTile] then bias[kTile], lie in
 // shared memory and are read at constant offsets, outside of any branch or loop that survives compilation: only then is
 // a read a broadcast operand of the multiplication. Eight outputs at a time, four inputs written out, as drivers are slow
-// to unroll. Lanes behind the last token repeat it. fp32.
+// to unroll. kInTurns: all subgroups of the workgroup make the same eight before the next, so that their code is read
+// from the instruction cache. Lanes behind the last token repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -22,6 +23,7 @@ layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 layout(constant_id = 7) const bool kNormalizes = false;
 layout(constant_id = 8) const uint kSourceQuads = 1;  // those behind them are of `appended`
+layout(constant_id = 9) const bool kInTurns = false;
 layout(binding = 4) uniform samplerBuffer appended;
 const uint kTileQuads = kTile / 4;
 const bool kInPairs = kTileQuads > 1;  // else four outputs in all
@@ -64,6 +66,7 @@ void main() {
 
   [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;
+    if (kInTurns && m > 0) barrier();
     vec4 a = tile[kInputs * kTileQuads + n], b = kInPairs ? tile[kInputs * kTileQuads + n + 1] : vec4(0);
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
       const vec4 v = x[k];

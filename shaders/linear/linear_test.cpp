@@ -167,6 +167,42 @@ TEST(Linear, TakesTheTilesThatFitTheDevice) {
   EXPECT_EQ(launchOn(small, 256).program, "linear_plain_f32");
 }
 
+TEST(Linear, MatchesReferenceInTheShapesThatTuningTries) {
+  const auto weight = halves(test::randomNumbers(size_t{96} * 64, 1)), bias = halves(test::randomNumbers(96, 2));
+  for (const DataType stored : {DataType::f32, DataType::f16}) {
+    Linear op{
+        .input = view(0, stored, 7, 33, 64), .output = view(1, stored, 7, 33, 96), .weight = weight, .bias = bias};
+    op.residual = op.output;
+    op.weightType = stored;
+    DeviceTraits traits = test::traitsOf(KernelFamily::lane);
+    for (const KernelShape& shape : shapesToTry(op, traits)) {
+      traits.shape = shape;
+      SCOPED_TRACE(std::to_string(shape.outputs) + " outputs, order " + std::to_string(shape.rows));
+      test::expectMatchesReference(op, traits, test::toleranceOf(stored));
+    }
+  }
+}
+
+TEST(Linear, TakesTurnsOnVectorsOf256BitsWhereTheCodeIsLong) {
+  const std::vector<float> numbers(96 * 96, 1);
+  const auto takesTurns = [&](uint32_t inputs, DeviceTraits device) {
+    const Linear op{.input = view(0, DataType::f32, 32, 32, inputs),
+                    .output = view(1, DataType::f32, 32, 32, 96),
+                    .weight = std::span(numbers).first(size_t{inputs} * 96),
+                    .bias = std::span(numbers).first(96)};
+    device.family = KernelFamily::lane;
+    device.shaderInt64 = true;
+    return dispatch(op, device).specialization[9] == 1;
+  };
+  EXPECT_TRUE(takesTurns(64, {.subgroupSize = 8}));
+  EXPECT_FALSE(takesTurns(32, {.subgroupSize = 8}));
+  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 16}));
+  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .knowsUniforms = true}));
+  EXPECT_TRUE(takesTurns(32, {.shape = {.outputs = 48, .rows = 2}, .subgroupSize = 16}));
+  EXPECT_FALSE(takesTurns(64, {.shape = {.outputs = 48, .rows = 1}, .subgroupSize = 8}));
+  EXPECT_FALSE(takesTurns(64, {.shape = {.outputs = 8, .rows = 2}, .subgroupSize = 8})) << "eight outputs are one turn";
+}
+
 TEST(Linear, JoinsTheFirstMapWithItsOwn) {
   const std::vector<float> weight = test::randomNumbers(20 * 12, 1), bias = test::randomNumbers(20, 2),
                            first = test::randomNumbers(12 * 48, 3), firstBias = test::randomNumbers(12, 4);
