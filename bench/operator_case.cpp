@@ -74,6 +74,7 @@ OperatorWork workOf(const OperatorCase& operatorCase, const DeviceTraits& device
   DataType weightType = DataType::f32;
   for (const LoweredDispatch& lowered : lower(operatorCase.graph, device)) {
     work.multiplyAdds += lowered.dispatch.multiplyAdds;
+    work.products += lowered.dispatch.multiplyAdds - lowered.dispatch.savedProducts;
     for (const Binding& binding : lowered.dispatch.bindings) {
       if (binding.value == kWeights)
         weightType = binding.type;

@@ -26,7 +26,9 @@ std::vector<OperatorCase> distinctOperators(const std::string& network, const Ne
 
 /// What one run of the operator multiplies and moves: its inputs and outputs and its weights, each counted once.
 struct OperatorWork {
-  uint64_t multiplyAdds = 0, byteSize = 0;
+  uint64_t multiplyAdds = 0;  // of the formula
+  uint64_t products = 0;      // of the kernel, which may do with fewer
+  uint64_t byteSize = 0;
 };
 
 /// Throws std::logic_error if an operator binds a value that none of the fields known here names.

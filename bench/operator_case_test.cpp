@@ -52,6 +52,7 @@ TEST(OperatorCase, CountsEachTensorOnce) {
     if (!operatorCase.name.ends_with("xm.self_attn.qkv")) continue;
     const OperatorWork work = workOf(operatorCase, test::gpu().traits());
     EXPECT_EQ(work.multiplyAdds, 16U * 16 * 16 * 48);
+    EXPECT_EQ(work.products, work.multiplyAdds);
     EXPECT_EQ(work.byteSize, 2U * (16 * 16 * 16 + 16 * 16 * 48 + 16 * 48 + 48));
     EXPECT_EQ(operatorCase.shapes, "16x16x16 -> 16x16x48");
     return;

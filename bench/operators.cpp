@@ -51,7 +51,8 @@ void count(benchmark::State& state, const Bench& bench, const OperatorCase& oper
   const OperatorWork work = workOf(operatorCase, bench.gpu.traits());
   const double perRun = seconds / static_cast<double>(state.iterations());
   const double flops = 2 * static_cast<double>(work.multiplyAdds), bytes = static_cast<double>(work.byteSize);
-  const double least = std::max(flops / bench.peaks.flops, bytes / bench.peaks.bytesPerSecond);
+  const double products = 2 * static_cast<double>(work.products);
+  const double least = std::max(products / bench.peaks.flops, bytes / bench.peaks.bytesPerSecond);
   const OperatorError& error = bench.errors.at(operatorCase.name);
   if (flops > 0) state.counters["GFLOP/s"] = 1e-9 * flops / perRun;
   state.counters["GB/s"] = 1e-9 * bytes / perRun;

@@ -5,8 +5,10 @@
 
 #include "bench/timing.h"
 #include "peak_arithmetic.h"
+#include "peak_arithmetic_apart.h"
 #include "peak_copy.h"
 #include "peak_copy_wide.h"
+#include "peak_read.h"
 #include "xrds/error.h"
 
 namespace xrds::bench {
@@ -38,13 +40,14 @@ double bestSeconds(Gpu& gpu, const PlacedDispatch& placed) {
   return best;
 }
 
-double peakFlops(Gpu& gpu) {
-  constexpr uint32_t kInvocations = 1 << 18, kSteps = 64, kChains = 8;
+double peakFlops(Gpu& gpu, const char* program) {
+  constexpr uint32_t kInvocations = 1 << 18, kSteps = 64, kChains = 12;
   constexpr double kLongEnough = 0.03;
   Buffer source(gpu, kBindingAlignment), target(gpu, uint64_t{kInvocations} * 16);
-  std::vector<float> numbers(kBindingAlignment / 4, 0.5F);  // scale and offset: the fixed point is 1
+  std::vector<float> numbers(kBindingAlignment / 4, 1);  // start
+  std::fill_n(numbers.begin(), 4, -2.0F);                // scale
   source.upload(0, std::as_bytes(std::span(numbers)));
-  PlacedDispatch placed = launch("peak_arithmetic", source, target, kInvocations);
+  PlacedDispatch placed = launch(program, source, target, kInvocations);
   placed.dispatch.specialization = {kSteps};
   for (uint32_t loops = 4;; loops *= 2) {
     placed.dispatch.pushConstants = pushBytes(loops);
@@ -55,34 +58,49 @@ double peakFlops(Gpu& gpu) {
   }
 }
 
-double peakBytesPerSecond(Gpu& gpu, const char* program, uint32_t bytesPerInvocation) {
+/// A kernel that reads and writes so many bytes an invocation, and leaves ones of ones.
+struct Mover {
+  const char* program;
+  uint32_t readBytes, writtenBytes;
+};
+
+double peakBytesPerSecond(Gpu& gpu, const Mover& mover, uint64_t largest) {
   const DeviceTraits& traits = gpu.traits();
-  constexpr uint64_t kLargest = uint64_t{128} << 20, kUnit = uint64_t{1} << 20;
-  const uint64_t most = std::min({kLargest, traits.maxStorageBufferRange, traits.maxTexelBufferElements * 16,
-                                  uint64_t{65535} * kGroupSize * bytesPerInvocation});
-  Buffer source(gpu, most / kUnit * kUnit), target(gpu, source.byteSize());
+  constexpr uint64_t kUnit = uint64_t{1} << 20;
+  const uint64_t most = std::min({largest, traits.maxStorageBufferRange, traits.maxTexelBufferElements * 16,
+                                  uint64_t{65535} * kGroupSize * mover.readBytes});
+  Buffer source(gpu, most / kUnit * kUnit), target(gpu, source.byteSize() / mover.readBytes * mover.writtenBytes);
   source.fill(0x3F800000);  // 1.0
   target.fill(0);
-  const auto invocations = static_cast<uint32_t>(source.byteSize() / bytesPerInvocation);
-  const double seconds = bestSeconds(gpu, launch(program, source, target, invocations));
+  const auto invocations = static_cast<uint32_t>(source.byteSize() / mover.readBytes);
+  PlacedDispatch placed = launch(mover.program, source, target, invocations);
+  if (mover.readBytes > mover.writtenBytes) placed.dispatch.specialization = {mover.readBytes / 16};
+  const double seconds = bestSeconds(gpu, placed);
   for (const float number : downloadFloats(target, target.byteSize() / 4))
-    if (number != 1) throw Error("The copy that measures the device's peak went wrong.");
-  return 2 * static_cast<double>(source.byteSize()) / seconds;
+    if (number != 1) throw Error("The kernel that measures how fast the device moves bytes went wrong.");
+  return static_cast<double>(source.byteSize() + target.byteSize()) / seconds;
 }
 
 }  // namespace
 
 std::span<const uint32_t> peakProgram(std::string_view name) {
   if (name == "peak_arithmetic") return peak_arithmetic;
+  if (name == "peak_arithmetic_apart") return peak_arithmetic_apart;
   if (name == "peak_copy") return peak_copy;
   if (name == "peak_copy_wide") return peak_copy_wide;
+  if (name == "peak_read") return peak_read;
   return {};
 }
 
 DevicePeaks measurePeaks(Gpu& gpu) {
-  DevicePeaks peaks{peakFlops(gpu), peakBytesPerSecond(gpu, "peak_copy", 16)};
-  if (gpu.traits().shaderInt64)
-    peaks.bytesPerSecond = std::max(peaks.bytesPerSecond, peakBytesPerSecond(gpu, "peak_copy_wide", 32));
+  constexpr uint64_t kLarge = uint64_t{128} << 20, kCached = uint64_t{8} << 20;
+  std::vector<Mover> movers{{"peak_copy", 16, 16}, {"peak_read", 256, 16}};
+  if (gpu.traits().shaderInt64) movers.push_back({"peak_copy_wide", 32, 32});
+  DevicePeaks peaks{.flops = std::max(peakFlops(gpu, "peak_arithmetic"), peakFlops(gpu, "peak_arithmetic_apart"))};
+  for (const Mover& mover : movers)
+    for (const uint64_t largest : {kLarge, kCached})
+      if (largest == kLarge || gpu.traits().memoryBytes == 0)
+        peaks.bytesPerSecond = std::max(peaks.bytesPerSecond, peakBytesPerSecond(gpu, mover, largest));
   return peaks;
 }
 

@@ -7,10 +7,12 @@
 
 namespace xrds::bench {
 
-/// The rates that a device reaches in the two simplest kernels: what operators are compared with.
+/// The rates that a device reaches in the simplest kernels: what operators are compared with.
 struct DevicePeaks {
-  double flops = 0;           // of fp32 multiply-adds in registers, two each; matrix units take no part
-  double bytesPerSecond = 0;  // read plus written, by a copy of a buffer of up to 128 MiB
+  double flops = 0;  // of fp32 multiply-adds in registers, two each; matrix units take no part
+  /// Read plus written, in the faster of copying and reading up to 128 MiB, on a CPU device also of 8 MiB, which stay
+  /// in its caches.
+  double bytesPerSecond = 0;
 };
 
 /// The SPIR-V of bench/programs/NAME.comp; empty if there is none.

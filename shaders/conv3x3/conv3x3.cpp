@@ -248,6 +248,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
     if (tile.pixels == 4) launch.program.insert(launch.program.rfind('_'), "4");  // conv3x3_lane4_f32
     launch.specialization = {device.subgroupSize, tileRows, tile.outputs, activation, hasResidual, subgroups};
+    launch.savedProducts = launch.multiplyAdds - launch.multiplyAdds * (tile.pixels + 2) / (3 * tile.pixels);
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     launch.groupCount = {kernelOutputs(op) / tile.outputs, columns / subgroups, rowCount / tileRows};
   } else if (const auto [tile, taps] = matrixTile(op, device); tile.subgroups) {

@@ -243,6 +243,16 @@ TEST(Conv3x3, CountsTheMultiplyAddsOfItsWeight) {
   EXPECT_EQ(dispatch(op, {}).multiplyAdds, 3u * 7 * 9 * 6 * 3);
 }
 
+TEST(Conv3x3, SavesProductsByWinograd) {
+  const std::vector<float> weight(8 * 8 * 9), bias(8);
+  Conv3x3 op = operatorOf({4, 16, 8, 8}, DataType::f32, weight, bias);
+  const uint64_t all = 4u * 16 * 9 * 8 * 8;
+  EXPECT_EQ(dispatch(op, test::traitsOf(KernelFamily::plain)).savedProducts, 0u);
+  EXPECT_EQ(dispatch(op, test::traitsOf(KernelFamily::lane)).savedProducts, all / 3);
+  op.inFours = true;
+  EXPECT_EQ(dispatch(op, test::traitsOf(KernelFamily::lane)).savedProducts, all / 2);
+}
+
 TEST(Conv3x3, RefusesWhatDoesNotFit) {
   const std::vector<float> weight(8 * 4 * 9), bias(8);
   const Conv3x3 op{.input = view(0, DataType::f32, 3, 4, 4),
