@@ -94,6 +94,7 @@ def pytorch_frame(model, size, compiled=False, device="cpu", half=False):
     def frame():
         with torch.inference_mode() if not compiled else torch.no_grad():
             output = network(*inputs)
+        output = output[0] if isinstance(output, tuple) else output
         if device == "cuda":
             torch.cuda.synchronize()
             return output
