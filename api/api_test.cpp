@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "tests/environment_variable.h"
 #include "xrds/engine_access.h"
 #include "xrds/stress.h"
 #include "xrds/tuning.h"
@@ -159,25 +160,13 @@ TEST(Api, UpscalesALineLongerThanATileMayBe) {
   }
 }
 
-/// An environment variable for the life of the object.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
-  ~Variable() { unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-};
-
 TEST(Api, ListsDevicesWithTheKernelsThatTheyWouldRun) {
   const std::string suitable = Device::list().front().kernelFamily;
   {
-    const Variable family("XRDS_KERNEL_FAMILY", "plain");
+    const test::EnvironmentVariable family("XRDS_KERNEL_FAMILY", "plain");
     EXPECT_EQ(Device::list().front().kernelFamily, "plain");
   }
-  const Variable family("XRDS_KERNEL_FAMILY", "foo");
+  const test::EnvironmentVariable family("XRDS_KERNEL_FAMILY", "foo");
   for (const auto& act : {+[] { (void)Device::list(); }, +[] { Device device; }})
     expectError(act, {"'foo'", "plain, lane, tile, matrix or fused"});
   EXPECT_EQ(Device::kernelFamilies(), (std::vector<std::string>{"plain", "lane", "tile", "matrix", "fused"}));

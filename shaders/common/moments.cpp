@@ -17,7 +17,7 @@ constexpr double kWeightNoise = 5e-4;  // of a layer's weights: no half in its r
 Moment rectified(Moment x) {
   const double s = std::sqrt(x.variance);
   if (s == 0) return {std::max(x.mean, 0.0), 0};
-  const double z = x.mean / s, below = std::erfc(-z * M_SQRT1_2) / 2,
+  const double z = x.mean / s, below = std::erfc(-z * std::numbers::sqrt2 / 2) / 2,
                density = std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi);
   const double mean = x.mean * below + s * density, square = x.square() * below + x.mean * s * density;
   return {mean, std::max(0.0, square - mean * mean)};

@@ -34,7 +34,7 @@ TensorShape outputShape(const PackAuxiliary& op) {
   XRDS_CHECK_LE(op.albedoOffset + 3, static_cast<int>(op.input.channels));
   XRDS_CHECK_LE(-1, op.colourOffset);
   XRDS_CHECK_LE(op.colourOffset + 3, static_cast<int>(op.input.channels));
-  XRDS_CHECK_LE(std::bit_width(op.lightChannels), static_cast<int>(op.input.channels));
+  XRDS_CHECK_LE(static_cast<int>(std::bit_width(op.lightChannels)), static_cast<int>(op.input.channels));
   if (op.takesRadiance()) checkView(op.exposure, {1, 1, 4});
   XRDS_CHECK(!op.demodulates || op.albedoOffset >= 0);
   return op.output.shape();
