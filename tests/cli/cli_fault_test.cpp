@@ -64,6 +64,19 @@ TEST(CliFault, AnotherDeviceGoesOnWhereOneFails) {
                 2);
 }
 
+// As MoltenVK's on macOS: the loader shows such drivers only to programs that ask for them.
+TEST(CliFault, ADriverThatLacksPartsOfVulkanIsFoundAndOpened) {
+  const SmallFrame frame;
+  const TemporaryFolder drivers;
+  const std::string good = goodPicture(frame);
+  StartOptions options = withFaults("portability:1:0:0", drivers / "log");
+  if (!makePortabilityDriver(options, drivers / "")) GTEST_SKIP() << "lavapipe is not installed where it usually is";
+  const Ended ended = runXrds(frame.arguments(), options);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(readBytes(drivers / "log"), "portability\n");  // the layer was asked
+  EXPECT_EQ(readBytes(frame.out), good);
+}
+
 // Whichever call fails, first among hundreds or late.
 TEST(CliFault, NoFailedCallLeavesAWrongPicture) {
   const SmallFrame frame;

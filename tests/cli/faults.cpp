@@ -1,5 +1,8 @@
 #include "tests/cli/faults.h"
 
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 namespace xrds::test {
 
 namespace fs = std::filesystem;
@@ -13,11 +16,32 @@ StartOptions withFaults(const std::string& rules, const fs::path& log) {
   return options;
 }
 
-bool addSecondDevice(StartOptions& options, const fs::path& folder) {
+namespace {
+
+fs::path lavapipeManifest() {
   fs::path manifest;
   std::error_code failure;
   for (const auto& entry : fs::directory_iterator("/usr/share/vulkan/icd.d", failure))
     if (entry.path().filename().string().starts_with("lvp_icd")) manifest = entry.path();
+  return manifest;
+}
+
+}  // namespace
+
+bool makePortabilityDriver(StartOptions& options, const fs::path& folder) {
+  const fs::path manifest = lavapipeManifest();
+  if (manifest.empty()) return false;
+  std::ifstream file(manifest);
+  nlohmann::json content = nlohmann::json::parse(file);
+  content["ICD"]["is_portability_driver"] = true;
+  const std::string made = (folder / "portability.json").string();
+  std::ofstream(made) << content;
+  options.environment["VK_DRIVER_FILES"] = options.environment["VK_ICD_FILENAMES"] = made;
+  return true;
+}
+
+bool addSecondDevice(StartOptions& options, const fs::path& folder) {
+  const fs::path manifest = lavapipeManifest();
   if (manifest.empty()) return false;
   std::string files;
   for (const char* name : {"first.json", "second.json"}) {

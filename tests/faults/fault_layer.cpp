@@ -7,8 +7,10 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "tests/faults/faults.h"
 
@@ -26,6 +28,7 @@ struct NextOfInstance {
   PFN_vkGetInstanceProcAddr function = nullptr;
   PFN_vkCreateDevice createDevice = nullptr;
   PFN_vkGetPhysicalDeviceFeatures2 features = nullptr;
+  PFN_vkEnumerateDeviceExtensionProperties extensions = nullptr;
 };
 
 // Never destroyed: the loader may close the layer with an instance and call it again with the next one.
@@ -87,6 +90,36 @@ VKAPI_ATTR void VKAPI_CALL featuresOrFewer(VkPhysicalDevice device, VkPhysicalDe
   if (faultOf("vkGetPhysicalDeviceFeatures2")) features->features.shaderInt64 = VK_FALSE;
 }
 
+constexpr const char* kPortability = "VK_KHR_portability_subset";
+
+// By the rule `portability` a device stands for one of MoltenVK: it lists the extension that must then be enabled.
+VKAPI_ATTR VkResult VKAPI_CALL extensionsOrOneMore(VkPhysicalDevice device, const char* layer, uint32_t* count,
+                                                   VkExtensionProperties* properties) {
+  const auto next = nextOfInstance(device).extensions;
+  if (layer || !faultOf("portability")) return next(device, layer, count, properties);
+  uint32_t below = 0;
+  next(device, nullptr, &below, nullptr);
+  std::vector<VkExtensionProperties> all(below);
+  next(device, nullptr, &below, all.data());
+  std::strcpy(all.emplace_back().extensionName, kPortability);
+  if (!properties) {
+    *count = static_cast<uint32_t>(all.size());
+    return VK_SUCCESS;
+  }
+  *count = std::min(*count, static_cast<uint32_t>(all.size()));
+  std::copy_n(all.begin(), *count, properties);
+  return *count < all.size() ? VK_INCOMPLETE : VK_SUCCESS;
+}
+
+// The extensions to enable, without that one; nothing where it should be among them and is not.
+std::optional<std::vector<const char*>> withoutPortability(const VkDeviceCreateInfo& info) {
+  std::vector<const char*> names(info.ppEnabledExtensionNames,
+                                 info.ppEnabledExtensionNames + info.enabledExtensionCount);
+  const size_t removed = std::erase_if(names, [](const char* name) { return !std::strcmp(name, kPortability); });
+  if (faultOf("portability") && removed == 0) return std::nullopt;
+  return names;
+}
+
 // The link of this layer in the chain that the loader hands down, moved on to the next layer.
 template <class CreateInfo>
 auto* takeLink(const void* chain, VkStructureType type) {
@@ -108,7 +141,9 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   const std::lock_guard lock(mutex);
   instances[keyOf(*instance)] = {
       next, reinterpret_cast<PFN_vkCreateDevice>(next(*instance, "vkCreateDevice")),
-      reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(next(*instance, "vkGetPhysicalDeviceFeatures2"))};
+      reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(next(*instance, "vkGetPhysicalDeviceFeatures2")),
+      reinterpret_cast<PFN_vkEnumerateDeviceExtensionProperties>(
+          next(*instance, "vkEnumerateDeviceExtensionProperties"))};
   return result;
 }
 
@@ -117,7 +152,12 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physicalDevice, con
   if (const auto fault = faultOf("vkCreateDevice")) return *fault;
   const auto* link = takeLink<VkLayerDeviceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
   const auto create = nextOfInstance(physicalDevice).createDevice;
-  const VkResult result = create(physicalDevice, info, allocator, device);
+  const auto names = withoutPortability(*info);
+  if (!names) return VK_ERROR_INITIALIZATION_FAILED;
+  VkDeviceCreateInfo passed = *info;
+  passed.enabledExtensionCount = static_cast<uint32_t>(names->size());
+  passed.ppEnabledExtensionNames = names->data();
+  const VkResult result = create(physicalDevice, &passed, allocator, device);
   if (result != VK_SUCCESS) return result;
   const std::lock_guard lock(mutex);
   devices[keyOf(*device)] = link->pfnNextGetDeviceProcAddr;
@@ -133,6 +173,7 @@ PFN_vkVoidFunction ownFunction(const char* name) {
       {"vkCreateInstance", reinterpret_cast<PFN_vkVoidFunction>(&createInstance)},
       {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(&createDevice)},
       {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(&featuresOrFewer)},
+      {"vkEnumerateDeviceExtensionProperties", reinterpret_cast<PFN_vkVoidFunction>(&extensionsOrOneMore)},
       {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(&waitAndFail)},
       {"vkCmdDispatch", reinterpret_cast<PFN_vkVoidFunction>(&dispatchOrDrop)},
       XRDS_FAULTY(vkAllocateMemory),
