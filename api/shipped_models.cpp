@@ -19,11 +19,16 @@ fs::path ownFolder() {
   std::error_code error;
 #if defined(_WIN32)
   HMODULE module = nullptr;
-  wchar_t path[MAX_PATH] = L"";
+  std::wstring path(MAX_PATH, L'\0');
   constexpr DWORD kFlags = GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS | GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT;
   if (!GetModuleHandleExW(kFlags, reinterpret_cast<LPCWSTR>(&ownFolder), &module)) return {};
-  if (GetModuleFileNameW(module, path, MAX_PATH) == 0) return {};
-  const fs::path file = path;
+  DWORD size = GetModuleFileNameW(module, path.data(), static_cast<DWORD>(path.size()));
+  while (size == path.size()) {  // cut off
+    path.resize(2 * path.size());
+    size = GetModuleFileNameW(module, path.data(), static_cast<DWORD>(path.size()));
+  }
+  if (size == 0) return {};
+  const fs::path file = path.substr(0, size);
 #else
   Dl_info found{};
   if (dladdr(reinterpret_cast<const void*>(&ownFolder), &found) == 0 || !found.dli_fname) return {};
@@ -41,7 +46,11 @@ fs::path ownFolder() {
 
 std::vector<fs::path> modelFolders() {
   std::vector<fs::path> folders;
+#if defined(_WIN32)  // getenv() would give what has no letter in the code page as '?'
+  if (const wchar_t* folder = _wgetenv(L"XRDS_MODELS")) folders.emplace_back(folder);
+#else
   if (const char* folder = std::getenv("XRDS_MODELS")) folders.emplace_back(folder);
+#endif
   if (const fs::path own = ownFolder(); !own.empty())
     for (const char* up : {".", "..", "../.."}) folders.push_back((own / up / "share/xrds/models").lexically_normal());
 #ifdef XRDS_MODEL_FOLDER

@@ -29,12 +29,6 @@ std::string variantOf(int scale, const std::vector<std::string>& inputs, std::op
 
 }  // namespace
 
-fs::path programFolder() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);  // elsewhere: $XRDS_MODELS or a path
-  return error ? fs::path() : program.parent_path();
-}
-
 fs::path inModelFolders(const std::string& fileName) {
   for (const fs::path& folder : modelFolders())
     if (fs::path file = folder / fileName; fs::exists(file)) return file;
@@ -54,7 +48,7 @@ std::vector<std::string> shippedModels() {
 }
 
 fs::path resolveModel(const std::string& nameOrFile) {
-  if (nameOrFile.ends_with(kSuffix) || nameOrFile.find('/') != std::string::npos) return nameOrFile;
+  if (nameOrFile.ends_with(kSuffix) || fs::path(nameOrFile).has_parent_path()) return nameOrFile;
   if (fs::path file = findModel(nameOrFile); !file.empty()) return file;
   if (fs::is_regular_file(nameOrFile)) return nameOrFile;
   if (shippedModels().empty()) throw Error("There is no model '" + nameOrFile + "', and " + noModels());

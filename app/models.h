@@ -11,9 +11,6 @@
 
 namespace xrds {
 
-/// The folder of the running program; empty where the system does not tell.
-std::filesystem::path programFolder();
-
 /// The first file of this name in modelFolders(); empty if there is none.
 std::filesystem::path inModelFolders(const std::string& fileName);
 

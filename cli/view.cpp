@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "app/exit_code.h"
-#include "app/models.h"
+#include "app/program_folder.h"
 #include "cli/commands.h"
 
 #ifdef _WIN32

@@ -12,7 +12,7 @@ namespace {
 
 // A name without a folder or an ending is a shipped model's.
 std::filesystem::path fileOf(const std::string& nameOrFile) {
-  if (nameOrFile.ends_with(".safetensors") || nameOrFile.find('/') != std::string::npos) return nameOrFile;
+  if (nameOrFile.ends_with(".safetensors") || std::filesystem::path(nameOrFile).has_parent_path()) return nameOrFile;
   std::filesystem::path file = xrds::findModel(nameOrFile);
   if (!file.empty()) return file;
   std::string folders;

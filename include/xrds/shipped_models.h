@@ -14,7 +14,8 @@ namespace xrds {
 
 /// Folders in which shipped models are looked for, in this order: that of the environment variable XRDS_MODELS;
 /// share/xrds/models of the library's own folder (of the program's, if it is linked statically) and of each above it,
-/// two up, which finds lib/x86_64-linux-gnu, lib and bin beside share; the source tree that it was built from.
+/// two up, which finds lib/x86_64-linux-gnu, lib and bin beside share; the source tree that it was built from, except
+/// in packages. On Windows and macOS the same: there the library is bin/libxrds.dll and lib/libxrds.dylib.
 XRDS_API std::vector<std::filesystem::path> modelFolders();
 
 /// The file of a shipped model by its name, as "xrds-x4-compact"; empty if none of the folders has it.
