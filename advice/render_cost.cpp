@@ -1,8 +1,8 @@
 #include "advice/render_cost.h"
 
-#include <charconv>
 #include <cmath>
 
+#include "image/leading_number.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -31,13 +31,12 @@ std::optional<double> parseDuration(const std::string& text) {
   double seconds = 0;
   const char *at = text.data(), *end = at + text.size();
   for (int parts = 0; parts < 3; ++parts) {
-    double part = 0;
-    const auto [rest, error] = std::from_chars(at, end, part, std::chars_format::fixed);
-    if (error != std::errc{} || part < 0) return {};
-    seconds = 60 * seconds + part;
-    if (rest == end) return seconds;
-    if (*rest != ':') return {};
-    at = rest + 1;
+    const auto part = leadingNumber(at, end, false);
+    if (!part || part->value < 0) return {};
+    seconds = 60 * seconds + part->value;
+    if (part->end == end) return seconds;
+    if (*part->end != ':') return {};
+    at = part->end + 1;
   }
   return {};
 }

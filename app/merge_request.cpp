@@ -1,10 +1,9 @@
 #include "app/merge_request.h"
 
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 
 #include "app/number_pair.h"
+#include "image/leading_number.h"
 
 namespace xrds {
 std::optional<double> samplesOf(const ExrPart& part) {
@@ -12,9 +11,8 @@ std::optional<double> samplesOf(const ExrPart& part) {
     const bool known = (name.starts_with("cycles.") && name.ends_with(".samples")) || name == "samplesPerPixel";
     const std::optional<std::string> text = known ? part.attributes.text(name) : std::nullopt;
     if (!text) continue;
-    double samples = 0;
-    const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), samples);
-    if (error == std::errc{} && samples > 0 && std::isfinite(samples)) return samples;
+    const auto samples = leadingNumber(text->data(), text->data() + text->size());
+    if (samples && samples->value > 0) return samples->value;
   }
   return {};
 }

@@ -1,7 +1,6 @@
 #include "app/number_pair.h"
 
-#include <charconv>
-#include <cmath>
+#include "image/leading_number.h"
 
 namespace xrds {
 
@@ -9,11 +8,12 @@ std::optional<std::pair<double, double>> parsePair(const std::string& text) {
   std::pair<double, double> pair;
   const char *end = text.data() + text.size(), *at = text.data();
   for (double* number : {&pair.first, &pair.second}) {
-    const auto [rest, error] = std::from_chars(at, end, *number);
-    if (error != std::errc{} || !(*number > 0) || !std::isfinite(*number)) return {};
+    const auto found = leadingNumber(at, end);
+    if (!found || !(found->value > 0)) return {};
+    *number = found->value;
     const bool last = number == &pair.second;
-    if (last ? rest != end : rest == end || *rest != ',') return {};
-    at = rest + 1;
+    if (last ? found->end != end : found->end == end || *found->end != ',') return {};
+    at = found->end + 1;
   }
   return pair;
 }
