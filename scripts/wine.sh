@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Tries a build of scripts/windows.sh under Wine: wine.sh BUILD [FILTER]. Tests that meet no Vulkan device are counted apart.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+build=$1 filter=${2:-*}
+wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
+[ -x "$wine" ] || { echo "Wine is missing: run scripts/packages.sh windows." >&2; exit 1; }
+export WINEPREFIX=$PWD/build/windows/wine WINEDEBUG=-all
+# Its driver for the X server is Wine's way to this machine's Vulkan, where there are no validation layers.
+export XRDS_TEST_NO_VALIDATION=1
+screen=()
+command -v xvfb-run > /dev/null && screen=(xvfb-run -a)
+prefix=$build/wine
+rm -rf "$prefix"
+cmake --install "$build" --prefix "$prefix" > /dev/null
+results=$prefix/tests.json
+cp "$build/tests/xrds_tests.exe" "$prefix/bin/"
+"${screen[@]}" "$wine" "$prefix/bin/xrds_tests.exe" --gtest_filter="$filter" --gtest_output="json:Z:$(realpath "$prefix")/tests.json" > "$prefix/tests.txt" 2>&1 || true
+[ -s "$results" ] || { tail "$prefix/tests.txt"; echo "The tests did not come to their end" >&2; exit 1; }
+python3 scripts/wine_results.py "$results"
+if [ -e "$prefix/bin/xrds.exe" ]; then
+  "$wine" "$prefix/bin/xrds.exe" --version
+  "$wine" "$prefix/bin/xrds.exe" info | tr -d '\r' | tr '\n' ' '
+  echo
+  "${screen[@]}" "$wine" "$prefix/bin/xrds.exe" devices || echo "Without a device nothing is upscaled" 
+  if "${screen[@]}" "$wine" "$prefix/bin/xrds.exe" devices > /dev/null 2>&1; then
+    "${screen[@]}" "$wine" "$prefix/bin/xrds.exe" upscale samples/outdoor_lr64.exr samples/outdoor_aux16.exr --model xrds-x4-nano \
+      --quiet -o "$prefix/out.exr"
+    "$wine" "$prefix/bin/xrds.exe" compare "$prefix/out.exr" samples/outdoor_gt.exr
+  fi
+fi
