@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds xrds for 64-bit Windows on Debian by mingw-w64 and tries it under Wine: scripts/windows.sh [--library] [--test] [OUT]
-# OUT (default build/packages) gets xrds-VERSION-windows-AMD64.zip: libxrds.dll, headers, models and, without --library,
+# OUT (default build/packages) gets xrds-VERSION-windows-x86_64.zip: libxrds.dll, headers, models and, without --library,
 # the command xrds.exe, for which OpenEXR, Imath and libpng are built of Debian's sources. --test runs the tests under Wine:
 # with Xvfb and a Vulkan driver of this machine all of them, else those that need no device. First run
 # scripts/packages.sh and scripts/packages.sh windows.
