@@ -2,92 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <set>
-#include <tuple>
 
-#include "engine/handles.h"
-#include "engine/hazards.h"
+#include "engine/recorder.h"
 #include "engine/vulkan_result.h"
-#include "engine/work.h"
 
 namespace xrds {
 namespace {
 
-using ViewKey = std::tuple<VkBuffer, uint64_t, uint64_t, VkFormat>;
-
-// Dispatches [begin, end) that are submitted together.
-struct Submission {
-  size_t begin = 0, end = 0;
-  uint64_t work = 0;
+struct Submission : WorkPiece {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VkFence fence = VK_NULL_HANDLE;
 };
-
-ByteRange resolve(ByteRange range, BindingKind kind) {
-  XRDS_CHECK(range.buffer != nullptr);
-  XRDS_CHECK_EQ(range.byteOffset % (kind == BindingKind::copied ? 4 : kBindingAlignment), 0u);
-  XRDS_CHECK_LT(range.byteOffset, range.buffer->byteSize());
-  const uint64_t rest = range.buffer->byteSize() - range.byteOffset;
-  if (range.byteSize == 0) range.byteSize = rest;
-  XRDS_CHECK_LE(range.byteSize, rest);
-  return range;
-}
-
-void checkBinding(const Gpu::Handles& gpu, const Binding& binding, const ByteRange& range) {
-  if (binding.kind == BindingKind::copied) return;
-  if (binding.kind == BindingKind::storage) {
-    XRDS_CHECK_EQ(range.byteSize % 4, 0u);
-    XRDS_CHECK_LE(range.byteSize, uint64_t{gpu.limits.maxStorageBufferRange});
-    return;
-  }
-  const uint64_t texelBytes = 4 * byteSize(binding.type);
-  XRDS_CHECK_EQ(range.byteSize % texelBytes, 0u);
-  XRDS_CHECK_LE(range.byteSize / texelBytes, uint64_t{gpu.limits.maxTexelBufferElements});
-  XRDS_CHECK(binding.access == Access::read);
-}
-
-void checkLimits(const Gpu::Handles& gpu, const PlacedDispatch& placed) {
-  const Dispatch& dispatch = placed.dispatch;
-  XRDS_CHECK_LE(dispatch.pushConstants.size(), size_t{kMaxPushConstantBytes});
-  XRDS_CHECK_EQ(dispatch.pushConstants.size() % 4, 0u);
-  for (size_t axis = 0; axis < 3; ++axis) {
-    XRDS_CHECK_LT(0u, dispatch.groupCount[axis]);
-    XRDS_CHECK_LE(dispatch.groupCount[axis], gpu.limits.maxComputeWorkGroupCount[axis]);
-  }
-  for (size_t i = 0; i < placed.ranges.size(); ++i) checkBinding(gpu, dispatch.bindings[i], placed.ranges[i]);
-  if (!dispatch.isCopy()) return;
-  XRDS_CHECK_EQ(placed.ranges.size(), 2u);
-  XRDS_CHECK(dispatch.bindings[1].kind == BindingKind::copied && dispatch.bindings[1].access == Access::write);
-  XRDS_CHECK_EQ(placed.ranges[0].byteSize, placed.ranges[1].byteSize);
-}
-
-// The texels of a range, and as many more as llvmpipe needs to take it for the same as all others (kVariantTexels).
-uint64_t texelsOfOneVariant(uint64_t texels) {
-  return alignUp(std::max(texels, kVariantTexels) - kVariantTexels, kVariantStep) + kVariantTexels;
-}
-
-void keepToOneVariant(const Gpu::Handles& gpu, PlacedDispatch& placed) {
-  for (size_t i = 0; i < placed.ranges.size(); ++i) {
-    const Binding& binding = placed.dispatch.bindings[i];
-    const uint64_t texelBytes = 4 * byteSize(binding.type);
-    const uint64_t texels = texelsOfOneVariant(placed.ranges[i].byteSize / texelBytes);
-    if (isTexelBuffer(binding.kind) && texels <= gpu.limits.maxTexelBufferElements)
-      placed.ranges[i].byteSize = texels * texelBytes;
-  }
-}
-
-std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
-  std::vector<RangeAccess> accesses;
-  for (size_t i = 0; i < placed.ranges.size(); ++i) {
-    const ByteRange& range = placed.ranges[i];
-    accesses.push_back({.buffer = reinterpret_cast<uintptr_t>(range.buffer),
-                        .byteOffset = range.byteOffset,
-                        .byteSize = range.byteSize,
-                        .access = placed.dispatch.bindings[i].access});
-  }
-  return accesses;
-}
 
 // One dispatch for each pipeline that is still to be made.
 std::vector<const Dispatch*> notMade(const Gpu::Handles& gpu, std::span<const Dispatch* const> dispatches) {
@@ -104,29 +30,6 @@ std::vector<PipelineKey> keysOf(std::span<const Dispatch* const> dispatches) {
   std::vector<PipelineKey> keys;
   for (const Dispatch* dispatch : dispatches) keys.emplace_back(*dispatch);
   return keys;
-}
-
-uint64_t workOf(const PlacedDispatch& placed) {
-  uint64_t written = 0;
-  for (size_t i = 0; i < placed.ranges.size(); ++i)
-    if (placed.dispatch.bindings[i].access == Access::write) written += placed.ranges[i].byteSize;
-  return xrds::workOf(placed.dispatch.multiplyAdds, written);
-}
-
-std::vector<Submission> cut(std::span<const PlacedDispatch> dispatches, uint64_t multiplyAddsPerSubmission) {
-  std::vector<Submission> submissions;
-  uint64_t held = 0;
-  for (size_t i = 0; i < dispatches.size(); ++i) {
-    const uint64_t work = workOf(dispatches[i]);
-    if (submissions.empty() || held + work > multiplyAddsPerSubmission) {
-      submissions.push_back({.begin = i});
-      held = 0;
-    }
-    held += work;
-    submissions.back().work = held;
-    submissions.back().end = i + 1;
-  }
-  return submissions;
 }
 
 /// Takes the time from one submission's end to the next. The last one of a run may be a remainder too small to tell.
@@ -153,33 +56,27 @@ class PaceMeter {
 }  // namespace
 
 struct Recording::Handles {
-  explicit Handles(Gpu::Handles& owner) : gpu(owner) {}
+  Handles(Gpu& owner, std::span<const PlacedDispatch> dispatches, const RecordingOptions& asked)
+      : gpu(owner.handles()), recorder(owner, dispatches), options(asked) {}
   ~Handles();
   Handles(const Handles&) = delete;
   Handles& operator=(const Handles&) = delete;
 
-  void makePools(std::span<const PlacedDispatch> dispatches, bool timestamps);
+  void makePools();
   void recordAll();
   void release();
   void keepPace();
-  VkBufferView viewOf(const ByteRange& range, VkFormat format);
-  VkDescriptorSet describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout);
-  void barrierBetween(VkCommandBuffer commands) const;
-  void recordCopy(VkCommandBuffer commands, const PlacedDispatch& placed) const;
-  void record(Submission& submission, std::span<const PlacedDispatch> dispatches);
+  void record(Submission& submission);
   uint32_t firstQuery(const Submission& submission) const;
   void readTimestamps();
   void submit(const Submission& submission);
 
   Gpu::Handles& gpu;
-  VkCommandPool commandPool = VK_NULL_HANDLE;
-  VkDescriptorPool descriptorPool = VK_NULL_HANDLE;
-  VkQueryPool queryPool = VK_NULL_HANDLE;
-  std::map<ViewKey, VkBufferView> views;
+  Recorder recorder;
   RecordingOptions options;
-  std::vector<PlacedDispatch> dispatches;
+  VkCommandPool commandPool = VK_NULL_HANDLE;
+  VkQueryPool queryPool = VK_NULL_HANDLE;
   uint64_t workPerSubmission = 0;
-  std::vector<bool> barriers;
   std::vector<Submission> submissions;
   std::vector<double> gpuMicroseconds;
 };
@@ -189,22 +86,18 @@ Recording::Handles::~Handles() { release(); }
 void Recording::Handles::release() {
   if (gpu.abandoned) return;
   for (const Submission& submission : submissions) gpu.vk.vkDestroyFence(gpu.device, submission.fence, nullptr);
-  for (const auto& [key, view] : views) gpu.vk.vkDestroyBufferView(gpu.device, view, nullptr);
   gpu.vk.vkDestroyQueryPool(gpu.device, queryPool, nullptr);
-  gpu.vk.vkDestroyDescriptorPool(gpu.device, descriptorPool, nullptr);
   gpu.vk.vkDestroyCommandPool(gpu.device, commandPool, nullptr);
   submissions.clear();
-  views.clear();
   queryPool = VK_NULL_HANDLE;
-  descriptorPool = VK_NULL_HANDLE;
   commandPool = VK_NULL_HANDLE;
 }
 
 void Recording::Handles::recordAll() {
   workPerSubmission = workOfSubmission(gpu.pace, options.multiplyAddsPerSubmission);
-  submissions = cut(dispatches, workPerSubmission);
-  makePools(dispatches, options.timestamps);
-  for (Submission& submission : submissions) record(submission, dispatches);
+  for (const WorkPiece& piece : cutWork(recorder.dispatches(), workPerSubmission)) submissions.push_back({piece});
+  makePools();
+  for (Submission& submission : submissions) record(submission);
 }
 
 // What the device does in a submission's time may be far from what it was taken for.
@@ -215,70 +108,15 @@ void Recording::Handles::keepPace() {
   recordAll();
 }
 
-void Recording::Handles::makePools(std::span<const PlacedDispatch> dispatches, bool timestamps) {
+void Recording::Handles::makePools() {
   VkCommandPoolCreateInfo commands{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   commands.queueFamilyIndex = gpu.queueFamily;
   checkResult(gpu.vk.vkCreateCommandPool(gpu.device, &commands, nullptr, &commandPool), "vkCreateCommandPool");
-
-  uint32_t storages = 0, texels = 0;
-  for (const auto& placed : dispatches)
-    for (const Binding& binding : placed.dispatch.bindings) {
-      storages += binding.kind == BindingKind::storage;
-      texels += isTexelBuffer(binding.kind);
-    }
-  // One more of each, because a pool of zero is not allowed.
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1},
-                                        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, texels + 1}};
-  VkDescriptorPoolCreateInfo descriptors{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  descriptors.maxSets = static_cast<uint32_t>(dispatches.size());
-  descriptors.poolSizeCount = 2;
-  descriptors.pPoolSizes = sizes;
-  checkResult(gpu.vk.vkCreateDescriptorPool(gpu.device, &descriptors, nullptr, &descriptorPool),
-              "vkCreateDescriptorPool");
-
-  if (!timestamps || gpu.timestampValidBits == 0) return;
+  if (!options.timestamps || gpu.timestampValidBits == 0) return;
   VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  queries.queryCount = static_cast<uint32_t>(dispatches.size() + submissions.size());
+  queries.queryCount = static_cast<uint32_t>(recorder.dispatches().size() + submissions.size());
   checkResult(gpu.vk.vkCreateQueryPool(gpu.device, &queries, nullptr, &queryPool), "vkCreateQueryPool");
-}
-
-VkBufferView Recording::Handles::viewOf(const ByteRange& range, VkFormat format) {
-  const VkBuffer buffer = range.buffer->handles().buffer;
-  VkBufferView& view = views[{buffer, range.byteOffset, range.byteSize, format}];
-  if (view) return view;
-  VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
-  info.buffer = buffer;
-  info.format = format;
-  info.offset = range.byteOffset;
-  info.range = range.byteSize;
-  checkResult(gpu.vk.vkCreateBufferView(gpu.device, &info, nullptr, &view), "vkCreateBufferView");
-  return view;
-}
-
-VkDescriptorSet Recording::Handles::describe(const PlacedDispatch& placed, VkDescriptorSetLayout layout) {
-  const VkDescriptorSet set = allocateSet(gpu, descriptorPool, layout);
-  const size_t count = placed.ranges.size();
-  std::vector<VkDescriptorBufferInfo> buffers(count);
-  std::vector<VkBufferView> texels(count);
-  std::vector<VkWriteDescriptorSet> writes(count, {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
-  for (size_t i = 0; i < count; ++i) {
-    const ByteRange& range = placed.ranges[i];
-    const Binding& binding = placed.dispatch.bindings[i];
-    writes[i].dstSet = set;
-    writes[i].dstBinding = static_cast<uint32_t>(i);
-    writes[i].descriptorCount = 1;
-    writes[i].descriptorType = descriptorTypeOf(binding.kind);
-    if (isTexelBuffer(binding.kind)) {
-      texels[i] = viewOf(range, texelFormatOf(binding.type, binding.kind));
-      writes[i].pTexelBufferView = &texels[i];
-    } else {
-      buffers[i] = {range.buffer->handles().buffer, range.byteOffset, range.byteSize};
-      writes[i].pBufferInfo = &buffers[i];
-    }
-  }
-  gpu.vk.vkUpdateDescriptorSets(gpu.device, static_cast<uint32_t>(count), writes.data(), 0, nullptr);
-  return set;
 }
 
 // Each submission has one timestamp before its first dispatch and one after each.
@@ -286,22 +124,7 @@ uint32_t Recording::Handles::firstQuery(const Submission& submission) const {
   return static_cast<uint32_t>(submission.begin + (&submission - submissions.data()));
 }
 
-void Recording::Handles::barrierBetween(VkCommandBuffer commands) const {
-  constexpr VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
-  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
-                          VK_ACCESS_TRANSFER_WRITE_BIT;
-  gpu.vk.vkCmdPipelineBarrier(commands, stages, stages, 0, 1, &barrier, 0, nullptr, 0, nullptr);
-}
-
-void Recording::Handles::recordCopy(VkCommandBuffer commands, const PlacedDispatch& placed) const {
-  const ByteRange &from = placed.ranges[0], &to = placed.ranges[1];
-  const VkBufferCopy region{from.byteOffset, to.byteOffset, from.byteSize};
-  gpu.vk.vkCmdCopyBuffer(commands, from.buffer->handles().buffer, to.buffer->handles().buffer, 1, &region);
-}
-
-void Recording::Handles::record(Submission& submission, std::span<const PlacedDispatch> dispatches) {
+void Recording::Handles::record(Submission& submission) {
   VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   info.commandPool = commandPool;
   info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
@@ -314,27 +137,15 @@ void Recording::Handles::record(Submission& submission, std::span<const PlacedDi
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   checkResult(gpu.vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
   uint32_t query = firstQuery(submission);
-  const auto stamp = [&](VkPipelineStageFlagBits stage) {
-    if (queryPool) gpu.vk.vkCmdWriteTimestamp(commands, stage, queryPool, query++);
-  };
-  if (queryPool)
+  std::function<void(VkPipelineStageFlagBits)> stamp;
+  if (queryPool) {
+    stamp = [&](VkPipelineStageFlagBits stage) { gpu.vk.vkCmdWriteTimestamp(commands, stage, queryPool, query++); };
     gpu.vk.vkCmdResetQueryPool(commands, queryPool, query,
                                static_cast<uint32_t>(submission.end - submission.begin + 1));
-  fullBarrier(gpu, commands);
-  stamp(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
-  for (size_t i = submission.begin; i < submission.end; ++i) {
-    // Dispatches that overlap would have each other's time.
-    if ((barriers[i] || queryPool) && i > submission.begin) barrierBetween(commands);
-    const Dispatch& dispatch = dispatches[i].dispatch;
-    if (dispatch.isCopy()) {
-      recordCopy(commands, dispatches[i]);
-      stamp(VK_PIPELINE_STAGE_TRANSFER_BIT);
-      continue;
-    }
-    const VkDescriptorSet set = describe(dispatches[i], gpu.pipelines.at(PipelineKey(dispatch)).setLayout);
-    recordDispatch(gpu, commands, dispatch, set, dispatch.groupCount);
-    stamp(VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
   }
+  fullBarrier(gpu, commands);
+  if (stamp) stamp(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
+  recorder.record(commands, submission.begin, submission.end, stamp);
   fullBarrier(gpu, commands);
   checkResult(gpu.vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
 }
@@ -394,26 +205,8 @@ void compilePrograms(Gpu& gpu, std::span<const Dispatch* const> dispatches) {
     makePipelines(gpu.handles(), keysOf(fresh));
 }
 
-Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> asked, RecordingOptions options)
-    : handles_(std::make_unique<Handles>(gpu.handles())) {
-  XRDS_CHECK_LT(0u, asked.size());
-  std::vector<PlacedDispatch> dispatches(asked.begin(), asked.end());
-  std::vector<std::vector<RangeAccess>> accesses;
-  for (PlacedDispatch& placed : dispatches) {
-    XRDS_CHECK_EQ(placed.ranges.size(), placed.dispatch.bindings.size());
-    for (size_t i = 0; i < placed.ranges.size(); ++i)
-      placed.ranges[i] = resolve(placed.ranges[i], placed.dispatch.bindings[i].kind);
-    checkLimits(gpu.handles(), placed);
-    if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu.handles(), placed);
-    accesses.push_back(accessesOf(placed));
-  }
-  std::vector<const Dispatch*> launches;
-  launches.reserve(dispatches.size());
-  for (const PlacedDispatch& placed : dispatches) launches.push_back(&placed.dispatch);
-  compilePrograms(gpu, launches);
-  handles_->barriers = barriersBefore(accesses);
-  handles_->options = options;
-  handles_->dispatches = std::move(dispatches);
+Recording::Recording(Gpu& gpu, std::span<const PlacedDispatch> dispatches, RecordingOptions options)
+    : handles_(std::make_unique<Handles>(gpu, dispatches, options)) {
   handles_->recordAll();
 }
 
@@ -454,7 +247,8 @@ uint64_t Recording::largestSubmission() const {
 }
 
 size_t Recording::barrierCount() const {
-  return static_cast<size_t>(std::count(handles_->barriers.begin(), handles_->barriers.end(), true));
+  return static_cast<size_t>(
+      std::count(handles_->recorder.barriers().begin(), handles_->recorder.barriers().end(), true));
 }
 
 }  // namespace xrds
