@@ -1,8 +1,10 @@
 #include "api/state.h"
 #include "checks/matrix_proof.h"
 #include "engine/environment.h"
+#include "engine/host_device.h"
 #include "engine/kernel_family.h"
 #include "shaders/programs.h"
+#include "xrds/engine_access.h"
 
 namespace xrds {
 namespace {
@@ -32,6 +34,18 @@ std::vector<Device::Description> Device::list() {
 std::vector<std::string> Device::kernelFamilies() {
   const auto names = kernelFamilyNames();
   return {names.begin(), names.end()};
+}
+
+Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Device EngineAccess::shared(const HostDevice& host, const Device::Options& options) {
+  DeviceOptions asked{.cacheFolder = options.cacheFolder,
+                      .kernelFamily = options.kernelFamily,
+                      .onPreparation = options.onPreparation,
+                      .programs = embeddedProgram};
+  Device device(std::make_unique<Device::State>(Device::State{Gpu(std::move(asked), host)}));
+  proveAskedKernels(device.state_->gpu, options.kernelFamily.empty() ? wantedKernelFamily() : options.kernelFamily);
+  return device;
 }
 
 Device::Device(const Options& options)

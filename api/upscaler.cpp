@@ -304,6 +304,21 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
 
 Gpu& EngineAccess::gpu(Device& device) { return device.state_->gpu; }
 
+std::vector<FramePart> EngineAccess::parts(const Upscaler& upscaler) {
+  if (upscaler.state_->options.ensemble > 1)
+    throw InvalidArgument("An ensemble of " + std::to_string(upscaler.state_->options.ensemble) +
+                          " passes cannot be recorded: create the upscaler with an ensemble of 1.");
+  auto parts = upscaler.state_->runner->parts();
+  if (parts.empty())
+    throw InvalidArgument(
+        "An upscaler that leaves out windows cannot be recorded, as their pixels decide: create it without skipBound "
+        "and "
+        "keepUnchanged.");
+  return parts;
+}
+
+std::optional<float> EngineAccess::exposureOf(const Upscaler& upscaler) { return upscaler.state_->options.exposure; }
+
 bool EngineAccess::isWhole(const Upscaler& upscaler) { return upscaler.state_->runner->whole() != nullptr; }
 
 DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {

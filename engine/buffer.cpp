@@ -118,12 +118,13 @@ uint32_t rowsAtOnce(uint64_t rowBytes) {
 }  // namespace
 
 Buffer::Handles::~Handles() {
-  if (gpu.abandoned) return;
+  if (gpu.abandoned || isHosts) return;
   gpu.vk.vkDestroyBuffer(gpu.device, buffer, nullptr);
   gpu.vk.vkFreeMemory(gpu.device, memory, nullptr);
 }
 
 Buffer::Buffer(Gpu& gpu, uint64_t byteSize) : handles_(makeBuffer(gpu.handles(), byteSize, false)) {}
+Buffer::Buffer(std::unique_ptr<Handles> handles) : handles_(std::move(handles)) {}
 Buffer::~Buffer() = default;
 Buffer::Buffer(Buffer&&) noexcept = default;
 Buffer& Buffer::operator=(Buffer&&) noexcept = default;

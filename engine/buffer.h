@@ -35,6 +35,7 @@ class Buffer {
   void fill(uint32_t pattern);
 
   struct Handles;
+  explicit Buffer(std::unique_ptr<Handles> handles);
   const Handles& handles() const { return *handles_; }
 
  private:

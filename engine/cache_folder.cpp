@@ -42,16 +42,24 @@ bool canWriteFiles(const fs::path& folder) {
   return written;
 }
 
-fs::path chooseCacheFolder(const fs::path& asked, std::vector<std::string>& notes) {
+fs::path writableCacheFolder(const fs::path& asked, std::vector<std::string>& notes) {
   const fs::path temporary = temporaryCacheFolder();
   const auto writable = [&](const fs::path& folder) {
     return (folder != temporary || makePrivate(folder)) && canWriteFiles(folder);
   };
   const fs::path wanted = asked.empty() ? defaultCacheFolder() : asked;
+  if (writable(wanted)) return wanted;
+  const fs::path taken = writable(temporary) ? temporary : fs::path();
+  notes.push_back(notice(wanted, taken, "XDG_CACHE_HOME"));
+  return taken;
+}
+
+fs::path chooseCacheFolder(const fs::path& asked, std::vector<std::string>& notes) {
+  const fs::path wanted = asked.empty() ? defaultCacheFolder() : asked;
   const fs::path users = usersShaderCacheFolder();
-  const bool wantedFits = writable(wanted), usersFits = users.empty() || canWriteFiles(users);
-  const fs::path taken = wantedFits ? wanted : writable(temporary) ? temporary : fs::path();
-  if (!wantedFits) notes.push_back(notice(wanted, taken, "XDG_CACHE_HOME"));
+  const bool usersFits = users.empty() || canWriteFiles(users);
+  const fs::path taken = writableCacheFolder(asked, notes);
+  const bool wantedFits = taken == wanted;
   if (!usersFits) notes.push_back(notice(users, taken, "MESA_SHADER_CACHE_DIR"));
   // Where the width of vectors is Mesa's own choice, it would go on to use the folder that it cannot write.
   if (!taken.empty() && (!usersFits || (!wantedFits && users.empty()))) placeShaderCache(taken / "mesa");

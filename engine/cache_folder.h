@@ -12,6 +12,9 @@ namespace xrds {
 /// it, and takes that back. Changes the environment: see environment.h.
 std::filesystem::path chooseCacheFolder(const std::filesystem::path& asked, std::vector<std::string>& notes);
 
+/// The same without a word of Mesa's shader cache, and without a change of the environment.
+std::filesystem::path writableCacheFolder(const std::filesystem::path& asked, std::vector<std::string>& notes);
+
 /// Whether files can be made in the folder, which is made if it is missing.
 bool canWriteFiles(const std::filesystem::path& folder);
 

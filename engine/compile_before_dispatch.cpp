@@ -95,7 +95,7 @@ std::vector<Gpu> openMore(Gpu& gpu, size_t count) {
   options.validation = false;
   options.onPreparation = nullptr;
   std::vector<Gpu> devices;
-  if (options.cacheFolder.empty()) return devices;
+  if (options.cacheFolder.empty() || gpu.isShared()) return devices;  // they might have vectors of another width
   try {
     while (devices.size() < count) devices.emplace_back(options);
   } catch (const std::exception&) {  // then those that there are do it

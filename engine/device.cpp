@@ -7,6 +7,7 @@
 #include "engine/cache_folder.h"
 #include "engine/environment.h"
 #include "engine/handles.h"
+#include "engine/host_device.h"
 #include "engine/kernel_family.h"
 #include "engine/llvmpipe.h"
 #include "engine/matrix_units.h"
@@ -124,6 +125,7 @@ std::vector<FoundDevice> openDevices(std::unique_ptr<Instance>& instance, const 
 }  // namespace
 
 std::vector<DeviceDescription> listDevices() {
+  const auto held = holdLoader();
   widenCpuVectors();
   std::unique_ptr<Instance> instance;
   std::vector<DeviceDescription> descriptions;
@@ -132,6 +134,7 @@ std::vector<DeviceDescription> listDevices() {
 }
 
 Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
+  const auto held = holdLoader();
   Handles& gpu = *handles_;
   gpu.options = std::move(options);
   gpu.options.cacheFolder = chooseCacheFolder(gpu.options.cacheFolder, gpu.notes);
@@ -154,6 +157,20 @@ Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   loadPace(*this);
 }
 
+Gpu::Gpu(DeviceOptions options, const HostDevice& host) : handles_(std::make_unique<Handles>()) {
+  const auto held = holdLoader();
+  Handles& gpu = *handles_;
+  gpu.options = std::move(options);
+  gpu.options.cacheFolder = writableCacheFolder(gpu.options.cacheFolder, gpu.notes);
+  takeDevice(gpu, host);
+  probe(gpu);
+  gpu.traits.shaderInt64 = gpu.traits.shaderInt64 && host.enabled.shaderInt64;
+  gpu.choosesSubgroups = host.enabled.subgroupSizeControl && subgroupControl(gpu.physicalDevice).areChosen;
+  makeCommandObjects(gpu);
+  loadPipelineCache(gpu);
+  loadPace(*this);
+}
+
 Gpu::~Gpu() = default;
 Gpu::Gpu(Gpu&&) noexcept = default;
 Gpu& Gpu::operator=(Gpu&&) noexcept = default;
@@ -169,6 +186,7 @@ void Gpu::addPrograms(ProgramSource source) {
     return words.empty() ? second(name) : words;
   };
 }
+bool Gpu::isShared() const { return handles_->isShared; }
 const std::filesystem::path& Gpu::cacheFolder() const { return handles_->options.cacheFolder; }
 std::string Gpu::driverKey() const {
   const DeviceDescription& device = handles_->description;
@@ -201,7 +219,7 @@ Gpu::Handles::~Handles() {
   vk.vkDestroyPipelineCache(device, pipelineCache, nullptr);
   vk.vkDestroyFence(device, copyFence, nullptr);
   vk.vkDestroyCommandPool(device, commandPool, nullptr);
-  vk.vkDestroyDevice(device, nullptr);
+  if (!isShared) vk.vkDestroyDevice(device, nullptr);
 }
 
 void savePipelineCache(Gpu::Handles& gpu) noexcept {
@@ -263,8 +281,15 @@ void awaitFence(Gpu::Handles& gpu, VkFence fence) {
 }
 
 void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence) {
+  submitToQueue(gpu, {&submit, 1}, fence);
+}
+
+void submitToQueue(Gpu::Handles& gpu, std::span<const VkSubmitInfo> submits, VkFence fence) {
   const std::lock_guard lock(gpu.queueAccess);
-  checkResult(gpu.vk.vkQueueSubmit(gpu.queue, 1, &submit, fence), "vkQueueSubmit");
+  if (gpu.lockQueue) gpu.lockQueue();
+  const VkResult result = gpu.vk.vkQueueSubmit(gpu.queue, static_cast<uint32_t>(submits.size()), submits.data(), fence);
+  if (gpu.unlockQueue) gpu.unlockQueue();
+  checkResult(result, "vkQueueSubmit");
 }
 
 void fullBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands) {

@@ -58,12 +58,17 @@ std::vector<DeviceDescription> listDevices();
 
 inline constexpr uint32_t kUsualPatienceSeconds = 300;
 
+struct HostDevice;  // engine/host_device.h
+
 /// An open Vulkan device: instance, queue, compiled programs. One thread at a time.
 class Gpu {
  public:
   /// Throws Error if no device fits the selection (it names those there are), it cannot run the kernel family, or
   /// Vulkan fails.
   explicit Gpu(DeviceOptions options);
+  /// Shares a program's own device. Of the options `select`, validation and extensions do not count. Throws
+  /// InvalidArgument if what was given does not belong together.
+  Gpu(DeviceOptions options, const HostDevice& host);
   ~Gpu();
   Gpu(Gpu&&) noexcept;
   Gpu& operator=(Gpu&&) noexcept;
@@ -76,6 +81,8 @@ class Gpu {
   bool hasAskedFamily() const;
   /// Lets programs that none of the sources so far has be found in one more.
   void addPrograms(ProgramSource source);
+  /// Whether it is another program's.
+  bool isShared() const;
   /// Where caches are kept; empty: nowhere.
   const std::filesystem::path& cacheFolder() const;
   /// Names device and driver, so that what was found of one is not taken for another: a line.

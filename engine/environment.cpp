@@ -11,6 +11,11 @@
 #ifndef _WIN32
 #include <unistd.h>
 #endif
+#ifdef __linux__
+#include <link.h>
+
+#include <string_view>
+#endif
 
 namespace xrds {
 namespace {
@@ -54,6 +59,18 @@ std::string brandOfProcessor() {
 void leaveToDriverIfEmpty([[maybe_unused]] const char* name) {
 #ifndef _WIN32
   if (variable(name).empty()) unsetenv(name);
+#endif
+}
+
+// Lavapipe reads its width once, when it is loaded: then another program of this process has chosen.
+bool lavapipeIsLoaded() {
+#ifdef __linux__
+  const auto look = [](dl_phdr_info* library, size_t, void*) -> int {
+    return std::string_view(library->dlpi_name).find("libvulkan_lvp") != std::string_view::npos;
+  };
+  return dl_iterate_phdr(look, nullptr) != 0;
+#else
+  return false;
 #endif
 }
 
@@ -105,7 +122,7 @@ std::string wantedKernelFamily() { return variable("XRDS_KERNEL_FAMILY"); }
 
 void widenCpuVectors() {
   leaveToDriverIfEmpty(kShaderCache);
-  if (!variable(kWidth).empty() || !cpuHasAvx512()) return;
+  if (!variable(kWidth).empty() || !cpuHasAvx512() || lavapipeIsLoaded()) return;
   ourWidth = "512";
   setVariable(kWidth, ourWidth);
 }

@@ -24,8 +24,8 @@ std::string wantedKernelFamily();
 /// The processor's own name of itself and the number of its threads: "AMD EPYC, 2 threads".
 std::string processorName();
 
-/// Lets lavapipe use the CPU's whole vector width unless the user chose one. Changes the environment, so call it
-/// before an instance is created and while no other thread reads the environment.
+/// Lets lavapipe use the CPU's whole vector width unless the user chose one, or it is loaded already. Changes the
+/// environment, so call it before an instance is created and while no other thread reads the environment.
 void widenCpuVectors();
 
 /// Takes that back, for the life of the process. Returns whether there was anything to take back; then an instance that

@@ -62,7 +62,9 @@ struct Gpu::Handles {
   VkDevice device = VK_NULL_HANDLE;
   VolkDeviceTable vk{};
   VkQueue queue = VK_NULL_HANDLE;
-  std::mutex queueAccess;  // held while submitting or presenting
+  std::mutex queueAccess;                        // held while submitting or presenting
+  bool isShared = false;                         // instance, device and queue are another program's
+  std::function<void()> lockQueue, unlockQueue;  // of that program; may be empty
   VkCommandPool commandPool = VK_NULL_HANDLE;
   VkCommandBuffer copyCommands = VK_NULL_HANDLE;
   VkFence copyFence = VK_NULL_HANDLE;
@@ -92,13 +94,19 @@ struct Buffer::Handles {
   Gpu::Handles& gpu;
   uint64_t byteSize = 0;  // of the allocation, more than was asked for
   uint64_t askedByteSize = 0;
+  bool isHosts = false;  // of another program
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   std::byte* mapped = nullptr;  // null if the host cannot see the memory
 };
 
+/// Makes a program's device the one of these handles. Throws InvalidArgument if what was given does not belong
+/// together.
+void takeDevice(Gpu::Handles& gpu, const HostDevice& host);
+
 /// Gives commands to the device's queue, which another thread may be using as well.
 void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence);
+void submitToQueue(Gpu::Handles& gpu, std::span<const VkSubmitInfo> submits, VkFence fence);
 
 /// Records commands, submits them and waits for their end.
 void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& record);

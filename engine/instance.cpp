@@ -17,8 +17,9 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-// volk keeps its function pointers in globals; those of the loader fit every instance once they are set.
-std::mutex volkMutex;
+constexpr const char* kNoLoader =
+    "No Vulkan loader was found; install the graphics driver of your GPU or the package with the Vulkan loader "
+    "(libvulkan1, vulkan-loader).";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL receiveMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                               const VkDebugUtilsMessengerCallbackDataEXT* message, void* user) {
@@ -87,6 +88,8 @@ std::string versionText(uint32_t version) {
   return text.str();
 }
 
+}  // namespace
+
 DeviceDescription describe(const Instance& instance, VkPhysicalDevice device) {
   VkPhysicalDeviceVulkan12Properties version12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
   VkPhysicalDeviceVulkan11Properties version11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES, &version12};
@@ -113,24 +116,31 @@ DeviceDescription describe(const Instance& instance, VkPhysicalDevice device) {
   return description;
 }
 
-}  // namespace
-
 Instance::~Instance() {
-  if (messenger) {
-    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
-    destroy(instance, messenger, nullptr);
-  }
-  if (instance) vkDestroyInstance(instance, nullptr);
+  if (messenger) destroyMessenger(instance, messenger, nullptr);
+  if (instance && destroy) destroy(instance, nullptr);
+}
+
+std::unique_lock<std::recursive_mutex> holdLoader() {
+  static std::recursive_mutex access;
+  return std::unique_lock(access);
+}
+
+std::unique_ptr<Instance> takeInstance(VkInstance instance, PFN_vkGetInstanceProcAddr loader) {
+  if (loader)
+    volkInitializeCustom(loader);
+  else if (volkInitialize() != VK_SUCCESS)
+    throw Error(kNoLoader);
+  volkLoadInstanceOnly(instance);
+  auto taken = std::make_unique<Instance>();
+  taken->instance = instance;
+  return taken;
 }
 
 std::unique_ptr<Instance> openInstance(const DeviceOptions& options) {
   const bool validation = options.validation;
-  const std::lock_guard lock(volkMutex);
-  if (volkInitialize() != VK_SUCCESS)
-    throw Error(
-        "No Vulkan loader was found; install the graphics driver of your GPU or the package with the Vulkan "
-        "loader (libvulkan1, vulkan-loader).");
+  const auto held = holdLoader();
+  if (volkInitialize() != VK_SUCCESS) throw Error(kNoLoader);
   if (volkGetInstanceVersion() < VK_API_VERSION_1_2)
     throw Error("The Vulkan loader is older than version 1.2; update it or the graphics driver.");
   if (validation && !hasLayer(kValidationLayer))
@@ -180,8 +190,11 @@ std::unique_ptr<Instance> openInstance(const DeviceOptions& options) {
   if (created == VK_ERROR_INCOMPATIBLE_DRIVER) return nullptr;
   checkResult(created, "vkCreateInstance");
   volkLoadInstanceOnly(result->instance);
+  result->destroy = vkDestroyInstance;
 
   if (validation) {
+    result->destroyMessenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(result->instance, "vkDestroyDebugUtilsMessengerEXT"));
     const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
         vkGetInstanceProcAddr(result->instance, "vkCreateDebugUtilsMessengerEXT"));
     checkResult(create(result->instance, &messenger, nullptr, &result->messenger), "vkCreateDebugUtilsMessengerEXT");
@@ -189,14 +202,17 @@ std::unique_ptr<Instance> openInstance(const DeviceOptions& options) {
   return result;
 }
 
-std::vector<FoundDevice> findDevices(const Instance& instance) {
+std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
   uint32_t count = 0;
-  checkResult(vkEnumeratePhysicalDevices(instance.instance, &count, nullptr), "vkEnumeratePhysicalDevices");
+  checkResult(vkEnumeratePhysicalDevices(instance, &count, nullptr), "vkEnumeratePhysicalDevices");
   std::vector<VkPhysicalDevice> handles(count);
-  checkResult(vkEnumeratePhysicalDevices(instance.instance, &count, handles.data()), "vkEnumeratePhysicalDevices");
+  checkResult(vkEnumeratePhysicalDevices(instance, &count, handles.data()), "vkEnumeratePhysicalDevices");
+  return handles;
+}
 
+std::vector<FoundDevice> findDevices(const Instance& instance) {
   std::vector<FoundDevice> found;
-  for (const VkPhysicalDevice handle : handles) {
+  for (const VkPhysicalDevice handle : physicalDevices(instance.instance)) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(handle, &properties);
     if (properties.apiVersion < VK_API_VERSION_1_2 || !hasComputeQueue(handle)) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/hazards.h"
+#include "engine/host_device.h"
 #include "engine/vulkan_result.h"
 #include "engine/work.h"
 
@@ -10,6 +11,10 @@ namespace xrds {
 namespace {
 
 ByteRange resolve(ByteRange range, BindingKind kind) {
+  if (range.image) {
+    XRDS_CHECK(kind == BindingKind::copied && range.byteSize > 0);
+    return range;
+  }
   XRDS_CHECK(range.buffer != nullptr);
   XRDS_CHECK_EQ(range.byteOffset % (kind == BindingKind::copied ? 4 : kBindingAlignment), 0u);
   XRDS_CHECK_LT(range.byteOffset, range.buffer->byteSize());
@@ -66,7 +71,8 @@ std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
   std::vector<RangeAccess> accesses;
   for (size_t i = 0; i < placed.ranges.size(); ++i) {
     const ByteRange& range = placed.ranges[i];
-    accesses.push_back({.buffer = reinterpret_cast<uintptr_t>(range.buffer),
+    const auto touched = range.image ? (uint64_t)(range.image->image) : (uint64_t)(range.buffer->handles().buffer);
+    accesses.push_back({.buffer = touched,
                         .byteOffset = range.byteOffset,
                         .byteSize = range.byteSize,
                         .access = placed.dispatch.bindings[i].access});
@@ -198,8 +204,40 @@ void Recorder::barrierBetween(VkCommandBuffer commands) const {
   gpu_.vk.vkCmdPipelineBarrier(commands, stages, stages, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
+// The image in that layout, from `from`, for its copy or behind it.
+void Recorder::moveLayout(VkCommandBuffer commands, const HostImage& image, VkImageLayout from,
+                          VkImageLayout to) const {
+  if (from == to) return;
+  VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+  barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image.image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  gpu_.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr,
+                               0, nullptr, 1, &barrier);
+}
+
+void Recorder::recordImageCopy(VkCommandBuffer commands, const ByteRange& from, const ByteRange& to) const {
+  const HostImage& image = from.image ? *from.image : *to.image;
+  VkImageLayout copying = from.image ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+  if (image.layout == VK_IMAGE_LAYOUT_GENERAL) copying = VK_IMAGE_LAYOUT_GENERAL;
+  VkBufferImageCopy region{};
+  region.bufferOffset = from.image ? to.byteOffset : from.byteOffset;
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {image.width, image.height, 1};
+  moveLayout(commands, image, image.layout, copying);
+  if (from.image)
+    gpu_.vk.vkCmdCopyImageToBuffer(commands, image.image, copying, to.buffer->handles().buffer, 1, &region);
+  else
+    gpu_.vk.vkCmdCopyBufferToImage(commands, from.buffer->handles().buffer, image.image, copying, 1, &region);
+  moveLayout(commands, image, copying, image.layout);
+}
+
 void Recorder::recordCopy(VkCommandBuffer commands, const PlacedDispatch& placed) const {
   const ByteRange &from = placed.ranges[0], &to = placed.ranges[1];
+  if (from.image || to.image) return recordImageCopy(commands, from, to);
   const VkBufferCopy region{from.byteOffset, to.byteOffset, from.byteSize};
   gpu_.vk.vkCmdCopyBuffer(commands, from.buffer->handles().buffer, to.buffer->handles().buffer, 1, &region);
 }

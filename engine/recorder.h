@@ -34,6 +34,8 @@ class Recorder {
   VkBufferView viewOf(const ByteRange& range, VkFormat format);
   VkDescriptorSet describe(const PlacedDispatch& placed);
   void barrierBetween(VkCommandBuffer commands) const;
+  void moveLayout(VkCommandBuffer commands, const HostImage& image, VkImageLayout from, VkImageLayout to) const;
+  void recordImageCopy(VkCommandBuffer commands, const ByteRange& from, const ByteRange& to) const;
   void recordCopy(VkCommandBuffer commands, const PlacedDispatch& placed) const;
 
   Gpu::Handles& gpu_;

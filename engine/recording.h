@@ -9,11 +9,14 @@
 
 namespace xrds {
 
+struct HostImage;  // engine/host_device.h
+
 /// Where one binding of a dispatch lies: bytes of a buffer, to its end if byteSize is 0. Offsets are multiples of
-/// kBindingAlignment.
+/// kBindingAlignment. Of a copy one may be all pixels of an image, four numbers each, whose byteSize they take.
 struct ByteRange {
   const Buffer* buffer = nullptr;
   uint64_t byteOffset = 0, byteSize = 0;
+  const HostImage* image = nullptr;
 };
 
 /// A dispatch whose bindings have been given their place: ranges[i] belongs to dispatch.bindings[i], whose own offset
@@ -36,8 +39,9 @@ struct RecordingOptions {
 /// does.
 void compilePrograms(Gpu& gpu, std::span<const Dispatch* const> dispatches);
 
-/// A list of dispatches, recorded with the barriers that their byte ranges need, and replayed at will. Recorded once, and
-/// again after a run that showed the device to be of another pace than it was taken for. The buffers must outlive it and stay where they are.
+/// A list of dispatches, recorded with the barriers that their byte ranges need, and replayed at will. Recorded once,
+/// and again after a run that showed the device to be of another pace than it was taken for. The buffers must outlive
+/// it and stay where they are.
 class Recording {
  public:
   /// Compiles the programs that are not compiled yet. Throws Error if Vulkan fails, std::logic_error if a dispatch

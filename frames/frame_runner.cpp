@@ -16,6 +16,11 @@ class WholeFrame : public FrameRunner {
   std::vector<DispatchTime> times() const override { return session_->times(); }
   uint64_t byteSize() const override { return session_->ownByteSize(); }
   Session* whole() override { return &*session_; }
+  std::vector<FramePart> parts() override {
+    const TensorView& colour = session_->graph().colour;
+    const Rectangle frame{0, 0, colour.width, colour.height};
+    return {{&*session_, {frame, frame}}};
+  }
 
  private:
   std::optional<Session> session_;
@@ -34,6 +39,11 @@ class TiledFrame : public FrameRunner {
   const std::vector<uint64_t>& lostPixels() const override { return runner_.lostPixels(); }
   std::vector<DispatchTime> times() const override { return runner_.times(); }
   uint64_t byteSize() const override { return runner_.byteSize(); }
+  std::vector<FramePart> parts() override {
+    std::vector<FramePart> parts;
+    for (const Tile& tile : tiles_) parts.push_back({&runner_.sessionOf(tile.crop), tile});
+    return parts;
+  }
 
  private:
   std::vector<Tile> tiles_;

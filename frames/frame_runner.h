@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 
+#include "frames/host_frame.h"
 #include "frames/sparse_runner.h"
 
 namespace xrds {
@@ -24,6 +25,9 @@ class FrameRunner {
   /// Device memory in use.
   virtual uint64_t byteSize() const = 0;
 
+  /// What a frame is made of, for programs that run it on the device themselves; empty: which parts it has depends on
+  /// its pixels.
+  virtual std::vector<FramePart> parts() { return {}; }
   /// The session of a frame that is on the device as a whole; null: it is computed in parts.
   virtual Session* whole() { return nullptr; }
   /// What skips windows; null: nothing does.

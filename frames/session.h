@@ -85,6 +85,8 @@ class Session {
   const Buffer& arena() const { return *arena_; }
 
   const Graph& graph() const { return graph_; }
+  /// What a replay runs, for recordings of another program; valid as long as the session lives.
+  std::span<const PlacedDispatch> dispatches() const { return placed_; }
   const MemoryPlan& plan() const { return plan_; }
   /// Between runs its bytes are free for other uses.
   Buffer& arena() { return *arena_; }

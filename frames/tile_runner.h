@@ -26,6 +26,9 @@ class TileRunner {
   bool run(const FrameInput& frame, std::span<const Tile> tiles, std::span<float> output,
            const std::function<bool(double)>& progress = {});
 
+  /// The session of a prepared tile's crop.
+  Session& sessionOf(const Rectangle& crop);
+
   /// Device memory in use: the arena and the weights, once each.
   uint64_t byteSize() const;
   /// The exposure of the last run.
@@ -37,7 +40,6 @@ class TileRunner {
 
  private:
   using Size = std::pair<uint32_t, uint32_t>;  // height and width of a crop
-  Session& sessionOf(const Rectangle& crop);
   void store(const Session& session, const Tile& tile, size_t width, std::span<float> output);
   void addTimes(const Session& session);
 

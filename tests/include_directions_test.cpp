@@ -24,7 +24,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"tuning", {"engine", "shaders", "graph", "network", "frames", "checks", "xrds"}},
     {"api", {"engine", "shaders", "graph", "network", "frames", "checks", "tuning", "image", "xrds"}},
     {"image", {"xrds"}},
-    {"include", {"xrds"}},
+    {"include", {"xrds", "vulkan"}},
     {"advice", {"xrds", "image"}},
     {"sequence", {"xrds"}},
     {"app", {"xrds", "image"}},

@@ -10,24 +10,11 @@ using namespace xrds::c;
 
 namespace {
 
-std::string textOr(const char* text) { return text ? text : ""; }
-
 template <size_t N>
 void setText(char (&field)[N], const std::string& text) {
   const size_t length = std::min(text.size(), N - 1);
   std::memcpy(field, text.data(), length);
   field[length] = 0;
-}
-
-xrds::Device::Options optionsOf(const XrdsDeviceOptions& given) {
-  xrds::Device::Options options{.select = textOr(given.select),
-                                .cacheFolder = textOr(given.cacheFolder),
-                                .kernelFamily = textOr(given.kernelFamily)};
-  if (given.preparation)
-    options.onPreparation = [hear = given.preparation, user = given.preparationUser](const xrds::Preparation& now) {
-      return hear(user, now.phase == xrds::Preparation::Phase::machineCode, now.done, now.total) != 0;
-    };
-  return options;
 }
 
 void describe(const xrds::Device::Description& found, XrdsDeviceDescription& out) {
@@ -41,6 +28,21 @@ void describe(const xrds::Device::Description& found, XrdsDeviceDescription& out
 }
 
 }  // namespace
+
+namespace xrds::c {
+
+Device::Options optionsOf(const XrdsDeviceOptions& given) {
+  const auto text = [](const char* words) { return std::string(words ? words : ""); };
+  Device::Options options{
+      .select = text(given.select), .cacheFolder = text(given.cacheFolder), .kernelFamily = text(given.kernelFamily)};
+  if (given.preparation)
+    options.onPreparation = [hear = given.preparation, user = given.preparationUser](const Preparation& now) {
+      return hear(user, now.phase == Preparation::Phase::machineCode, now.done, now.total) != 0;
+    };
+  return options;
+}
+
+}  // namespace xrds::c
 
 XrdsDeviceOptions xrdsDeviceOptionsDefault() { return {.structSize = sizeof(XrdsDeviceOptions)}; }
 
@@ -67,7 +69,7 @@ XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device)
   return guarded([&] {
     XrdsDevice*& out = required(device, "device");
     const XrdsDeviceOptions given = options ? checkSize(*options) : xrdsDeviceOptionsDefault();
-    out = Devices::open().add(std::make_shared<XrdsDevice>(optionsOf(given), given.preparation, given.preparationUser));
+    out = Devices::open().add(std::make_shared<XrdsDevice>(xrds::Device(optionsOf(given)), given.preparation, given.preparationUser));
     return XRDS_OK;
   });
 }

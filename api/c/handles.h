@@ -11,8 +11,8 @@
 
 /// A device, which one thread at a time may use.
 struct XrdsDevice {
-  XrdsDevice(const xrds::Device::Options& options, XrdsPreparation hear, void* user)
-      : device(options), preparation(hear), preparationUser(user) {}
+  XrdsDevice(xrds::Device opened, XrdsPreparation hear, void* user)
+      : device(std::move(opened)), preparation(hear), preparationUser(user) {}
   xrds::Device device;
   const XrdsPreparation preparation;  // may be null
   void* const preparationUser;
@@ -78,6 +78,8 @@ class Handles {
   mutable std::mutex access_;
   std::unordered_map<const T*, std::shared_ptr<T>> objects_;
 };
+
+Device::Options optionsOf(const XrdsDeviceOptions& given);
 
 using Devices = Handles<XrdsDevice>;
 using Models = Handles<XrdsModel>;

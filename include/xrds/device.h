@@ -67,6 +67,7 @@ class XRDS_API Device {
   friend struct Examination;
   friend struct Tuning;
   struct State;
+  explicit Device(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

@@ -4,8 +4,10 @@
 
 namespace xrds {
 
-class Gpu;     // engine/device.h
-class Buffer;  // engine/buffer.h
+class Gpu;          // engine/device.h
+class Buffer;       // engine/buffer.h
+struct HostDevice;  // engine/host_device.h
+struct FramePart;   // frames/host_frame.h
 
 /// An image in device memory: rows from the top, `channels` 32-bit floats a pixel.
 struct DeviceImage {
@@ -27,6 +29,13 @@ struct DeviceFrame {
 /// itself. Whoever uses the device's queue locks Gpu::Handles::queueAccess meanwhile.
 struct EngineAccess {
   static Gpu& gpu(Device& device);
+
+  /// A device that is another program's. Of the options `select`, validation and extensions do not count.
+  static Device shared(const HostDevice& host, const Device::Options& options);
+
+  /// What a frame is made of. Throws InvalidArgument where that depends on its pixels, or it takes several passes.
+  static std::vector<FramePart> parts(const Upscaler& upscaler);
+  static std::optional<float> exposureOf(const Upscaler& upscaler);
 
   /// Whether the frame is on the device as a whole: neither in tiles, nor are parts of it skipped. Else it goes through
   /// Upscaler::run(), and the following throw Error.

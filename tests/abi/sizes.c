@@ -2,7 +2,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "xrds/xrds.h"
+#include "xrds/xrds_vulkan.h"
 
 #define SIZE(type) printf(#type " %zu\n", sizeof(type))
 #define FIELD(type, field) printf(#type "." #field " %zu\n", offsetof(type, field))
@@ -37,6 +37,48 @@ int main(void) {
   FIELD(XrdsUpscalerOptions, skipBound);
   FIELD(XrdsUpscalerOptions, keepUnchanged);
   FIELD(XrdsUpscalerOptions, tune);
+  SIZE(XrdsTimelinePoint);
+  FIELD(XrdsTimelinePoint, semaphore);
+  FIELD(XrdsTimelinePoint, value);
+  SIZE(XrdsVulkanDevice);
+  FIELD(XrdsVulkanDevice, queueFamily);
+  FIELD(XrdsVulkanDevice, loader);
+  FIELD(XrdsVulkanDevice, instance);
+  FIELD(XrdsVulkanDevice, physicalDevice);
+  FIELD(XrdsVulkanDevice, device);
+  FIELD(XrdsVulkanDevice, queue);
+  FIELD(XrdsVulkanDevice, enabled);
+  FIELD(XrdsVulkanDevice, lockQueue);
+  FIELD(XrdsVulkanDevice, unlockQueue);
+  FIELD(XrdsVulkanDevice, queueUser);
+  SIZE(XrdsVulkanFeatures);
+  FIELD(XrdsVulkanFeatures, shaderInt64);
+  FIELD(XrdsVulkanFeatures, shaderSubgroupExtendedTypes);
+  FIELD(XrdsVulkanFeatures, shaderFloat16);
+  FIELD(XrdsVulkanFeatures, vulkanMemoryModel);
+  FIELD(XrdsVulkanFeatures, subgroupSizeControl);
+  FIELD(XrdsVulkanFeatures, computeFullSubgroups);
+  FIELD(XrdsVulkanFeatures, cooperativeMatrixKhr);
+  FIELD(XrdsVulkanFeatures, cooperativeMatrixNv);
+  FIELD(XrdsVulkanFeatures, extensions);
+  FIELD(XrdsVulkanFeatures, extensionCount);
+  SIZE(XrdsVulkanFrame);
+  FIELD(XrdsVulkanFrame, auxiliaryCount);
+  FIELD(XrdsVulkanFrame, colour);
+  FIELD(XrdsVulkanFrame, output);
+  FIELD(XrdsVulkanFrame, auxiliary);
+  FIELD(XrdsVulkanFrame, exposure);
+  FIELD(XrdsVulkanFrame, exposureOffset);
+  SIZE(XrdsVulkanImage);
+  FIELD(XrdsVulkanImage, width);
+  FIELD(XrdsVulkanImage, height);
+  FIELD(XrdsVulkanImage, format);
+  FIELD(XrdsVulkanImage, buffer);
+  FIELD(XrdsVulkanImage, offset);
+  FIELD(XrdsVulkanImage, rowPitch);
+  FIELD(XrdsVulkanImage, channelCount);
+  FIELD(XrdsVulkanImage, layout);
+  FIELD(XrdsVulkanImage, image);
   printf("XRDS_OK %d\nXRDS_CANCELLED %d\nXRDS_ERROR_ARGUMENT %d\nXRDS_ERROR_FAILED %d\nXRDS_ERROR_OUT_OF_MEMORY %d\n",
          XRDS_OK, XRDS_CANCELLED, XRDS_ERROR_ARGUMENT, XRDS_ERROR_FAILED, XRDS_ERROR_OUT_OF_MEMORY);
   printf("XRDS_ERROR_DEVICE_LOST %d\nXRDS_ERROR_BUSY %d\nXRDS_ERROR_INTERNAL %d\nXRDS_FLOAT %d\nXRDS_HALF %d\n",

@@ -1,0 +1,91 @@
+// Shares a device of the caller's.
+#include "api/c/handles.h"
+#include "api/c/result.h"
+#include "api/c/sized.h"
+#include "engine/host_device.h"
+#include "xrds/engine_access.h"
+#include "xrds/xrds_vulkan.h"
+
+using namespace xrds::c;
+
+namespace {
+
+xrds::HostFeatures featuresOf(const XrdsVulkanFeatures& given) {
+  return {.shaderInt64 = given.shaderInt64 && given.shaderSubgroupExtendedTypes,
+          .subgroupSizeControl = given.subgroupSizeControl != 0,
+          .computeFullSubgroups = given.computeFullSubgroups != 0,
+          .shaderFloat16 = given.shaderFloat16 != 0,
+          .vulkanMemoryModel = given.vulkanMemoryModel != 0,
+          .cooperativeMatrixKhr = given.cooperativeMatrixKhr != 0,
+          .cooperativeMatrixNv = given.cooperativeMatrixNv != 0};
+}
+
+xrds::HostDevice hostOf(const XrdsVulkanDevice& given) {
+  xrds::HostDevice host{.loader = given.loader,
+                        .instance = given.instance,
+                        .physicalDevice = given.physicalDevice,
+                        .device = given.device,
+                        .queueFamily = given.queueFamily,
+                        .queue = given.queue};
+  if (given.enabled) host.enabled = featuresOf(checkSize(*given.enabled));
+  if ((given.lockQueue == nullptr) != (given.unlockQueue == nullptr))
+    throw xrds::InvalidArgument("Of lockQueue and unlockQueue one is a null pointer: give both or neither.");
+  if (given.lockQueue) {
+    host.lockQueue = [lock = given.lockQueue, user = given.queueUser] { lock(user); };
+    host.unlockQueue = [unlock = given.unlockQueue, user = given.queueUser] { unlock(user); };
+  }
+  return host;
+}
+
+// The names last as long as the program, and so does the list of each combination that was asked for.
+const std::vector<const char*>& extensionNames(const xrds::HostFeatures& features) {
+  static const std::vector<const char*> none,
+      khr = xrds::extensionsOf({.computeFullSubgroups = true,
+                                .shaderFloat16 = true,
+                                .vulkanMemoryModel = true,
+                                .cooperativeMatrixKhr = true}),
+      nv = xrds::extensionsOf({.computeFullSubgroups = true,
+                               .shaderFloat16 = true,
+                               .vulkanMemoryModel = true,
+                               .cooperativeMatrixNv = true});
+  return features.cooperativeMatrixKhr ? khr : features.cooperativeMatrixNv ? nv : none;
+}
+
+}  // namespace
+
+XrdsResult xrdsGetVulkanFeatures(PFN_vkGetInstanceProcAddr loader, VkInstance instance, VkPhysicalDevice physicalDevice,
+                                 XrdsVulkanFeatures* features) {
+  return guarded([&] {
+    XrdsVulkanFeatures& out = required(features, "features");
+    checkSize(out);
+    const xrds::HostFeatures useful =
+        xrds::usefulFeatures({.loader = loader, .instance = instance, .physicalDevice = physicalDevice});
+    const auto& extensions = extensionNames(useful);
+    out = {.structSize = sizeof out,
+           .shaderInt64 = useful.shaderInt64,
+           .shaderSubgroupExtendedTypes = useful.shaderInt64,
+           .shaderFloat16 = useful.shaderFloat16,
+           .vulkanMemoryModel = useful.vulkanMemoryModel,
+           .subgroupSizeControl = useful.subgroupSizeControl,
+           .computeFullSubgroups = useful.computeFullSubgroups,
+           .cooperativeMatrixKhr = useful.cooperativeMatrixKhr,
+           .cooperativeMatrixNv = useful.cooperativeMatrixNv,
+           .extensions = extensions.data(),
+           .extensionCount = static_cast<uint32_t>(extensions.size())};
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsOpenVulkanDevice(const XrdsVulkanDevice* vulkan, const XrdsDeviceOptions* options, XrdsDevice** device) {
+  return guarded([&] {
+    XrdsDevice*& out = required(device, "device");
+    const xrds::HostDevice host = hostOf(checkSize(required(vulkan, "vulkan")));
+    const XrdsDeviceOptions given = options ? checkSize(*options) : xrdsDeviceOptionsDefault();
+    const auto asked = optionsOf(given);
+    if (!asked.select.empty())
+      throw xrds::InvalidArgument("A device was given and one is to be selected: leave the option select NULL.");
+    out = Devices::open().add(std::make_shared<XrdsDevice>(xrds::EngineAccess::shared(host, asked), given.preparation,
+                                                            given.preparationUser));
+    return XRDS_OK;
+  });
+}

@@ -1,0 +1,265 @@
+#include "tests/vulkan_host.h"
+
+#include <dlfcn.h>
+
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <stdexcept>
+
+namespace xrds::test {
+namespace {
+
+enum Counted {
+#define XRDS_INDEX(name) k_##name,
+  XRDS_DEVICE_FUNCTIONS(XRDS_INDEX)
+#undef XRDS_INDEX
+      kCountedCount
+};
+
+constexpr const char* kNames[] = {
+#define XRDS_NAME(name) #name,
+    XRDS_DEVICE_FUNCTIONS(XRDS_NAME)
+#undef XRDS_NAME
+};
+
+std::array<std::atomic<int>, kCountedCount> counts;
+std::array<PFN_vkVoidFunction, kCountedCount> originals;
+
+template <Counted kIndex, class Function>
+struct Thunk;
+template <Counted kIndex, class Result, class... Arguments>
+struct Thunk<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
+  static VKAPI_ATTR Result VKAPI_CALL call(Arguments... arguments) {
+    ++counts[kIndex];
+    return reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(originals[kIndex])(arguments...);
+  }
+};
+
+PFN_vkGetInstanceProcAddr systemLoader() {
+  static void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw std::runtime_error("There is no Vulkan loader.");
+  return reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+}
+
+template <class Function>
+Function instanceFunction(VkInstance instance, const char* name) {
+  return reinterpret_cast<Function>(systemLoader()(instance, name));
+}
+
+PFN_vkGetDeviceProcAddr deviceLoader = nullptr;
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedDeviceFunction(VkDevice device, const char* name) {
+#define XRDS_COUNTED(function)                                                               \
+  if (std::strcmp(name, #function) == 0) {                                                   \
+    originals[k_##function] = deviceLoader(device, name);                                    \
+    return reinterpret_cast<PFN_vkVoidFunction>(&Thunk<k_##function, PFN_##function>::call); \
+  }
+  XRDS_DEVICE_FUNCTIONS(XRDS_COUNTED)
+#undef XRDS_COUNTED
+  return nullptr;
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedLoader(VkInstance instance, const char* name) {
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
+    return reinterpret_cast<PFN_vkVoidFunction>(&countedDeviceFunction);
+  return systemLoader()(instance, name);
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                    const VkDebugUtilsMessengerCallbackDataEXT* message, void* user) {
+  static_cast<VulkanHost*>(user)->messages.emplace_back(message->pMessage);
+  return VK_FALSE;
+}
+
+void check(VkResult result, const char* what) {
+  if (result != VK_SUCCESS) throw std::runtime_error(std::string(what) + " gives " + std::to_string(result));
+}
+
+}  // namespace
+
+VulkanHost::VulkanHost() {
+  openInstance();
+  openDevice();
+  takeCalls();
+}
+
+VulkanHost::~VulkanHost() {
+  vk.vkDeviceWaitIdle(device);
+  for (const HostBuffer& each : buffers_) {
+    vk.vkDestroyBuffer(device, each.buffer, nullptr);
+    vk.vkFreeMemory(device, each.memory, nullptr);
+  }
+  for (const HostPicture2d& each : images_) {
+    vk.vkDestroyImage(device, each.image, nullptr);
+    vk.vkFreeMemory(device, each.memory, nullptr);
+  }
+  for (const VkSemaphore each : semaphores_) vk.vkDestroySemaphore(device, each, nullptr);
+  vk.vkDestroyCommandPool(device, pool_, nullptr);
+  vk.vkDestroyDevice(device, nullptr);
+  instanceFunction<PFN_vkDestroyDebugUtilsMessengerEXT>(instance, "vkDestroyDebugUtilsMessengerEXT")(
+      instance, messenger_, nullptr);
+  instanceFunction<PFN_vkDestroyInstance>(instance, "vkDestroyInstance")(instance, nullptr);
+}
+
+PFN_vkGetInstanceProcAddr VulkanHost::loader() { return countedLoader; }
+
+std::vector<std::pair<std::string, int>> VulkanHost::takeCalls() {
+  std::vector<std::pair<std::string, int>> calls;
+  for (size_t i = 0; i < counts.size(); ++i)
+    if (const int count = counts[i].exchange(0)) calls.emplace_back(kNames[i], count);
+  return calls;
+}
+
+void VulkanHost::openInstance() {
+  VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  messenger.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  messenger.messageType =
+      VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  messenger.pfnUserCallback = hear;
+  messenger.pUserData = this;
+  const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+  VkValidationFeaturesEXT synchronization{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
+  synchronization.enabledValidationFeatureCount = 1;
+  synchronization.pEnabledValidationFeatures = enabled;
+  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.apiVersion = VK_API_VERSION_1_2;
+  const char *layer = "VK_LAYER_KHRONOS_validation", *extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, &synchronization};
+  info.pApplicationInfo = &application;
+  info.enabledLayerCount = 1;
+  info.ppEnabledLayerNames = &layer;
+  info.enabledExtensionCount = 1;
+  info.ppEnabledExtensionNames = &extension;
+  check(instanceFunction<PFN_vkCreateInstance>(nullptr, "vkCreateInstance")(&info, nullptr, &instance),
+        "vkCreateInstance");
+  check(instanceFunction<PFN_vkCreateDebugUtilsMessengerEXT>(instance, "vkCreateDebugUtilsMessengerEXT")(
+            instance, &messenger, nullptr, &messenger_),
+        "vkCreateDebugUtilsMessengerEXT");
+}
+
+void VulkanHost::openDevice() {
+  uint32_t count = 1;
+  instanceFunction<PFN_vkEnumeratePhysicalDevices>(instance, "vkEnumeratePhysicalDevices")(instance, &count,
+                                                                                           &physicalDevice);
+  if (count == 0) throw std::runtime_error("There is no Vulkan device.");
+  features.structSize = sizeof features;
+  if (xrdsGetVulkanFeatures(systemLoader(), instance, physicalDevice, &features) != XRDS_OK)
+    throw std::runtime_error(xrdsGetMessage());
+  const float priority = 1;
+  VkDeviceQueueCreateInfo queues{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queues.queueCount = 1;
+  queues.pQueuePriorities = &priority;
+  VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  features12.shaderSubgroupExtendedTypes = static_cast<VkBool32>(features.shaderSubgroupExtendedTypes);
+  features12.timelineSemaphore = VK_TRUE;
+  VkPhysicalDeviceFeatures2 enabled{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
+  enabled.features.shaderInt64 = static_cast<VkBool32>(features.shaderInt64);
+  // The rest belongs to matrix units, whose structures the host of the tests does not know.
+  features.cooperativeMatrixKhr = features.cooperativeMatrixNv = 0;
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &enabled};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queues;
+  check(instanceFunction<PFN_vkCreateDevice>(instance, "vkCreateDevice")(physicalDevice, &info, nullptr, &device),
+        "vkCreateDevice");
+  deviceLoader = instanceFunction<PFN_vkGetDeviceProcAddr>(instance, "vkGetDeviceProcAddr");
+#define XRDS_LOAD(name) vk.name = reinterpret_cast<PFN_##name>(deviceLoader(device, #name));
+  XRDS_DEVICE_FUNCTIONS(XRDS_LOAD)
+#undef XRDS_LOAD
+  vk.vkGetDeviceQueue(device, queueFamily, 0, &queue);
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  check(vk.vkCreateCommandPool(device, &pool, nullptr, &pool_), "vkCreateCommandPool");
+}
+
+XrdsVulkanDevice VulkanHost::vulkan() const {
+  return {.structSize = sizeof(XrdsVulkanDevice),
+          .queueFamily = queueFamily,
+          .loader = loader(),
+          .instance = instance,
+          .physicalDevice = physicalDevice,
+          .device = device,
+          .queue = queue,
+          .enabled = &features};
+}
+
+VkDeviceMemory VulkanHost::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted) {
+  VkPhysicalDeviceMemoryProperties properties;
+  instanceFunction<PFN_vkGetPhysicalDeviceMemoryProperties>(instance, "vkGetPhysicalDeviceMemoryProperties")(
+      physicalDevice, &properties);
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  info.allocationSize = needs.size;
+  for (uint32_t type = properties.memoryTypeCount; type-- > 0;)
+    if ((needs.memoryTypeBits >> type & 1) && (properties.memoryTypes[type].propertyFlags & wanted) == wanted)
+      info.memoryTypeIndex = type;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  check(vk.vkAllocateMemory(device, &info, nullptr, &memory), "vkAllocateMemory");
+  return memory;
+}
+
+HostBuffer VulkanHost::buffer(uint64_t byteSize, VkBufferUsageFlags usage) {
+  HostBuffer made;
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = byteSize;
+  info.usage = usage;
+  check(vk.vkCreateBuffer(device, &info, nullptr, &made.buffer), "vkCreateBuffer");
+  VkMemoryRequirements needs;
+  vk.vkGetBufferMemoryRequirements(device, made.buffer, &needs);
+  made.memory = allocate(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+  check(vk.vkBindBufferMemory(device, made.buffer, made.memory, 0), "vkBindBufferMemory");
+  void* bytes = nullptr;
+  check(vk.vkMapMemory(device, made.memory, 0, VK_WHOLE_SIZE, 0, &bytes), "vkMapMemory");
+  made.bytes = static_cast<std::byte*>(bytes);
+  return buffers_.emplace_back(made);
+}
+
+HostPicture2d VulkanHost::image(uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage) {
+  HostPicture2d made;
+  VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = format;
+  info.extent = {width, height, 1};
+  info.mipLevels = info.arrayLayers = 1;
+  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.usage = usage;
+  check(vk.vkCreateImage(device, &info, nullptr, &made.image), "vkCreateImage");
+  VkMemoryRequirements needs;
+  vk.vkGetImageMemoryRequirements(device, made.image, &needs);
+  made.memory = allocate(needs, 0);
+  check(vk.vkBindImageMemory(device, made.image, made.memory, 0), "vkBindImageMemory");
+  return images_.emplace_back(made);
+}
+
+VkSemaphore VulkanHost::timeline() {
+  VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type};
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  check(vk.vkCreateSemaphore(device, &info, nullptr, &semaphore), "vkCreateSemaphore");
+  return semaphores_.emplace_back(semaphore);
+}
+
+VkCommandBuffer VulkanHost::begin() {
+  VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  info.commandPool = pool_;
+  info.commandBufferCount = 1;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  check(vk.vkAllocateCommandBuffers(device, &info, &commands), "vkAllocateCommandBuffers");
+  VkCommandBufferBeginInfo begun{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begun.flags = VK_COMMAND_BUFFER_USAGE_SIMULTANEOUS_USE_BIT;
+  check(vk.vkBeginCommandBuffer(commands, &begun), "vkBeginCommandBuffer");
+  return commands;
+}
+
+void VulkanHost::end(VkCommandBuffer commands) { check(vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer"); }
+
+void VulkanHost::submit(VkCommandBuffer commands) {
+  VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  info.commandBufferCount = 1;
+  info.pCommandBuffers = &commands;
+  check(vk.vkQueueSubmit(queue, 1, &info, VK_NULL_HANDLE), "vkQueueSubmit");
+}
+
+void VulkanHost::await() { check(vk.vkDeviceWaitIdle(device), "vkDeviceWaitIdle"); }
+
+}  // namespace xrds::test

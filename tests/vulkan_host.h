@@ -1,0 +1,100 @@
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <string>
+#include <vector>
+
+#include "xrds/xrds_vulkan.h"
+
+// Every function of a device that the library or the host of the tests calls.
+#define XRDS_DEVICE_FUNCTIONS(X)                                                                                       \
+  X(vkAllocateCommandBuffers)                                                                                          \
+  X(vkAllocateDescriptorSets) X(vkAllocateMemory) X(vkBeginCommandBuffer) X(vkBindBufferMemory) X(vkBindImageMemory)   \
+      X(vkCmdBindDescriptorSets) X(vkCmdBindPipeline) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage)                     \
+          X(vkCmdCopyImageToBuffer) X(vkCmdDispatch) X(vkCmdExecuteCommands) X(vkCmdFillBuffer)                        \
+              X(vkCmdPipelineBarrier) X(vkCmdPushConstants) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp)              \
+                  X(vkCreateBuffer) X(vkCreateBufferView) X(vkCreateCommandPool) X(vkCreateComputePipelines)           \
+                      X(vkCreateDescriptorPool) X(vkCreateDescriptorSetLayout) X(vkCreateFence) X(vkCreateImage)       \
+                          X(vkCreatePipelineCache) X(vkCreatePipelineLayout) X(vkCreateQueryPool) X(vkCreateSemaphore) \
+                              X(vkCreateShaderModule) X(vkDestroyBuffer) X(vkDestroyBufferView)                        \
+                                  X(vkDestroyCommandPool) X(vkDestroyDescriptorPool) X(vkDestroyDescriptorSetLayout)   \
+                                      X(vkDestroyDevice) X(vkDestroyFence) X(vkDestroyImage) X(vkDestroyPipeline)      \
+                                          X(vkDestroyPipelineCache) X(vkDestroyPipelineLayout) X(vkDestroyQueryPool)   \
+                                              X(vkDestroySemaphore) X(vkDestroyShaderModule) X(vkDeviceWaitIdle)       \
+                                                  X(vkEndCommandBuffer) X(vkFreeMemory)                                \
+                                                      X(vkGetBufferMemoryRequirements) X(vkGetDeviceQueue)             \
+                                                          X(vkGetImageMemoryRequirements) X(vkGetPipelineCacheData)    \
+                                                              X(vkGetQueryPoolResults) X(vkGetSemaphoreCounterValue)   \
+                                                                  X(vkMapMemory) X(vkQueueSubmit) X(vkResetFences)     \
+                                                                      X(vkSignalSemaphore) X(vkUpdateDescriptorSets)   \
+                                                                          X(vkWaitForFences) X(vkWaitSemaphores)
+
+namespace xrds::test {
+
+/// The functions of a device.
+struct DeviceFunctions {
+#define XRDS_MEMBER(name) PFN_##name name = nullptr;
+  XRDS_DEVICE_FUNCTIONS(XRDS_MEMBER)
+#undef XRDS_MEMBER
+};
+
+/// A buffer that the host of the tests sees.
+struct HostBuffer {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  std::byte* bytes = nullptr;
+};
+
+/// An image of the host, and its memory.
+struct HostPicture2d {
+  VkImage image = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+};
+
+/// A program with a Vulkan device of its own, opened with validation, as xrds is embedded in it. The device's functions
+/// that it hands out are counted; those of which the tests know nothing are missing.
+class VulkanHost {
+ public:
+  /// Throws std::runtime_error without a device.
+  VulkanHost();
+  ~VulkanHost();
+  VulkanHost(const VulkanHost&) = delete;
+  VulkanHost& operator=(const VulkanHost&) = delete;
+
+  /// What xrds gets of it.
+  XrdsVulkanDevice vulkan() const;
+  static PFN_vkGetInstanceProcAddr loader();
+  /// Calls of the library since the last time, by name: those that were made.
+  static std::vector<std::pair<std::string, int>> takeCalls();
+
+  HostBuffer buffer(uint64_t byteSize, VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+  HostPicture2d image(uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage);
+  VkSemaphore timeline();
+  VkCommandBuffer begin();
+  void end(VkCommandBuffer commands);
+  void submit(VkCommandBuffer commands);
+  void await();
+
+  DeviceFunctions vk;  // not counted
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  uint32_t queueFamily = 0;
+  XrdsVulkanFeatures features{};
+  std::vector<std::string> messages;  // of the validation layer
+
+ private:
+  void openInstance();
+  void openDevice();
+  VkDeviceMemory allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted);
+
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  std::vector<HostBuffer> buffers_;
+  std::vector<HostPicture2d> images_;
+  std::vector<VkSemaphore> semaphores_;
+};
+
+}  // namespace xrds::test
