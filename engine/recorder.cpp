@@ -221,8 +221,8 @@ void Recorder::moveLayout(VkCommandBuffer commands, const HostImage& image, VkIm
 
 void Recorder::recordImageCopy(VkCommandBuffer commands, const ByteRange& from, const ByteRange& to) const {
   const HostImage& image = from.image ? *from.image : *to.image;
-  VkImageLayout copying = from.image ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-  if (image.layout == VK_IMAGE_LAYOUT_GENERAL) copying = VK_IMAGE_LAYOUT_GENERAL;
+  const VkImageLayout copying =
+      from.image ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
   VkBufferImageCopy region{};
   region.bufferOffset = from.image ? to.byteOffset : from.byteOffset;
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};

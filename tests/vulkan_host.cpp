@@ -26,12 +26,17 @@ constexpr const char* kNames[] = {
 std::array<std::atomic<int>, kCountedCount> counts;
 std::array<PFN_vkVoidFunction, kCountedCount> originals;
 
+std::atomic<int> failing = -1;
+std::atomic<VkResult> failure;
+
 template <Counted kIndex, class Function>
 struct Thunk;
 template <Counted kIndex, class Result, class... Arguments>
 struct Thunk<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
   static VKAPI_ATTR Result VKAPI_CALL call(Arguments... arguments) {
     ++counts[kIndex];
+    if constexpr (std::is_same_v<Result, VkResult>)
+      if (failing == kIndex) return failure;
     return reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(originals[kIndex])(arguments...);
   }
 };
@@ -109,6 +114,13 @@ std::vector<std::pair<std::string, int>> VulkanHost::takeCalls() {
   for (size_t i = 0; i < counts.size(); ++i)
     if (const int count = counts[i].exchange(0)) calls.emplace_back(kNames[i], count);
   return calls;
+}
+
+void VulkanHost::fail(const char* function, VkResult result) {
+  failure = result;
+  failing = -1;
+  for (int i = 0; i < kCountedCount && function; ++i)
+    if (std::strcmp(kNames[i], function) == 0) failing = i;
 }
 
 void VulkanHost::openInstance() {
@@ -228,6 +240,30 @@ HostPicture2d VulkanHost::image(uint32_t width, uint32_t height, VkFormat format
   made.memory = allocate(needs, 0);
   check(vk.vkBindImageMemory(device, made.image, made.memory, 0), "vkBindImageMemory");
   return images_.emplace_back(made);
+}
+
+void VulkanHost::transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+  VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+  barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
+                          nullptr, 0, nullptr, 1, &barrier);
+}
+
+void VulkanHost::copy(VkCommandBuffer commands, VkBuffer buffer, VkImage image, uint32_t width, uint32_t height,
+                      bool toImage) {
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {width, height, 1};
+  if (toImage)
+    vk.vkCmdCopyBufferToImage(commands, buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  else
+    vk.vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer, 1, &region);
 }
 
 VkSemaphore VulkanHost::timeline() {

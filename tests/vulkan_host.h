@@ -8,26 +8,27 @@
 #include "xrds/xrds_vulkan.h"
 
 // Every function of a device that the library or the host of the tests calls.
-#define XRDS_DEVICE_FUNCTIONS(X)                                                                                       \
-  X(vkAllocateCommandBuffers)                                                                                          \
-  X(vkAllocateDescriptorSets) X(vkAllocateMemory) X(vkBeginCommandBuffer) X(vkBindBufferMemory) X(vkBindImageMemory)   \
-      X(vkCmdBindDescriptorSets) X(vkCmdBindPipeline) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage)                     \
-          X(vkCmdCopyImageToBuffer) X(vkCmdDispatch) X(vkCmdExecuteCommands) X(vkCmdFillBuffer)                        \
-              X(vkCmdPipelineBarrier) X(vkCmdPushConstants) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp)              \
-                  X(vkCreateBuffer) X(vkCreateBufferView) X(vkCreateCommandPool) X(vkCreateComputePipelines)           \
-                      X(vkCreateDescriptorPool) X(vkCreateDescriptorSetLayout) X(vkCreateFence) X(vkCreateImage)       \
-                          X(vkCreatePipelineCache) X(vkCreatePipelineLayout) X(vkCreateQueryPool) X(vkCreateSemaphore) \
-                              X(vkCreateShaderModule) X(vkDestroyBuffer) X(vkDestroyBufferView)                        \
-                                  X(vkDestroyCommandPool) X(vkDestroyDescriptorPool) X(vkDestroyDescriptorSetLayout)   \
-                                      X(vkDestroyDevice) X(vkDestroyFence) X(vkDestroyImage) X(vkDestroyPipeline)      \
-                                          X(vkDestroyPipelineCache) X(vkDestroyPipelineLayout) X(vkDestroyQueryPool)   \
-                                              X(vkDestroySemaphore) X(vkDestroyShaderModule) X(vkDeviceWaitIdle)       \
-                                                  X(vkEndCommandBuffer) X(vkFreeMemory)                                \
-                                                      X(vkGetBufferMemoryRequirements) X(vkGetDeviceQueue)             \
-                                                          X(vkGetImageMemoryRequirements) X(vkGetPipelineCacheData)    \
-                                                              X(vkGetQueryPoolResults) X(vkGetSemaphoreCounterValue)   \
-                                                                  X(vkMapMemory) X(vkQueueSubmit) X(vkResetFences)     \
-                                                                      X(vkSignalSemaphore) X(vkUpdateDescriptorSets)   \
+#define XRDS_DEVICE_FUNCTIONS(X)                                                                                      \
+  X(vkAllocateCommandBuffers)                                                                                         \
+  X(vkAllocateDescriptorSets)                                                                                         \
+  X(vkAllocateMemory) X(vkBeginCommandBuffer) X(vkBindBufferMemory) X(vkBindImageMemory) X(vkCmdBindDescriptorSets)   \
+      X(vkCmdBindPipeline) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage) X(vkCmdCopyImageToBuffer) X(vkCmdDispatch)    \
+          X(vkCmdExecuteCommands) X(vkCmdFillBuffer) X(vkCmdPipelineBarrier) X(vkCmdPushConstants)                    \
+              X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp) X(vkCreateBuffer) X(vkCreateBufferView)                   \
+                  X(vkCreateCommandPool) X(vkCreateComputePipelines) X(vkCreateDescriptorPool)                        \
+                      X(vkCreateDescriptorSetLayout) X(vkCreateFence) X(vkCreateImage) X(vkCreatePipelineCache)       \
+                          X(vkCreatePipelineLayout) X(vkCreateQueryPool) X(vkCreateSemaphore) X(vkCreateShaderModule) \
+                              X(vkDestroyBuffer) X(vkDestroyBufferView) X(vkDestroyCommandPool)                       \
+                                  X(vkDestroyDescriptorPool) X(vkDestroyDescriptorSetLayout) X(vkDestroyDevice)       \
+                                      X(vkDestroyFence) X(vkDestroyImage) X(vkDestroyPipeline)                        \
+                                          X(vkDestroyPipelineCache) X(vkDestroyPipelineLayout) X(vkDestroyQueryPool)  \
+                                              X(vkDestroySemaphore) X(vkDestroyShaderModule) X(vkDeviceWaitIdle)      \
+                                                  X(vkEndCommandBuffer) X(vkFreeMemory)                               \
+                                                      X(vkGetBufferMemoryRequirements) X(vkGetDeviceQueue)            \
+                                                          X(vkGetImageMemoryRequirements) X(vkGetPipelineCacheData)   \
+                                                              X(vkGetQueryPoolResults) X(vkGetSemaphoreCounterValue)  \
+                                                                  X(vkMapMemory) X(vkQueueSubmit) X(vkResetFences)    \
+                                                                      X(vkSignalSemaphore) X(vkUpdateDescriptorSets)  \
                                                                           X(vkWaitForFences) X(vkWaitSemaphores)
 
 namespace xrds::test {
@@ -68,8 +69,16 @@ class VulkanHost {
   /// Calls of the library since the last time, by name: those that were made.
   static std::vector<std::pair<std::string, int>> takeCalls();
 
-  HostBuffer buffer(uint64_t byteSize, VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+  /// Lets the library's calls of a function fail, from the next one on; nullptr: none.
+  static void fail(const char* function, VkResult result);
+
+  HostBuffer buffer(uint64_t byteSize, VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                                                  VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                                                                  VK_BUFFER_USAGE_TRANSFER_DST_BIT);
   HostPicture2d image(uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage);
+  void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to);
+  /// Between an image and a buffer of its pixels, the former in the layout for it.
+  void copy(VkCommandBuffer commands, VkBuffer buffer, VkImage image, uint32_t width, uint32_t height, bool toImage);
   VkSemaphore timeline();
   VkCommandBuffer begin();
   void end(VkCommandBuffer commands);

@@ -1,172 +1,14 @@
 // xrds in a program with a Vulkan device of its own: the same pictures as xrdsUpscale() gives, in its buffers.
-#include <gtest/gtest.h>
-
-#include <chrono>
 #include <cmath>
-#include <cstring>
-#include <optional>
-#include <thread>
 
-#include "engine/half.h"
-#include "tests/noise_frame.h"
-#include "tests/vulkan_host.h"
-#include "xrds/xrds.hpp"
+#include "tests/embedded.h"
 
 namespace xrds {
 namespace {
 
-const std::string kModel = XRDS_GOLDEN_FOLDER "/s4_guided.model.safetensors";
-constexpr uint32_t kScale = 4;
-
-std::vector<float> noise(size_t count, uint32_t seed) {
-  std::vector<float> values(count);
-  for (float& value : values) value = 0.05F + static_cast<float>((seed = seed * 1664525 + 1013904223) >> 8) * 0x1p-24F;
-  return values;
-}
-
-/// How pixels lie in a buffer.
-struct Layout {
-  XrdsFormat format = XRDS_FLOAT;
-  uint32_t channels = 3;
-  uint64_t offset = 0, padding = 0;  // bytes, the latter behind each row
-};
-
-class Embedded : public testing::Test {
- public:
-  void SetUp() override { open(14, 9, xrdsUpscalerOptionsDefault()); }
-
-  void open(uint32_t wide, uint32_t high, XrdsUpscalerOptions options) {
-    width = wide, height = high;
-    if (!host) {
-      host.emplace();
-      const XrdsVulkanDevice vulkan = host->vulkan();
-      ASSERT_EQ(xrdsOpenVulkanDevice(&vulkan, nullptr, &device), XRDS_OK) << xrdsGetMessage();
-      ASSERT_EQ(xrdsOpenModel(kModel.c_str(), &model), XRDS_OK) << xrdsGetMessage();
-    }
-    xrdsDestroyUpscaler(upscaler);
-    ASSERT_EQ(xrdsCreateUpscaler(device, model, width, height, &options, &upscaler), XRDS_OK) << xrdsGetMessage();
-    pixels[0] = noise(size_t{3} * width * height, 1);
-    for (uint32_t i = 1; i < 3; ++i) pixels[i] = noise(size_t{3} * kScale * kScale * width * height, 1 + i);
-  }
-
-  void TearDown() override {
-    if (!host) return;
-    host->await();
-    for (XrdsRecording* recording : recordings) xrdsDestroyRecording(recording);
-    xrdsDestroyUpscaler(upscaler);
-    xrdsCloseModel(model);
-    xrdsCloseDevice(device);
-    for (const std::string& message : host->messages) ADD_FAILURE() << "validation: " << message;
-  }
-
-  // What xrdsUpscale() makes of the pixels.
-  std::vector<float> expected() {
-    std::vector<float> output(pixels[1].size());
-    const uint32_t w = kScale * width, h = kScale * height;
-    const XrdsImage colour = xrdsInterleavedImage(pixels[0].data(), XRDS_FLOAT, 3, width, height);
-    const XrdsImage auxiliary[] = {xrdsInterleavedImage(pixels[1].data(), XRDS_FLOAT, 3, w, h),
-                                   xrdsInterleavedImage(pixels[2].data(), XRDS_FLOAT, 3, w, h)};
-    const XrdsImage picture = xrdsInterleavedImage(output.data(), XRDS_FLOAT, 3, w, h);
-    EXPECT_EQ(xrdsUpscale(upscaler, &colour, auxiliary, 2, &picture, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
-    return output;
-  }
-
-  struct Picture {
-    test::HostBuffer memory;
-    XrdsVulkanImage image;
-    Layout layout;
-  };
-
-  Picture picture(uint32_t w, uint32_t h, const Layout& layout) {
-    const uint64_t row = uint64_t{w} * layout.channels * numberBytes(layout) + layout.padding;
-    Picture made{host->buffer(layout.offset + row * h), {}, layout};
-    made.image = xrdsBufferImage(made.memory.buffer, layout.format, layout.channels, w, h);
-    made.image.offset = layout.offset;
-    made.image.rowPitch = layout.padding ? row : 0;
-    return made;
-  }
-
-  static uint64_t numberBytes(const Layout& layout) { return layout.format == XRDS_HALF ? 2 : 4; }
-  static std::byte* at(const Picture& picture, uint32_t x, uint32_t y, uint32_t c) {
-    const uint64_t pixel = picture.layout.channels * numberBytes(picture.layout),
-                   row = picture.image.width * pixel + picture.layout.padding;
-    return picture.memory.bytes + picture.layout.offset + y * row + x * pixel + c * numberBytes(picture.layout);
-  }
-  static void set(const Picture& to, const std::vector<float>& values) {
-    for (uint32_t y = 0, i = 0; y < to.image.height; ++y)
-      for (uint32_t x = 0; x < to.image.width; ++x)
-        for (uint32_t c = 0; c < 3; ++c, ++i) {
-          const uint16_t half = toHalf(values[i]);
-          if (to.layout.format == XRDS_HALF)
-            std::memcpy(at(to, x, y, c), &half, 2);
-          else
-            std::memcpy(at(to, x, y, c), &values[i], 4);
-        }
-  }
-  static float number(const Picture& from, uint32_t x, uint32_t y, uint32_t c) {
-    uint16_t half = 0;
-    float value = 0;
-    std::memcpy(&half, at(from, x, y, c), 2);
-    if (from.layout.format == XRDS_HALF) return fromHalf(half);
-    std::memcpy(&value, at(from, x, y, c), 4);
-    return value;
-  }
-  static std::vector<float> get(const Picture& from) {
-    std::vector<float> values;
-    for (uint32_t y = 0; y < from.image.height; ++y)
-      for (uint32_t x = 0; x < from.image.width; ++x)
-        for (uint32_t c = 0; c < 3; ++c) values.push_back(number(from, x, y, c));
-    return values;
-  }
-
-  struct Frame {
-    Picture colour, auxiliary[2], output;
-    XrdsVulkanImage images[2];
-    XrdsVulkanFrame frame;
-    XrdsRecording* recording = nullptr;
-  };
-
-  // With the fixture's pixels in it; recorded by record().
-  Frame frame(const Layout& input = {}, const Layout& output = {}) {
-    const uint32_t w = kScale * width, h = kScale * height;
-    Frame made{picture(width, height, input),
-               {picture(w, h, input), picture(w, h, input)},
-               picture(w, h, output),
-               {},
-               xrdsVulkanFrameDefault()};
-    set(made.colour, pixels[0]);
-    for (int i = 0; i < 2; ++i) set(made.auxiliary[i], pixels[1 + i]), made.images[i] = made.auxiliary[i].image;
-    made.frame.colour = made.colour.image;
-    made.frame.output = made.output.image;
-    made.frame.auxiliaryCount = 2;
-    return made;
-  }
-  void prepare(Frame& frame) {
-    frame.frame.auxiliary = frame.images;
-    ASSERT_EQ(xrdsCreateRecording(upscaler, &frame.frame, &frame.recording), XRDS_OK) << xrdsGetMessage();
-    recordings.push_back(frame.recording);
-  }
-  VkCommandBuffer recorded(const Frame& frame) {
-    const VkCommandBuffer commands = host->begin();
-    EXPECT_EQ(xrdsRecord(frame.recording, commands), XRDS_OK) << xrdsGetMessage();
-    host->end(commands);
-    return commands;
-  }
-  void run(Frame& frame) {
-    prepare(frame);
-    if (!frame.recording) return;
-    host->submit(recorded(frame));
-    host->await();
-  }
-
-  uint32_t width = 0, height = 0;
-  std::optional<test::VulkanHost> host;
-  XrdsDevice* device = nullptr;
-  XrdsModel* model = nullptr;
-  XrdsUpscaler* upscaler = nullptr;
-  std::vector<XrdsRecording*> recordings;
-  std::vector<float> pixels[3];
-};
+using test::Embedded;
+using test::Layout;
+using test::noise;
 
 TEST_F(Embedded, GivesThePictureOfUpscale) {
   Frame mine = frame();
@@ -314,6 +156,48 @@ TEST_F(Embedded, SubmitsBehindSemaphoresAndSignalsThem) {
   wait.pValues = &last;
   ASSERT_EQ(host->vk.vkWaitSemaphores(host->device, &wait, 60'000'000'000), VK_SUCCESS);
   EXPECT_EQ(get(mine.output), wanted);
+}
+
+// Of the host's images in any layout; their pixels go there and back through its own copies.
+TEST_F(Embedded, TakesImages) {
+  const std::vector<float> wanted = expected();
+  const VkImageUsageFlags usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                  VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+  struct Case {
+    XrdsFormat format;
+    VkImageLayout input, output;
+  };
+  for (const Case& each :
+       {Case{XRDS_FLOAT, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_GENERAL},
+        Case{XRDS_FLOAT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_GENERAL},
+        Case{XRDS_HALF, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}}) {
+    const bool halves = each.format == XRDS_HALF;
+    const VkFormat format = halves ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R32G32B32A32_SFLOAT;
+    Frame mine = frame({each.format, 4}, {each.format, 4});
+    XrdsVulkanImage* images[] = {&mine.frame.colour, &mine.images[0], &mine.images[1], &mine.frame.output};
+    const Picture* buffers[] = {&mine.colour, &mine.auxiliary[0], &mine.auxiliary[1], &mine.output};
+    const VkCommandBuffer fill = host->begin(), read = host->begin();
+    for (size_t i = 0; i < 4; ++i) {
+      const uint32_t w = buffers[i]->image.width, h = buffers[i]->image.height;
+      *images[i] = xrdsWholeImage(host->image(w, h, format, usage).image, each.format, w, h);
+      images[i]->layout = i == 3 ? each.output : each.input;
+      host->transition(fill, images[i]->image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+      host->copy(fill, buffers[i]->memory.buffer, images[i]->image, w, h, true);
+      host->transition(fill, images[i]->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, images[i]->layout);
+    }
+    host->end(fill);
+    host->submit(fill);
+    run(mine);
+    const XrdsVulkanImage& output = mine.frame.output;
+    host->transition(read, output.image, output.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    host->copy(read, mine.output.memory.buffer, output.image, output.width, output.height, false);
+    host->end(read);
+    host->submit(read);
+    host->await();
+    const std::vector<float> found = get(mine.output);
+    for (size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], wanted[i], halves ? 3e-3F : 0.F) << i;
+    EXPECT_EQ(number(mine.output, 2, 3, 3), 1);
+  }
 }
 
 }  // namespace
