@@ -182,7 +182,7 @@ static double microseconds(void) {
 static double recordAndSubmit(Frame* frame, uint32_t number) {
   VULKAN(vkWaitForFences(device, 1, &frame->fence, VK_TRUE, UINT64_MAX));
   VULKAN(vkResetFences(device, 1, &frame->fence));
-  const VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   VULKAN(vkBeginCommandBuffer(frame->commands, &begin));
   vkCmdBindPipeline(frame->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   for (uint32_t i = 0; i < 1 + kGuides; ++i) {

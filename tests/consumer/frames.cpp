@@ -1,5 +1,6 @@
 // frames write FOLDER: a small frame as portable float maps, lit from below; frames check FOLDER: whether result.pfm is
-// that frame, four times as large and as bright, rows in their order.
+// that frame, four times as large and as bright, rows in their order; frames lit FILE WIDTH HEIGHT: whether the file
+// has that size, and every pixel is finite, some are bright and no two neighbouring rows the same.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -21,7 +22,26 @@ static void write(const std::string& path, int scale, float (*value)(float row, 
   std::fclose(file);
 }
 
-int main(int, char** arguments) {
+static int checkLit(const char* path, int wide, int high) {
+  std::FILE* file = std::fopen(path, "rb");
+  int width = 0, height = 0;
+  if (!file || std::fscanf(file, "PF %d %d -%*f%*1[\n]", &width, &height) != 2) return 1;
+  if (width != wide || height != high) return 2;
+  std::vector<float> pixels(size_t{3} * width * height);
+  if (std::fread(pixels.data(), sizeof(float), pixels.size(), file) != pixels.size()) return 3;
+  float sum = 0;
+  for (const float value : pixels) {
+    if (!std::isfinite(value) || value < 0) return 4;
+    sum += value;
+  }
+  for (int y = 1; y < height; ++y)
+    if (std::memcmp(&pixels[size_t{3} * width * y], &pixels[size_t{3} * width * (y - 1)], 12 * size_t(width)) == 0)
+      return 5;
+  return sum > 0.1F * static_cast<float>(pixels.size()) ? 0 : 6;
+}
+
+int main(int count, char** arguments) {
+  if (count == 5) return checkLit(arguments[2], std::stoi(arguments[3]), std::stoi(arguments[4]));
   const std::string folder = std::string(arguments[2]) + "/";
   if (std::strcmp(arguments[1], "write") == 0) {
     write(folder + "colour.pfm", 1, [](float row, int) { return lightAt(row); });
