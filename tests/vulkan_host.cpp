@@ -173,6 +173,16 @@ void VulkanHost::openDevice() {
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &enabled};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queues;
+  count = 0;
+  const auto list =
+      instanceFunction<PFN_vkEnumerateDeviceExtensionProperties>(instance, "vkEnumerateDeviceExtensionProperties");
+  list(physicalDevice, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  list(physicalDevice, nullptr, &count, extensions.data());
+  const char* const shared = VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME;
+  for (const VkExtensionProperties& each : extensions) sharesMemory_ |= std::strcmp(each.extensionName, shared) == 0;
+  info.enabledExtensionCount = sharesMemory_ ? 1 : 0;
+  info.ppEnabledExtensionNames = &shared;
   check(instanceFunction<PFN_vkCreateDevice>(instance, "vkCreateDevice")(physicalDevice, &info, nullptr, &device),
         "vkCreateDevice");
   deviceLoader = instanceFunction<PFN_vkGetDeviceProcAddr>(instance, "vkGetDeviceProcAddr");
@@ -195,11 +205,11 @@ XrdsVulkanDevice VulkanHost::vulkan() const {
           .enabled = &features};
 }
 
-VkDeviceMemory VulkanHost::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted) {
+VkDeviceMemory VulkanHost::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted, const void* next) {
   VkPhysicalDeviceMemoryProperties properties;
   instanceFunction<PFN_vkGetPhysicalDeviceMemoryProperties>(instance, "vkGetPhysicalDeviceMemoryProperties")(
       physicalDevice, &properties);
-  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, next};
   info.allocationSize = needs.size;
   for (uint32_t type = properties.memoryTypeCount; type-- > 0;)
     if ((needs.memoryTypeBits >> type & 1) && (properties.memoryTypes[type].propertyFlags & wanted) == wanted)
@@ -210,14 +220,41 @@ VkDeviceMemory VulkanHost::allocate(const VkMemoryRequirements& needs, VkMemoryP
 }
 
 HostBuffer VulkanHost::buffer(uint64_t byteSize, VkBufferUsageFlags usage) {
+  return bufferIn(byteSize, usage, nullptr, false);
+}
+
+HostBuffer VulkanHost::exported(uint64_t byteSize, int& descriptor) {
+  descriptor = -1;
+  if (!sharesMemory_) return {};
+  VkExportMemoryAllocateInfo exports{VK_STRUCTURE_TYPE_EXPORT_MEMORY_ALLOCATE_INFO};
+  exports.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  const HostBuffer made = bufferIn(byteSize, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, &exports, true);
+  VkMemoryGetFdInfoKHR get{VK_STRUCTURE_TYPE_MEMORY_GET_FD_INFO_KHR};
+  get.memory = made.memory;
+  get.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  const auto ask = reinterpret_cast<PFN_vkGetMemoryFdKHR>(deviceLoader(device, "vkGetMemoryFdKHR"));
+  check(ask(device, &get, &descriptor), "vkGetMemoryFdKHR");
+  return made;
+}
+
+HostBuffer VulkanHost::imported(uint64_t byteSize, int descriptor) {
+  VkImportMemoryFdInfoKHR imports{VK_STRUCTURE_TYPE_IMPORT_MEMORY_FD_INFO_KHR};
+  imports.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  imports.fd = descriptor;
+  return bufferIn(byteSize, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, &imports, true);
+}
+
+HostBuffer VulkanHost::bufferIn(uint64_t byteSize, VkBufferUsageFlags usage, const void* memoryOf, bool isExternal) {
   HostBuffer made;
-  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  VkExternalMemoryBufferCreateInfo external{VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
+  external.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, isExternal ? &external : nullptr};
   info.size = byteSize;
   info.usage = usage;
   check(vk.vkCreateBuffer(device, &info, nullptr, &made.buffer), "vkCreateBuffer");
   VkMemoryRequirements needs;
   vk.vkGetBufferMemoryRequirements(device, made.buffer, &needs);
-  made.memory = allocate(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+  made.memory = allocate(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, memoryOf);
   check(vk.vkBindBufferMemory(device, made.buffer, made.memory, 0), "vkBindBufferMemory");
   void* bytes = nullptr;
   check(vk.vkMapMemory(device, made.memory, 0, VK_WHOLE_SIZE, 0, &bytes), "vkMapMemory");

@@ -8,28 +8,28 @@
 #include "xrds/xrds_vulkan.h"
 
 // Every function of a device that the library or the host of the tests calls.
-#define XRDS_DEVICE_FUNCTIONS(X)                                                                                      \
-  X(vkAllocateCommandBuffers)                                                                                         \
-  X(vkAllocateDescriptorSets)                                                                                         \
-  X(vkAllocateMemory) X(vkBeginCommandBuffer) X(vkBindBufferMemory) X(vkBindImageMemory) X(vkCmdBindDescriptorSets)   \
-      X(vkCmdBindPipeline) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage) X(vkCmdCopyImageToBuffer) X(vkCmdDispatch)    \
-          X(vkCmdExecuteCommands) X(vkCmdFillBuffer) X(vkCmdPipelineBarrier) X(vkCmdPushConstants)                    \
-              X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp) X(vkCreateBuffer) X(vkCreateBufferView)                   \
-                  X(vkCreateCommandPool) X(vkCreateComputePipelines) X(vkCreateDescriptorPool)                        \
-                      X(vkCreateDescriptorSetLayout) X(vkCreateFence) X(vkCreateImage) X(vkCreatePipelineCache)       \
-                          X(vkCreatePipelineLayout) X(vkCreateQueryPool) X(vkCreateSemaphore) X(vkCreateShaderModule) \
-                              X(vkDestroyBuffer) X(vkDestroyBufferView) X(vkDestroyCommandPool)                       \
-                                  X(vkDestroyDescriptorPool) X(vkDestroyDescriptorSetLayout) X(vkDestroyDevice)       \
-                                      X(vkDestroyFence) X(vkDestroyImage) X(vkDestroyPipeline)                        \
-                                          X(vkDestroyPipelineCache) X(vkDestroyPipelineLayout) X(vkDestroyQueryPool)  \
-                                              X(vkDestroySemaphore) X(vkDestroyShaderModule) X(vkDeviceWaitIdle)      \
-                                                  X(vkEndCommandBuffer) X(vkFreeMemory)                               \
-                                                      X(vkGetBufferMemoryRequirements) X(vkGetDeviceQueue)            \
-                                                          X(vkGetImageMemoryRequirements) X(vkGetPipelineCacheData)   \
-                                                              X(vkGetQueryPoolResults) X(vkGetSemaphoreCounterValue)  \
-                                                                  X(vkMapMemory) X(vkQueueSubmit) X(vkResetFences)    \
-                                                                      X(vkSignalSemaphore) X(vkUpdateDescriptorSets)  \
-                                                                          X(vkWaitForFences) X(vkWaitSemaphores)
+#define XRDS_DEVICE_FUNCTIONS(X)                                                                                       \
+  X(vkAllocateCommandBuffers)                                                                                          \
+  X(vkAllocateDescriptorSets)                                                                                          \
+  X(vkAllocateMemory)                                                                                                  \
+  X(vkBeginCommandBuffer) X(vkBindBufferMemory) X(vkBindImageMemory) X(vkCmdBindDescriptorSets) X(vkCmdBindPipeline)   \
+      X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage) X(vkCmdCopyImageToBuffer) X(vkCmdDispatch) X(vkCmdExecuteCommands)  \
+          X(vkCmdFillBuffer) X(vkCmdPipelineBarrier) X(vkCmdPushConstants) X(vkCmdResetQueryPool)                      \
+              X(vkCmdWriteTimestamp) X(vkCreateBuffer) X(vkCreateBufferView) X(vkCreateCommandPool)                    \
+                  X(vkCreateComputePipelines) X(vkCreateDescriptorPool) X(vkCreateDescriptorSetLayout)                 \
+                      X(vkCreateFence) X(vkCreateImage) X(vkCreatePipelineCache) X(vkCreatePipelineLayout)             \
+                          X(vkCreateQueryPool) X(vkCreateSemaphore) X(vkCreateShaderModule) X(vkDestroyBuffer)         \
+                              X(vkDestroyBufferView) X(vkDestroyCommandPool) X(vkDestroyDescriptorPool)                \
+                                  X(vkDestroyDescriptorSetLayout) X(vkDestroyDevice) X(vkDestroyFence)                 \
+                                      X(vkDestroyImage) X(vkDestroyPipeline) X(vkDestroyPipelineCache)                 \
+                                          X(vkDestroyPipelineLayout) X(vkDestroyQueryPool) X(vkDestroySemaphore)       \
+                                              X(vkDestroyShaderModule) X(vkDeviceWaitIdle) X(vkEndCommandBuffer)       \
+                                                  X(vkFreeMemory) X(vkGetBufferMemoryRequirements) X(vkGetDeviceQueue) \
+                                                      X(vkGetImageMemoryRequirements) X(vkGetPipelineCacheData)        \
+                                                          X(vkGetQueryPoolResults) X(vkGetSemaphoreCounterValue)       \
+                                                              X(vkMapMemory) X(vkQueueSubmit) X(vkResetFences)         \
+                                                                  X(vkSignalSemaphore) X(vkUpdateDescriptorSets)       \
+                                                                      X(vkWaitForFences) X(vkWaitSemaphores)
 
 namespace xrds::test {
 
@@ -75,6 +75,10 @@ class VulkanHost {
   HostBuffer buffer(uint64_t byteSize, VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                                                   VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                                                                   VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+  /// A buffer whose memory another device may import by the file descriptor; -1: the device cannot.
+  HostBuffer exported(uint64_t byteSize, int& descriptor);
+  /// The same memory, of a device of the same GPU. Takes the descriptor.
+  HostBuffer imported(uint64_t byteSize, int descriptor);
   HostPicture2d image(uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage);
   void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to);
   /// Between an image and a buffer of its pixels, the former in the layout for it.
@@ -97,8 +101,10 @@ class VulkanHost {
  private:
   void openInstance();
   void openDevice();
-  VkDeviceMemory allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted);
+  VkDeviceMemory allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted, const void* next = nullptr);
+  HostBuffer bufferIn(uint64_t byteSize, VkBufferUsageFlags usage, const void* memoryOf, bool isExternal);
 
+  bool sharesMemory_ = false;  // VK_KHR_external_memory_fd
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   std::vector<HostBuffer> buffers_;

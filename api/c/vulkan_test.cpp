@@ -200,5 +200,26 @@ TEST_F(Embedded, TakesImages) {
   }
 }
 
+// The colour and the result are in memory of another device of the GPU, which the host imports by file descriptors.
+TEST_F(Embedded, TakesMemoryOfAnotherDevice) {
+  test::VulkanHost other;
+  Frame mine = frame();
+  const uint64_t sizes[] = {12 * pixels[0].size() / 3, 12 * pixels[1].size() / 3};
+  int descriptors[2] = {-1, -1};
+  const test::HostBuffer theirs[] = {other.exported(sizes[0], descriptors[0]),
+                                     other.exported(sizes[1], descriptors[1])};
+  if (descriptors[0] < 0) GTEST_SKIP() << "the device shares no memory by file descriptor";
+  std::memcpy(theirs[0].bytes, pixels[0].data(), sizes[0]);
+  std::memset(theirs[1].bytes, 0, sizes[1]);
+  mine.frame.colour.buffer = host->imported(sizes[0], descriptors[0]).buffer;
+  mine.frame.output.buffer = host->imported(sizes[1], descriptors[1]).buffer;
+  std::memset(mine.colour.memory.bytes, 0, sizes[0]);
+  run(mine);
+  std::vector<float> found(pixels[1].size());
+  std::memcpy(found.data(), theirs[1].bytes, sizes[1]);
+  EXPECT_EQ(found, expected());
+  for (const std::string& message : other.messages) ADD_FAILURE() << message;
+}
+
 }  // namespace
 }  // namespace xrds
