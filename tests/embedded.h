@@ -52,7 +52,9 @@ class Embedded : public testing::Test {
     xrdsDestroyUpscaler(upscaler);
     xrdsCloseModel(model);
     xrdsCloseDevice(device);
-    for (const std::string& message : host->messages) ADD_FAILURE() << "validation: " << message;
+    host.reset();  // the layer names what was not destroyed
+    for (const std::string& message : VulkanHost::messages()) ADD_FAILURE() << "validation: " << message;
+    VulkanHost::messages().clear();
   }
 
   // What xrdsUpscale() makes of the pixels.

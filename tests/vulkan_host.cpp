@@ -72,8 +72,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedLoader(VkInstance instance, cons
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                    const VkDebugUtilsMessengerCallbackDataEXT* message, void* user) {
-  static_cast<VulkanHost*>(user)->messages.emplace_back(message->pMessage);
+                                    const VkDebugUtilsMessengerCallbackDataEXT* message, void*) {
+  VulkanHost::messages().emplace_back(message->pMessage);
   return VK_FALSE;
 }
 
@@ -116,6 +116,11 @@ std::vector<std::pair<std::string, int>> VulkanHost::takeCalls() {
   return calls;
 }
 
+std::vector<std::string>& VulkanHost::messages() {
+  static std::vector<std::string> messages;
+  return messages;
+}
+
 void VulkanHost::fail(const char* function, VkResult result) {
   failure = result;
   failing = -1;
@@ -130,7 +135,6 @@ void VulkanHost::openInstance() {
   messenger.messageType =
       VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
   messenger.pfnUserCallback = hear;
-  messenger.pUserData = this;
   const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
   VkValidationFeaturesEXT synchronization{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
   synchronization.enabledValidationFeatureCount = 1;
