@@ -104,6 +104,7 @@ bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Pre
 // Before the upscaler holds any memory of the device.
 void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Upscaler::Options& options) {
   if (options.tune == Upscaler::Tune::never) return;
+  if (options.tune == Upscaler::Tune::automatic && gpu.isShared()) return;  // who owns the queue wants it
   TuningOptions tuning{.precision = options.fp16 ? Precision::fp16 : Precision::fp32};
   if (options.tune == Upscaler::Tune::automatic && !paysToTune(gpu, model, frame, tuning.precision)) return;
   if (!mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, tuning.precision)) return;

@@ -58,7 +58,7 @@ typedef struct XrdsVulkanDevice {
 } XrdsVulkanDevice;
 
 /* Shares the program's device, which must outlive the handle and what is made on it. options may be NULL; its `select`
- * must be. Everything of xrds.h works on it. */
+ * must be. Everything of xrds.h works on it; kernels are tuned with XRDS_TUNE_NOW alone. */
 XRDS_API XrdsResult xrdsOpenVulkanDevice(const XrdsVulkanDevice* vulkan, const XrdsDeviceOptions* options,
                                          XrdsDevice** device);
 
