@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "api/arguments.h"
+#include "api/c/sized.h"
 #include "engine/half.h"
 #include "xrds/error.h"
 
@@ -47,8 +48,8 @@ bool isInterleaved(const XrdsImage& image) {
 }  // namespace
 
 void checkImage(const XrdsImage& image, const std::string& what, uint32_t channels) {
-  if (image.format != XRDS_FLOAT && image.format != XRDS_HALF)
-    throw InvalidArgument("The " + what + " image has the format " + std::to_string(image.format) +
+  if (const int format = numberOf(image.format); format != XRDS_FLOAT && format != XRDS_HALF)
+    throw InvalidArgument("The " + what + " image has the format " + std::to_string(format) +
                           ", expected XRDS_FLOAT or XRDS_HALF.");
   for (uint32_t channel = 0; channel < channels; ++channel)
     if (!image.channels[channel])

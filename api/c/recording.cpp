@@ -32,8 +32,8 @@ void checkSizes(const XrdsVulkanImage& image, const std::string& what, uint32_t 
   if (image.width != width || image.height != height)
     throw xrds::InvalidArgument("The " + what + " image is " + xrds::sizeText(image.width, image.height) +
                                 " pixels, expected " + xrds::sizeText(width, height) + ".");
-  if (image.format != XRDS_FLOAT && image.format != XRDS_HALF)
-    throw xrds::InvalidArgument("The " + what + " image has the format " + std::to_string(image.format) +
+  if (const int format = numberOf(image.format); format != XRDS_FLOAT && format != XRDS_HALF)
+    throw xrds::InvalidArgument("The " + what + " image has the format " + std::to_string(format) +
                                 ", expected XRDS_FLOAT or XRDS_HALF.");
   if ((image.buffer == VK_NULL_HANDLE) == (image.image == VK_NULL_HANDLE))
     throw xrds::InvalidArgument("The " + what + " image has " + (image.buffer ? "both" : "neither") +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstring>
 #include <string>
 
 #include "xrds/error.h"
@@ -15,6 +16,15 @@ const T& checkSize(const T& structure) {
                           std::to_string(sizeof(T)) +
                           ": set it to its sizeof, or build with the header of this version.");
   return structure;
+}
+
+/// The number that a caller in C has put into an enumeration, which need be none of its values.
+template <class T>
+int numberOf(const T& enumeration) {
+  static_assert(sizeof(T) == sizeof(int));
+  int number = 0;
+  std::memcpy(&number, &enumeration, sizeof number);
+  return number;
 }
 
 }  // namespace xrds::c

@@ -27,8 +27,8 @@ xrds::Upscaler::Options optionsOf(const XrdsUpscalerOptions& given) {
   options.tiles.memoryBytes = given.memoryBytes;
   constexpr xrds::Upscaler::Tune kTunes[] = {xrds::Upscaler::Tune::automatic, xrds::Upscaler::Tune::never,
                                              xrds::Upscaler::Tune::now};
-  if (given.tune < XRDS_TUNE_AUTO || given.tune > XRDS_TUNE_NOW)
-    throw xrds::InvalidArgument("The option tune is " + std::to_string(given.tune) +
+  if (const int tune = numberOf(given.tune); tune < XRDS_TUNE_AUTO || tune > XRDS_TUNE_NOW)
+    throw xrds::InvalidArgument("The option tune is " + std::to_string(tune) +
                                 ", expected XRDS_TUNE_AUTO, XRDS_TUNE_NEVER or XRDS_TUNE_NOW.");
   options.tune = kTunes[given.tune];
   options.skip = {.bound = given.skipBound, .keepUnchanged = given.keepUnchanged != 0};
