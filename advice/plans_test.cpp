@@ -33,7 +33,7 @@ TEST(Plans, TakeTheSecondsOfRendersDenoiserAndNetwork) {
   EXPECT_EQ(quickest.samples.full, 1);
   EXPECT_DOUBLE_EQ(quickest.renderSeconds, 17 + 17);
   EXPECT_DOUBLE_EQ(quickest.afterSeconds, 2 + 0.8 * 49 / 48);  // two colours, albedo and normal denoised
-  EXPECT_DOUBLE_EQ(quickest.psnr, 20 + 2 + 5);              // 32 samples are left of the noise
+  EXPECT_DOUBLE_EQ(quickest.psnr, 20 + 2 + 5);                 // 32 samples are left of the noise
 }
 
 TEST(Plans, LeaveOutWhatTheUserCannotDo) {

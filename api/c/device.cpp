@@ -69,7 +69,8 @@ XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device)
   return guarded([&] {
     XrdsDevice*& out = required(device, "device");
     const XrdsDeviceOptions given = options ? checkSize(*options) : xrdsDeviceOptionsDefault();
-    out = Devices::open().add(std::make_shared<XrdsDevice>(xrds::Device(optionsOf(given)), given.preparation, given.preparationUser));
+    out = Devices::open().add(
+        std::make_shared<XrdsDevice>(xrds::Device(optionsOf(given)), given.preparation, given.preparationUser));
     return XRDS_OK;
   });
 }

@@ -85,7 +85,7 @@ XrdsResult xrdsOpenVulkanDevice(const XrdsVulkanDevice* vulkan, const XrdsDevice
     if (!asked.select.empty())
       throw xrds::InvalidArgument("A device was given and one is to be selected: leave the option select NULL.");
     out = Devices::open().add(std::make_shared<XrdsDevice>(xrds::EngineAccess::shared(host, asked), given.preparation,
-                                                            given.preparationUser));
+                                                           given.preparationUser));
     return XRDS_OK;
   });
 }
