@@ -25,7 +25,8 @@ Upscaler::Options upscalerOptions(const NetworkOptions& options) {
           .tiles = {.memoryBytes = options.memoryBytes},
           .skip = options.skip,
           .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
-          .tune = options.tune};
+          .tune = options.tune,
+          .onTuning = options.onTuning};
 }
 
 std::vector<float> downloaded(const Buffer& buffer, uint64_t floats) {

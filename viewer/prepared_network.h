@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "viewer/frame_files.h"
@@ -22,6 +23,7 @@ struct NetworkOptions {
   SkipOptions skip{};
   uint64_t memoryBytes = 0;  // of the device; 0: most of it. What does not fit is computed in tiles.
   Upscaler::Tune tune = Upscaler::Tune::automatic;
+  std::function<bool(double)> onTuning{};  // as Upscaler::Options has it
   /// Of a submission, which a drawing may have to wait for; at first for a CPU to finish one in about 10 ms.
   uint64_t multiplyAddsAtOnce = uint64_t{1} << 26;
 };
@@ -32,7 +34,8 @@ bool operator==(const NetworkOptions& a, const NetworkOptions& b);
 /// in tiles or with windows left out it passes through the host.
 class PreparedNetwork {
  public:
-  /// Throws Failure if the model does not fit the frame, Error if the device cannot hold it.
+  /// Throws Failure if the model does not fit the frame, Error if the device cannot hold it, Cancelled if `onTuning`
+  /// says so.
   PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame, const NetworkOptions& options);
 
   const std::string& name() const { return name_; }

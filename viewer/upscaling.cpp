@@ -93,6 +93,7 @@ void Upscaling::loop() {
   while (const std::optional<Wanted> wanted = nextWanted()) {
     try {
       serve(*wanted);
+    } catch (const Cancelled&) {  // something else is wanted by now, or the end
     } catch (const Failure& failure) {
       tellFailure(*wanted, failure);
     } catch (const Error& failure) {

@@ -53,7 +53,12 @@ void Upscaling::prepare(const Wanted& wanted) {
   pictures_.invalidate(Slot::skipMap);
   if (!bases_.empty() && !bases_.begin()->second->fits(size_)) bases_.clear();
   Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); });
-  const NetworkOptions options = optionsFor(wanted, model);
+  NetworkOptions options = optionsFor(wanted, model);
+  options.onTuning = [this](double share) {
+    const auto percent = std::to_string(static_cast<int>(100 * share));
+    tell([&](Report& report) { report.waiting = "Finding the fastest kernels of this device: " + percent + " %"; });
+    return !outdated();
+  };
   network_ = std::make_unique<PreparedNetwork>(device_, name, std::move(model), size_, options);
   clock_.end("preparing");
 }
