@@ -1,48 +1,15 @@
 #include "viewer/frame_files.h"
 
 #include <algorithm>
-#include <cctype>
-#include <map>
 
 #include "image/aov.h"
 #include "image/repair.h"
+#include "sequence/file_pattern.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
 namespace {
-
-/// A pattern with a run of '#': what stands before and after it, and its length.
-struct Numbered {
-  std::string before, after;
-  size_t digits = 0;
-
-  explicit Numbered(const std::string& name) {
-    const size_t first = name.find('#'), end = std::min(name.find_first_not_of('#', first), name.size());
-    before = name.substr(0, first);
-    after = name.substr(end);
-    digits = end - first;
-  }
-  // The number in a name that fits, as text without leading zeros; nothing if it does not fit.
-  std::optional<long long> numberIn(const std::string& name) const {
-    if (name.size() < before.size() + after.size() + digits || !name.starts_with(before) || !name.ends_with(after))
-      return std::nullopt;
-    const std::string middle = name.substr(before.size(), name.size() - before.size() - after.size());
-    const bool number = std::all_of(middle.begin(), middle.end(), [](unsigned char c) { return std::isdigit(c); });
-    if (!number || middle.size() > 18) return std::nullopt;
-    return std::stoll(middle);
-  }
-};
-
-std::map<long long, fs::path> numberedFiles(const fs::path& pattern) {
-  const Numbered numbered(pattern.filename().string());
-  const fs::path folder = pattern.parent_path().empty() ? "." : pattern.parent_path();
-  std::map<long long, fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (const auto number = numbered.numberIn(entry.path().filename().string())) files[*number] = entry.path();
-  return files;
-}
 
 // Whether the files hold a depth that goes with their albedo, or a layer was named for it.
 bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
@@ -124,29 +91,31 @@ FrameFiles newestFrame(const fs::path& folder) {
   return sortHeaders(headers);
 }
 
-bool isSequence(const fs::path& pattern) { return pattern.filename().string().find('#') != std::string::npos; }
+bool isSequence(const fs::path& pattern) {
+  std::error_code ignored;
+  return !fs::is_directory(pattern, ignored) && FilePattern::mayBeMany(pattern.string());
+}
 
 std::vector<FrameFiles> sequenceOf(const FrameFiles& patterns) {
-  std::map<long long, FrameFiles> frames;
-  for (const auto& [number, path] : numberedFiles(patterns.colour)) frames[number].colour = path;
+  const FilePattern colour(patterns.colour.string());
+  const std::vector<int> numbers = colour.frames();
+  std::vector<FrameFiles> frames;
+  for (const int number : numbers) frames.push_back({.colour = colour.of(number)});
   if (frames.empty())
     throw Error("No file fits the sequence '" + patterns.colour.string() + "': '#' stands for the digits of a number.");
-  const auto add = [&](const fs::path& pattern, fs::path FrameFiles::*member) {
-    if (pattern.empty()) return;
-    const auto files = isSequence(pattern) ? numberedFiles(pattern) : std::map<long long, fs::path>{};
-    for (auto& [number, frame] : frames) {
-      const auto found = files.find(number);
-      if (isSequence(pattern) && found == files.end())
-        throw Error("The sequence '" + pattern.string() + "' has no frame " + std::to_string(number) + ", which '" +
+  const auto add = [&](const fs::path& given, fs::path FrameFiles::*member) {
+    if (given.empty()) return;
+    const FilePattern pattern(given.string());
+    for (size_t i = 0; i < frames.size(); ++i) {
+      frames[i].*member = pattern.of(numbers[i]);
+      if (std::error_code ignored; pattern.isMany() && !fs::exists(frames[i].*member, ignored))
+        throw Error("The sequence '" + given.string() + "' has no frame " + std::to_string(numbers[i]) + ", which '" +
                     patterns.colour.string() + "' has.");
-      frame.*member = isSequence(pattern) ? found->second : pattern;
     }
   };
   add(patterns.auxiliary, &FrameFiles::auxiliary);
   add(patterns.reference, &FrameFiles::reference);
-  std::vector<FrameFiles> ordered;
-  for (auto& [number, frame] : frames) ordered.push_back(std::move(frame));
-  return ordered;
+  return frames;
 }
 
 }  // namespace xrds

@@ -30,11 +30,11 @@ LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const M
 /// Throws Error if the folder holds no EXR file.
 FrameFiles newestFrame(const std::filesystem::path& folder);
 
-/// Whether the name stands for a numbered sequence: it has a run of '#'.
+/// Whether the name stands for a numbered sequence (sequence/file_pattern.h): it has a run of '#' or %04d.
 bool isSequence(const std::filesystem::path& pattern);
 
 /// The frames of a sequence in the order of their numbers, of those patterns that are given: "shot.####.exr" stands for
-/// every file whose name has a number of at least four digits there. A pattern without '#' is the same file for each
+/// every file whose name has a number of at least four digits there. A name without a field is the same file for each
 /// frame. Throws Error if there is no frame, or a file of one is missing.
 std::vector<FrameFiles> sequenceOf(const FrameFiles& patterns);
 
