@@ -38,6 +38,12 @@ programs=
 [ "$viewer" = no ] || programs="
 bin/xrds-view"
 
+# examples FOLDER: below a folder of papers.
+examples() {
+  (cd "$source/examples" && find upscale.c embed_vulkan -type f -printf "$1/examples/%p\n")
+}
+farms=$(cd "$source/share" && find openjd slurm -type f -printf 'share/xrds/%p\n')
+
 make_package TGZ
 archive=$(tar -tzf "$work"/xrds-"$version"-*.tar.gz | sed 's|^[^/]*/||')
 page=
@@ -50,7 +56,8 @@ $command$programs$page
 share/man/man1/xrds.1
 share/zsh/site-functions/_xrds
 share/doc/xrds/LICENSE
-share/doc/xrds/examples/upscale.c" "$archive"
+$farms
+$(examples share/doc/xrds)" "$archive"
 
 command -v dpkg-deb > /dev/null || { echo "Debian's packages are not tried: dpkg-deb is not installed"; exit 77; }
 make_package DEB
@@ -64,9 +71,10 @@ share/doc/$1/changelog.Debian.gz" "$(dpkg-deb --fsys-tarfile "$file" | tar -t | 
 [ "$(find "$work" -maxdepth 1 -name '*.deb' | wc -l)" -eq 4 ] || fail "There should be four packages"
 check_deb "libxrds$soversion" "$library"
 check_deb libxrds-dev "$development
-share/doc/libxrds-dev/examples/upscale.c"
+$(examples share/doc/libxrds-dev)"
 check_deb xrds-models "$models"
 check_deb xrds "$command$programs${page:+$page.gz}
+$farms
 share/man/man1/xrds.1.gz
 share/zsh/vendor-completions/_xrds"
 dpkg-deb --field "$work"/libxrds-dev_*.deb Depends | grep -qF "libxrds$soversion (= $version-1)" || fail "libxrds-dev depends on another library"
