@@ -150,7 +150,7 @@ void runSequence(const UpscaleOptions& options, const SequencePlan& plan) {
         warn(index, read.warnings());
         return read;
       },
-      .compute = [&](Frame frame, size_t worker) { return workers[worker].compute(frame); },
+      .compute = [&](const Frame& frame, size_t worker) { return workers[worker].compute(frame); },
       .write =
           [&](MadeFrame made, size_t index) {
             failingWith(ExitCode::output, [&] { writeExr(plan.frames[index].output, made.image, made.output); });

@@ -6,7 +6,7 @@ command -v run-clang-tidy >/dev/null || { echo "This needs clang-tidy: install t
 build=${XRDS_BUILD:-build/release}
 [ -f "$build/build.ninja" ] || { echo "There is no $build, whose generated headers are read: build it first." >&2; exit 1; }
 rooms=("$@")
-[ $# -gt 0 ] || rooms=(engine shaders graph network frames checks api image advice app cli viewer bench python tests)
+[ $# -gt 0 ] || rooms=(engine shaders graph network frames checks tuning api image advice sequence app cli viewer bench python tests)
 pattern=$(IFS='|'; echo "${rooms[*]}")
 run-clang-tidy -quiet -p "$build" "^$PWD/($pattern)/" 2>&1 | grep -vE '^clang-tidy|^$|warnings generated' | tee "$build/tidy.txt" || true
 ! grep -qE 'warning:|error:' "$build/tidy.txt"

@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::regex& field() {
-  static const std::regex pattern(R"(#+|%(0(\d+))?d)");
-  return pattern;
+  static const std::regex kPattern(R"(#+|%(0(\d+))?d)");
+  return kPattern;
 }
 
 // The number that the digits between are, if they are what of() writes for it with at least so many digits.
@@ -77,12 +77,12 @@ FilePattern::FilePattern(const std::string& text) {
 
 void FilePattern::findSeries(const fs::path& folder) {
   folder_ = folder;
-  static const std::regex last(R"(^(.*?)(\d+)(\D*)$)");
+  static const std::regex kLast(R"(^(.*?)(\d+)(\D*)$)");
   using Series = std::pair<std::string, std::string>;
   std::map<Series, std::vector<std::string>> found;
   for (const fs::path& file : filesIn(folder)) {
     const std::string name = file.filename().string();
-    if (std::smatch match; isExr(file) && std::regex_match(name, match, last))
+    if (std::smatch match; isExr(file) && std::regex_match(name, match, kLast))
       found[{match[1], match[3]}].push_back(match[2]);
   }
   if (found.size() != 1) {

@@ -100,6 +100,7 @@ std::vector<FrameFiles> sequenceOf(const FrameFiles& patterns) {
   const FilePattern colour(patterns.colour.string());
   const std::vector<int> numbers = colour.frames();
   std::vector<FrameFiles> frames;
+  frames.reserve(numbers.size());
   for (const int number : numbers) frames.push_back({.colour = colour.of(number)});
   if (frames.empty())
     throw Error("No file fits the sequence '" + patterns.colour.string() + "': '#' stands for the digits of a number.");
