@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Brings SwiftShader, a second Vulkan device in software, out of Debian's chromium-common into a folder of its own:
 # ${XDG_CACHE_HOME:-~/.cache}/xrds/swiftshader, or the one that is named. Installs nothing on the host; prints what to set.
-# A build that is configured afterwards has the tests swiftshader.*.
+# A build configured with -DXRDS_SWIFTSHADER_TESTS=ON afterwards has the tests swiftshader.* (slow: up to 50 minutes).
 #
 #     scripts/swiftshader.sh [FOLDER]
 set -euo pipefail
