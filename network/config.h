@@ -20,7 +20,8 @@ enum class CrossKind : uint8_t { attention, concat };
 
 using Metadata = std::map<std::string, std::string>;
 
-/// Every symbol of the network, as the metadata of a model file states it. The letters are the paper's.
+/// Every symbol of a network, as the metadata of a model file states it. The letters are Hou & Liu's; what another
+/// architecture does not have says so: no inputs, no kernels, no base image.
 struct NetworkConfig {
   uint32_t scale = 4;                                      // s
   uint32_t channels = 64;                                  // C
@@ -34,12 +35,14 @@ struct NetworkConfig {
   BaseImage base = BaseImage::guided;
   BlockKind block = BlockKind::rdst;
   CrossKind cross = CrossKind::attention;
-  uint32_t kernels = 0;        // side of the learned kernels, 0 or 5
-  bool auxSkip = false;        // H_N is fed to the output convolution
-  uint32_t auxKernels = 0;     // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
-  uint32_t colourKernels = 0;  // the same of those that filter the full-resolution colour
-  uint32_t prefilter = 0;      // levels of the filter of the low-resolution colour, 0 to 3
-  uint32_t outputSide = 3;     // of the output convolution, 3 or 1
+  uint32_t kernels = 0;                       // side of the learned kernels, 0 or 5
+  bool auxSkip = false;                       // H_N is fed to the output convolution
+  uint32_t auxKernels = 0;                    // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
+  uint32_t colourKernels = 0;                 // the same of those that filter the full-resolution colour
+  uint32_t prefilter = 0;                     // levels of the filter of the low-resolution colour, 0 to 3
+  uint32_t outputSide = 3;                    // of the output convolution, 3 or 1
+  std::string architecture = "xrds";          // see network/architecture.h
+  std::map<std::string, uint32_t> symbols{};  // numbers that only this architecture has
 
   uint32_t auxWidth() const { return 3 * static_cast<uint32_t>(auxInputs.size()); }  // A
   /// Channels of the raw output: the residual, the logits of the kernels, those of the auxiliary images' kernels, those
@@ -50,16 +53,17 @@ struct NetworkConfig {
   uint32_t firstAuxLogit() const { return 3 + kernels * kernels; }
   uint32_t firstColourLogit() const { return firstAuxLogit() + auxKernels * auxKernels; }
   uint32_t prefilterLogits() const { return 25 * prefilter; }
-  uint32_t steps() const;                      // n = log2 s
-  int auxOffset(std::string_view name) const;  // first channel of that input; -1: the model has none
-  std::vector<size_t> radianceInputs() const;  // which of auxInputs are radiance
+  uint32_t symbol(const std::string& name) const;  // of symbols; 0: not there
+  uint32_t steps() const;                          // n = log2 s
+  int auxOffset(std::string_view name) const;      // first channel of that input; -1: the model has none
+  std::vector<size_t> radianceInputs() const;      // which of auxInputs are radiance
   bool demodulates() const { return base == BaseImage::demodulated || base == BaseImage::guided; }
   /// Whether tiles, which begin at windows, begin at multiples of four pixels too: Conv3x3::inFours.
   bool mayRoundInFours() const { return window % 4 == 0; }
 };
 
-/// Reads the fields of network.md from a model file's metadata. Throws Error that names a missing or bad field, or a
-/// combination that makes no network.
+/// Reads the fields of a model file's metadata, as its architecture has them. Throws Error that names a missing or bad
+/// field, or a combination that makes no network.
 NetworkConfig parseConfig(const Metadata& metadata);
 
 /// The metadata fields that describe the network, parseConfig's inverse.

@@ -61,7 +61,7 @@ TensorView Layers::linear(const std::string& name, TensorView x, uint32_t output
 
 TensorView Layers::normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
                                 Activation activation) {
-  if (!options_.normsInLinear) return linear(name, layerNorm(norm, x), outputs, {}, {}, activation);
+  if (!graphOptions.normsInLinear) return linear(name, layerNorm(norm, x), outputs, {}, {}, activation);
   return addLinear(name, outputs,
                    {.input = x,
                     .output = create(name, x, outputs),
@@ -154,7 +154,7 @@ void Layers::patchesOfDoubling(const std::string& doubling, const std::string& n
 TensorView Layers::conv1x1OfSum(const std::string& first, const std::string& name, TensorView x, TensorView t,
                                 uint32_t outputs, TensorView into) {
   static constexpr std::array<float, 512> kZeros{};  // as many as there are channels
-  if (!options_.mapsJoined) return conv1x1(name, linear(first, x, t.channels, {}, t), outputs, into);
+  if (!graphOptions.mapsJoined) return conv1x1(name, linear(first, x, t.channels, {}, t), outputs, into);
   Linear op{.input = x,
             .output = create(first, x, outputs),
             .weight = weight(name + ".weight", {outputs, t.channels, 1, 1}),
@@ -195,7 +195,7 @@ TensorView Layers::attention(const std::string& name, TensorView q, TensorView k
 
 bool Layers::fusedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted,
                             TensorView into) {
-  if (!options_.layersFusedOn) return false;
+  if (!graphOptions.layersFusedOn) return false;
   for (const char* part : {"norm1", "attn.qkv", "attn", "attn.proj", "norm2", "mlp.fc1", "mlp.fc2"})
     if (stored(name + part) != DataType::f16 || storedWeights(name + part) != DataType::f16) return false;
   if (!grow.empty() && storedWeights(grow) != DataType::f16) return false;
@@ -216,22 +216,22 @@ bool Layers::fusedSwinLayer(const std::string& name, const std::string& grow, Te
   op.window = config.window;
   op.headChannels = config.headChannels;
   op.shift = shifted ? config.window / 2 : 0;
-  if (!fits(op, *options_.layersFusedOn)) return false;
+  if (!fits(op, *graphOptions.layersFusedOn)) return false;
   graph.nodes.push_back({name + "layer", op});
   return true;
 }
 
 bool Layers::isSmall(uint32_t height, uint32_t width) const {
   const uint64_t pixels = uint64_t{height} * width;
-  if (const uint64_t most = options_.bandPixels; most > 0)
+  if (const uint64_t most = graphOptions.bandPixels; most > 0)
     return pixels <= most && pixels * config.scale * config.scale <= kSweepPixels * most;
   return pixels <= kWholeColourPixels && pixels * config.scale * config.scale <= kWholeOutputPixels;
 }
 
 Sweep Layers::sweep(uint32_t height, uint32_t width) const {
-  const uint64_t asked = uint64_t{options_.bandRows} * config.scale;
+  const uint64_t asked = uint64_t{graphOptions.bandRows} * config.scale;
   if (asked == 0 && isSmall(height / config.scale, width / config.scale)) return {height, kWholeFrame};
-  const uint64_t ofGpu = ceilDivide(kSweepPixels * options_.bandPixels, width);
+  const uint64_t ofGpu = ceilDivide(kSweepPixels * graphOptions.bandPixels, width);
   const uint64_t rows =
       asked > 0 ? asked
                 : std::max<uint64_t>({ofGpu, ceilDivide(height, kSweepSteps), ceilDivide(kLeastSweepPixels, width)});
@@ -243,9 +243,9 @@ std::vector<WindowBand> Layers::bands(const TensorView& image, bool shifted, uin
 }
 
 uint64_t Layers::bandRows(const TensorView& image, uint32_t tensors) const {
-  if (options_.bandRows > 0) return options_.bandRows;
+  if (graphOptions.bandRows > 0) return graphOptions.bandRows;
   if (isSmall(image.height, image.width)) return kWholeFrame;
-  const uint64_t ofGpu = ceilDivide(options_.bandPixels, image.width);
+  const uint64_t ofGpu = ceilDivide(graphOptions.bandPixels, image.width);
   const uint32_t share =
       std::clamp(kBandChannels / config.channels, 1u, 2u);  // narrow features leave room for more rows
   const uint64_t rows =

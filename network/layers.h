@@ -15,7 +15,7 @@ namespace xrds {
 class Layers {
  public:
   Layers(const NetworkConfig& network, const WeightLookup& weights, Graph& target, const GraphOptions& options)
-      : config(network), graph(target), weights_(weights), options_(options) {}
+      : config(network), graph(target), graphOptions(options), weights_(weights) {}
 
   struct ConvOptions {
     TensorView into{}, residual{};
@@ -57,7 +57,7 @@ class Layers {
   bool fusedSwinLayer(const std::string& name, const std::string& grow, TensorView t, bool shifted, TensorView into);
 
   /// Whether maps in a row are made as one.
-  bool joinsMaps() const { return options_.mapsJoined; }
+  bool joinsMaps() const { return graphOptions.mapsJoined; }
   /// The type of the value or of the layer's weights.
   DataType stored(const std::string& value) const { return graph.typeOf(value, false, precision()); }
   DataType storedWeights(const std::string& layer) const { return graph.typeOf(layer, true, precision()); }
@@ -75,12 +75,13 @@ class Layers {
 
   const NetworkConfig& config;
   Graph& graph;
+  const GraphOptions& graphOptions;
 
  private:
   // Whether a frame with so much colour is made in one piece where no rows of a band are asked for.
   bool isSmall(uint32_t height, uint32_t width) const;
   uint64_t bandRows(const TensorView& image, uint32_t tensors) const;
-  DataType precision() const { return options_.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
+  DataType precision() const { return graphOptions.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
   TensorView layerNorm(const std::string& name, TensorView x);
   // Of that layer: the steps of a sweep share them.
   ConvWeights madeOnce(const std::string& name, const std::function<JoinedWeights()>& make);
@@ -93,7 +94,6 @@ class Layers {
 
   std::map<std::string, ConvWeights> made_;
   const WeightLookup& weights_;
-  const GraphOptions& options_;
 };
 
 }  // namespace xrds

@@ -3,9 +3,7 @@
 #include <algorithm>
 
 #include "graph/promotion.h"
-#include "network/auxiliary_branch.h"
-#include "network/low_resolution_branch.h"
-#include "network/upsampling.h"
+#include "network/architecture.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -45,20 +43,7 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
     graph.promoted =
         findPromotions(buildGraph(config, {1, 1}, weights, {.autoExposure = false, .mapsJoined = options.mapsJoined}));
   Layers layers(config, weights, graph, options);
-  const Prepared prepared = prepareInputs(config, frame, options, graph);
-  graph.output = graph.create("output", DataType::f32, {config.scale * frame.height, config.scale * frame.width, 4});
-  TensorView u, h, prefiltered;
-  if (config.groups > 0) {
-    const AuxiliaryFeatures aux = prepared.aux.exists() ? auxiliaryBranch(layers, prepared.aux) : AuxiliaryFeatures{};
-    u = lowResolutionBranch(layers, prepared.x, aux.d);
-    h = aux.h;
-  }
-  if (config.prefilter > 0) {
-    const uint32_t logits = config.prefilterLogits();
-    const TensorView into = layers.create("prefilter", u, alignUp(logits, 4));
-    prefiltered = prefilteredColour(config, graph, prepared, layers.conv1x1("prefilter", u, logits, into));
-  }
-  upsample(layers, u, h, prepared, prefiltered);
+  architectureOf(config).forward(layers, frame);
   chooseKernels(graph, options.kernels);
   return graph;
 }

@@ -44,7 +44,7 @@ inline const GraphOptions kAsWritten{.bandRows = kWholeFrame};
 /// of the graph that a device runs builds it with these.
 GraphOptions fastOn(const DeviceTraits& device, GraphOptions options);
 
-/// The whole forward pass: image pipeline of metrics.md around the network of network.md (Hou & Liu 2023, section 3).
+/// The whole forward pass of the config's architecture (network/architecture.h), from linear images to linear images.
 /// In fp16 what the weights show to be beyond a half is stored in fp32 (findPromotions).
 /// Throws Error if the frame is empty or too large, and what the lookup throws.
 Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLookup& weights,
