@@ -7,11 +7,13 @@
 #include "checks/reference.h"
 #include "checks/stress/stress.h"
 #include "frames/ensemble.h"
+#include "frames/frame_exposure.h"
 #include "frames/frame_runner.h"
 #include "frames/quiet_windows.h"
 #include "frames/tile_choice.h"
 #include "image/repair.h"
 #include "network/halo.h"
+#include "network/oidn.h"
 #include "tuning/tuner.h"
 #include "xrds/engine_access.h"
 
@@ -52,8 +54,11 @@ class FiniteImage {
   Image copy_;
 };
 
-FrameInput inputOf(const PixelView& colour, std::span<const PixelView> auxiliary, const Upscaler::Options& options) {
-  return {colour, {auxiliary.begin(), auxiliary.end()}, options.exposure};
+FrameInput inputOf(const NetworkConfig& config, const PixelView& colour, std::span<const PixelView> auxiliary,
+                   const Upscaler::Options& options) {
+  FrameInput input{colour, {auxiliary.begin(), auxiliary.end()}, options.exposure};
+  if (!input.exposure && takesBinnedExposure(config)) input.exposure = binnedExposure(colour);
+  return input;
 }
 
 // Of a small frame on a CPU nearly all the time is the driver's, which optimizes kernels of written-out products.
@@ -168,7 +173,7 @@ struct Upscaler::State {
 
   bool runFinite(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                  const Progress& progress) {
-    return runner->run(inputOf(colour, auxiliary, options), output, progress);
+    return runner->run(inputOf(config, colour, auxiliary, options), output, progress);
   }
 
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
@@ -294,9 +299,9 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
   checkShape(model.state_->weights.config(), frame);
   checkImages(model.state_->weights.config(), frame, colour, auxiliary);
   Gpu& gpu = device.state_->gpu;
-  const CheckResult result =
-      checkAgainstReference(gpu, model.state_->weights, frame, inputOf(colour, auxiliary, options),
-                            sessionOptions(gpu, model.state_->weights, frame, options));
+  const CheckResult result = checkAgainstReference(gpu, model.state_->weights, frame,
+                                                   inputOf(model.state_->weights.config(), colour, auxiliary, options),
+                                                   sessionOptions(gpu, model.state_->weights, frame, options));
   std::vector<CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
@@ -335,7 +340,7 @@ DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
 void EngineAccess::upload(Upscaler& upscaler, const PixelView& colour, std::span<const PixelView> auxiliary) {
   Upscaler::State& state = *upscaler.state_;
   checkImages(state.config, state.frame, colour, auxiliary);
-  state.wholeSession().upload(inputOf(colour, auxiliary, state.options));
+  state.wholeSession().upload(inputOf(state.config, colour, auxiliary, state.options));
 }
 
 bool EngineAccess::replay(Upscaler& upscaler, const Upscaler::Progress& progress) {

@@ -13,4 +13,8 @@ FrameExposure exposureOf(Gpu& gpu, const PixelView& colour, Buffer& scratch);
 /// The same in double precision on the host: equal to it within rounding.
 FrameExposure exposureOnHost(const PixelView& colour);
 
+/// That of denoisers (takesBinnedExposure()): 0.18 over the geometric mean of the luminances of bins of about 16 x 16
+/// pixels, those at most 1e-8 left out; 1 if there is none. In double precision on the host.
+FrameExposure binnedExposure(const PixelView& colour);
+
 }  // namespace xrds

@@ -5,7 +5,7 @@
 namespace xrds {
 
 const Architecture& architectureOf(const NetworkConfig& config) {
-  for (const Architecture* architecture : {&kXrds})
+  for (const Architecture* architecture : {&kXrds, &kOidn})
     if (config.architecture == architecture->name) return *architecture;
   require(false, "is of the architecture '" + config.architecture + "', which this version does not know");
   return kXrds;
