@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 PUBLIC = {"AlphaUpscaler", "Cancelled", "Device", "DeviceLost", "Error", "Examination", "InvalidArgument", "Model", "OutOfMemory",
-          "Tuning", "Upscaler", "colourDifference", "estimatedFullShare", "findModel", "fullShare", "levelledColour", "mergedColour", "mirrored",
+          "Tuning", "Upscaler", "colourDifference", "denoiserFolder", "estimatedFullShare", "findModel", "fullShare", "importOidn", "levelledColour", "mergedColour", "mirrored",
           "mirroredPixel", "mirrorsOf", "modelFolders", "relativeDepth", "variantName"}
 NAME = re.compile(r"^(?:typeinfo for |typeinfo name for |vtable for )?xrds::(\w+)(?!::State::)")
 STORED = pathlib.Path(__file__).parent / "abi" / "abi.txt"

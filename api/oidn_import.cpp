@@ -1,0 +1,43 @@
+#include "xrds/oidn_import.h"
+
+#include <cstdlib>
+
+#include "network/oidn_import.h"
+#include "xrds/error.h"
+
+namespace xrds {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path folderOf(const char* variable) {
+  const char* text = std::getenv(variable);
+  return text ? fs::path(text) : fs::path();
+}
+
+}  // namespace
+
+std::vector<fs::path> importOidn(const fs::path& library, const fs::path& folder) {
+  const std::vector<ImportedNetwork> networks = importNetworks(library);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error("Cannot make the folder '" + folder.string() + "': " + error.message() + ".");
+  std::vector<fs::path> files;
+  for (const ImportedNetwork& network : networks) {
+    files.push_back(folder / (network.name + ".safetensors"));
+    writeTensors(files.back(), network.file, DataType::f16);  // as they are stored there
+  }
+  return files;
+}
+
+fs::path denoiserFolder() {
+  if (fs::path own = folderOf("XRDS_DENOISERS"); !own.empty()) return own;
+#if defined(_WIN32)
+  const fs::path data = folderOf("LOCALAPPDATA");
+#else
+  fs::path data = folderOf("XDG_DATA_HOME");
+  if (const fs::path home = folderOf("HOME"); data.empty() && !home.empty()) data = home / ".local/share";
+#endif
+  return data.empty() ? data : data / "xrds" / "denoisers";
+}
+
+}  // namespace xrds
