@@ -1,0 +1,109 @@
+// The denoisers' U-Nets on the device against forward passes of training/unet.py in double precision.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "frames/frame_exposure.h"
+#include "frames/session.h"
+#include "frames/tile_runner.h"
+#include "network/halo.h"
+#include "network/oidn.h"
+#include "tests/harness.h"
+
+namespace xrds {
+namespace {
+
+const std::filesystem::path kFolder = std::filesystem::path(XRDS_GOLDEN_FOLDER) / "unet";
+constexpr const char* kNames[] = {
+    "hdr_small",    "hdr_albedo_base", "hdr_albedo_normal_large", "ldr_albedo_normal_small",
+    "albedo_small", "normal_small"};
+
+double relativeRms(std::span<const float> found, std::span<const float> expected) {
+  EXPECT_EQ(found.size(), expected.size());
+  double difference = 0, power = 0;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    difference += std::pow(double{found[i]} - expected[i], 2);
+    power += std::pow(double{expected[i]}, 2);
+  }
+  return std::sqrt(difference / power);
+}
+
+/// A golden model with the images that it was given and what PyTorch made of them.
+struct Golden {
+  explicit Golden(const std::string& name)
+      : model(NetworkModel::read(kFolder / (name + ".model.safetensors"))),
+        tensors(readTensors(kFolder / (name + ".io.safetensors"))) {
+    const auto& colour = tensors.tensors.at("colour");
+    frame = {static_cast<uint32_t>(colour.shape[0]), static_cast<uint32_t>(colour.shape[1])};
+    input.colour = viewOf("colour");
+    for (const std::string& guide : model.config().auxInputs) input.auxiliary.push_back(viewOf(guide));
+    if (takesBinnedExposure(model.config())) input.exposure = binnedExposure(input.colour);
+  }
+  PixelView viewOf(const std::string& name) const {
+    return {tensors.tensors.at(name).values.data(), frame.width, frame.height};
+  }
+  const std::vector<float>& output() const { return tensors.tensors.at("output").values; }
+
+  NetworkModel model;
+  TensorFile tensors;
+  FrameShape frame;
+  FrameInput input;
+};
+
+std::vector<float> outputOf(const Golden& golden, KernelFamily family, const SessionOptions& options) {
+  Gpu& gpu = test::gpu();
+  const DeviceTraits traits = gpu.traits();
+  gpu.setTraits(test::traitsOf(family));
+  Session session(gpu, golden.model, golden.frame, options);
+  gpu.setTraits(traits);
+  session.fillArena(0x7fc00000);  // NaN
+  std::vector<float> output(golden.output().size());
+  EXPECT_TRUE(session.run(golden.input, output));
+  return output;
+}
+
+class GoldenUNet : public testing::TestWithParam<const char*> {};
+
+TEST_P(GoldenUNet, MatchesPyTorch) {
+  const Golden golden(GetParam());
+  const KernelFamily own = test::gpu().traits().family;
+  if (golden.input.exposure)
+    EXPECT_NEAR(golden.input.exposure->value / golden.tensors.tensors.at("exposure").values[0], 1, 1e-6);
+  EXPECT_LT(relativeRms(outputOf(golden, own, {}), golden.output()), 1e-4);
+  EXPECT_LT(relativeRms(outputOf(golden, KernelFamily::plain, {}), golden.output()), 1e-4);
+  EXPECT_LT(relativeRms(outputOf(golden, own, {.precision = Precision::fp16}), golden.output()), 5e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, GoldenUNet, testing::ValuesIn(kNames), [](const auto& info) { return info.param; });
+
+// In sweeps over bands of rows, and with every value in bytes of its own.
+TEST(UNet, BandsAndPlansGiveTheSame) {
+  const Golden golden("hdr_albedo_normal_large");
+  const KernelFamily own = test::gpu().traits().family;
+  const std::vector<float> whole = outputOf(golden, own, {.bandRows = kWholeFrame});
+  EXPECT_EQ(outputOf(golden, own, {.bandRows = 16}), whole);
+  EXPECT_EQ(outputOf(golden, own, {.bandRows = 16, .aliasing = false}), whole);
+}
+
+// A U-Net sees far: the crops of this frame are nearly all of it.
+TEST(UNet, TilesWithTheExactHaloGiveTheFrame) {
+  const Golden golden("hdr_small");
+  const uint32_t halo = exactHalo(golden.model.config());
+  EXPECT_EQ(halo % golden.model.config().window, 0u);
+  const FrameShape shape{37, 2 * halo + 90};
+  std::vector<float> pixels(size_t{3} * shape.width * shape.height);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i * 7919 % 1009) / 300;
+  FrameInput input{{pixels.data(), shape.width, shape.height}};
+  input.exposure = binnedExposure(input.colour);
+  std::vector<float> whole(pixels.size()), tiled(pixels.size());
+  Session session(test::gpu(), golden.model, shape, {});
+  ASSERT_TRUE(session.run(input, whole));
+  TileRunner tiles(test::gpu(), golden.model, {});
+  const auto cut = cutFrame(shape, golden.model.config().window, {3, 1, halo});
+  EXPECT_GT(cut.size(), 1u);
+  ASSERT_TRUE(tiles.run(input, cut, tiled));
+  EXPECT_EQ(tiled, whole);
+}
+
+}  // namespace
+}  // namespace xrds
