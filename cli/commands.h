@@ -7,6 +7,8 @@ namespace xrds {
 /// Each adds one verb to the command line; the verb's work runs in its callback and throws Failure.
 void addUpscale(CLI::App& app);
 void addAdvise(CLI::App& app);
+void addDenoise(CLI::App& app);
+void addImport(CLI::App& app);
 void addCompare(CLI::App& app);
 void addInfo(CLI::App& app);
 void addDevices(CLI::App& app);

@@ -49,6 +49,8 @@ int main(int argc, char** argv) {
   xrds::addView(app);
   xrds::addDoctor(app);
   xrds::addTune(app);
+  xrds::addDenoise(app);
+  xrds::addImport(app);
   xrds::addBench(app);
   xrds::catchInterrupts();
   try {

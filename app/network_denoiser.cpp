@@ -1,0 +1,61 @@
+#include "app/network_denoiser.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "image/image_view.h"
+#include "xrds/error.h"
+#include "xrds/oidn_import.h"
+
+namespace xrds {
+namespace fs = std::filesystem;
+
+// The files of a kind's sizes, the wanted ones first.
+const Model& NetworkDenoiser::networkOf(const std::string& kind) {
+  if (const auto known = models_.find(kind); known != models_.end()) return known->second;
+  const fs::path folder = options_.folder.empty() ? denoiserFolder() : options_.folder;
+  std::vector<std::string> names{kind};
+  if (options_.quality == Quality::high) names.insert(names.begin(), kind + "_large");
+  if (options_.quality == Quality::fast) names.insert(names.begin(), kind + "_small");
+  for (const std::string& name : names)
+    if (const fs::path file = folder / (name + ".safetensors"); fs::exists(file))
+      return models_.emplace(kind, Model(file)).first->second;
+  throw Error("There is no network " + kind + " of Open Image Denoise in '" + folder.string() +
+              "': read them once out of your own copy with 'xrds import oidn PATH', where PATH is the file "
+              "libOpenImageDenoise_core.so of your system's package or of pip install pyoidn.");
+}
+
+Image NetworkDenoiser::filtered(const Model& model, const Image& colour, const std::vector<const Image*>& guides) {
+  std::vector<PixelView> views;
+  views.reserve(guides.size());
+  for (const Image* guide : guides) views.push_back(viewOf(*guide));
+  Upscaler::Options options{.fp16 = options_.fp16, .exposure = options_.exposure};
+  options.tiles = {.memoryBytes = options_.memoryBytes, .exact = true};
+  options.tune = Upscaler::Tune::never;
+  Upscaler upscaler(device_, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height), options);
+  Image result(colour.width, colour.height, 3);
+  const auto start = std::chrono::steady_clock::now();
+  if (!upscaler.run(viewOf(colour), views, result.pixels, options_.progress))
+    throw Cancelled("The denoiser was stopped.");
+  runSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  deviceBytes_ = std::max(deviceBytes_, upscaler.deviceBytes());
+  tiling_ = upscaler.tiling();
+  return result;
+}
+
+Image NetworkDenoiser::denoised(const Image& colour, const Image* albedo, const Image* normal, bool clean) {
+  std::string kind = options_.ldr ? "rt_ldr" : "rt_hdr";
+  std::vector<const Image*> guides;
+  if (albedo && normal)
+    kind += clean ? "_calb_cnrm" : "_alb_nrm";
+  else if (albedo)
+    kind += "_alb";
+  if (albedo) guides.push_back(albedo);
+  if (albedo && normal) guides.push_back(normal);
+  const Model& model = networkOf(kind);
+  const auto source = model.metadata().find("source");
+  name_ = source == model.metadata().end() ? kind : source->second;
+  return filtered(model, colour, guides);
+}
+
+}  // namespace xrds

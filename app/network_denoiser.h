@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "image/image.h"
+#include "xrds/xrds.hpp"
+
+namespace xrds {
+
+/// Open Image Denoise's networks, imported as model files (xrds/oidn_import.h), on a Vulkan device. Not for several
+/// threads at once.
+class NetworkDenoiser {
+ public:
+  /// As Open Image Denoise names them: high takes the largest network that there is, fast the smallest.
+  enum class Quality : uint8_t { high, balanced, fast };
+  struct Options {
+    std::filesystem::path folder{};  // of the model files; empty: denoiserFolder()
+    Quality quality = Quality::high;
+    bool ldr = false;                 // the colour is from 0 to 1
+    std::optional<float> exposure{};  // empty: from the colour
+    bool fp16 = false;
+    uint64_t memoryBytes = 0;                // as TileOptions
+    std::function<bool(double)> progress{};  // of each network, as Upscaler::Progress; false ends with Cancelled
+  };
+
+  /// The device must outlive it.
+  NetworkDenoiser(Device& device, Options options) : device_(device), options_(std::move(options)) {}
+
+  /// The colour [h, w, 3] without its noise, with the help of albedo and normal [h, w, 3]. Either may be null, the
+  /// normal must be where there is no albedo. `clean`: they have no noise. Tiles, where the memory asks for them, have
+  /// halos with which the picture is that of the whole frame bit for bit. Throws Error, which says what to do where the
+  /// networks were not imported.
+  Image denoised(const Image& colour, const Image* albedo, const Image* normal, bool clean);
+  /// Albedo and normal without their noise, each by a network of its own.
+  Image denoisedAlbedo(const Image& albedo) { return filtered(networkOf("rt_alb"), albedo, {}); }
+  Image denoisedNormal(const Image& normal) { return filtered(networkOf("rt_nrm"), normal, {}); }
+
+  /// "Open Image Denoise 2.5.1, rt_hdr_alb_nrm": the network of denoised() that ran last.
+  const std::string& name() const { return name_; }
+  /// The most device memory that a network took, arena and weights, in bytes.
+  uint64_t deviceBytes() const { return deviceBytes_; }
+  /// Of all runs of networks, with upload and download; not of their preparation.
+  double runSeconds() const { return runSeconds_; }
+  const Tiling& tiling() const { return tiling_; }  // of the network that ran last
+
+ private:
+  const Model& networkOf(const std::string& kind);
+  Image filtered(const Model& model, const Image& colour, const std::vector<const Image*>& guides);
+
+  Device& device_;
+  Options options_;
+  std::map<std::string, Model> models_;
+  std::string name_;
+  uint64_t deviceBytes_ = 0;
+  double runSeconds_ = 0;
+  Tiling tiling_{};
+};
+
+}  // namespace xrds
