@@ -9,6 +9,30 @@
 
 namespace xrds {
 namespace fs = std::filesystem;
+namespace {
+
+// The network of a colour with so many guides.
+std::string kindOf(bool ldr, size_t guides, bool clean) {
+  const char* const names[] = {"", "_alb", clean ? "_calb_cnrm" : "_alb_nrm"};
+  return std::string(ldr ? "rt_ldr" : "rt_hdr") + names[guides];
+}
+
+}  // namespace
+
+void NetworkDenoiser::load(size_t guides, bool clean, bool prefiltered) {
+  networkOf(kindOf(options_.ldr, guides, clean || prefiltered));
+  if (!prefiltered || guides < 2) return;
+  networkOf("rt_alb");
+  networkOf("rt_nrm");
+}
+
+Image NetworkDenoiser::denoisedAlbedo(Device& device, const Image& albedo) {
+  return filtered(device, networkOf("rt_alb"), albedo, {});
+}
+
+Image NetworkDenoiser::denoisedNormal(Device& device, const Image& normal) {
+  return filtered(device, networkOf("rt_nrm"), normal, {});
+}
 
 // The files of a kind's sizes, the wanted ones first.
 const Model& NetworkDenoiser::networkOf(const std::string& kind) {
@@ -25,14 +49,15 @@ const Model& NetworkDenoiser::networkOf(const std::string& kind) {
               "libOpenImageDenoise_core.so of your system's package or of pip install pyoidn.");
 }
 
-Image NetworkDenoiser::filtered(const Model& model, const Image& colour, const std::vector<const Image*>& guides) {
+Image NetworkDenoiser::filtered(Device& device, const Model& model, const Image& colour,
+                                const std::vector<const Image*>& guides) {
   std::vector<PixelView> views;
   views.reserve(guides.size());
   for (const Image* guide : guides) views.push_back(viewOf(*guide));
   Upscaler::Options options{.fp16 = options_.fp16, .exposure = options_.exposure};
   options.tiles = {.memoryBytes = options_.memoryBytes, .exact = true};
   options.tune = Upscaler::Tune::never;
-  Upscaler upscaler(device_, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height), options);
+  Upscaler upscaler(device, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height), options);
   Image result(colour.width, colour.height, 3);
   const auto start = std::chrono::steady_clock::now();
   if (!upscaler.run(viewOf(colour), views, result.pixels, options_.progress))
@@ -43,19 +68,16 @@ Image NetworkDenoiser::filtered(const Model& model, const Image& colour, const s
   return result;
 }
 
-Image NetworkDenoiser::denoised(const Image& colour, const Image* albedo, const Image* normal, bool clean) {
-  std::string kind = options_.ldr ? "rt_ldr" : "rt_hdr";
+Image NetworkDenoiser::denoised(Device& device, const Image& colour, const Image* albedo, const Image* normal,
+                                bool clean) {
   std::vector<const Image*> guides;
-  if (albedo && normal)
-    kind += clean ? "_calb_cnrm" : "_alb_nrm";
-  else if (albedo)
-    kind += "_alb";
   if (albedo) guides.push_back(albedo);
   if (albedo && normal) guides.push_back(normal);
+  const std::string kind = kindOf(options_.ldr, guides.size(), clean);
   const Model& model = networkOf(kind);
   const auto source = model.metadata().find("source");
   name_ = source == model.metadata().end() ? kind : source->second;
-  return filtered(model, colour, guides);
+  return filtered(device, model, colour, guides);
 }
 
 }  // namespace xrds

@@ -27,17 +27,20 @@ class NetworkDenoiser {
     std::function<bool(double)> progress{};  // of each network, as Upscaler::Progress; false ends with Cancelled
   };
 
-  /// The device must outlive it.
-  NetworkDenoiser(Device& device, Options options) : device_(device), options_(std::move(options)) {}
+  explicit NetworkDenoiser(Options options) : options_(std::move(options)) {}
+
+  /// Reads the networks that the functions below need, of a colour with so many guides (none, albedo, albedo and
+  /// normal), which may have no noise or may be denoised before. Throws Error, which says what to do where they were
+  /// not imported.
+  void load(size_t guides, bool clean, bool prefiltered);
 
   /// The colour [h, w, 3] without its noise, with the help of albedo and normal [h, w, 3]. Either may be null, the
   /// normal must be where there is no albedo. `clean`: they have no noise. Tiles, where the memory asks for them, have
-  /// halos with which the picture is that of the whole frame bit for bit. Throws Error, which says what to do where the
-  /// networks were not imported.
-  Image denoised(const Image& colour, const Image* albedo, const Image* normal, bool clean);
+  /// halos with which the picture is that of the whole frame bit for bit. Throws Error, as load() does.
+  Image denoised(Device& device, const Image& colour, const Image* albedo, const Image* normal, bool clean);
   /// Albedo and normal without their noise, each by a network of its own.
-  Image denoisedAlbedo(const Image& albedo) { return filtered(networkOf("rt_alb"), albedo, {}); }
-  Image denoisedNormal(const Image& normal) { return filtered(networkOf("rt_nrm"), normal, {}); }
+  Image denoisedAlbedo(Device& device, const Image& albedo);
+  Image denoisedNormal(Device& device, const Image& normal);
 
   /// "Open Image Denoise 2.5.1, rt_hdr_alb_nrm": the network of denoised() that ran last.
   const std::string& name() const { return name_; }
@@ -49,9 +52,8 @@ class NetworkDenoiser {
 
  private:
   const Model& networkOf(const std::string& kind);
-  Image filtered(const Model& model, const Image& colour, const std::vector<const Image*>& guides);
+  Image filtered(Device& device, const Model& model, const Image& colour, const std::vector<const Image*>& guides);
 
-  Device& device_;
   Options options_;
   std::map<std::string, Model> models_;
   std::string name_;

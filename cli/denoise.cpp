@@ -48,7 +48,7 @@ Frame openFrame(const DenoiseOptions& options) {
   return frame;
 }
 
-NetworkDenoiser::Options optionsOf(const DenoiseOptions& options, ProgressBar& bar) {
+NetworkDenoiser::Options optionsOf(const DenoiseOptions& options, std::optional<ProgressBar>& bar) {
   using Quality = NetworkDenoiser::Quality;
   NetworkDenoiser::Options result{.folder = options.folder,
                                   .quality = options.quality == "high"   ? Quality::high
@@ -57,18 +57,19 @@ NetworkDenoiser::Options optionsOf(const DenoiseOptions& options, ProgressBar& b
                                   .ldr = options.ldr,
                                   .fp16 = options.precision == "fp16",
                                   .memoryBytes = parseBytes(options.memory),
-                                  .progress = [&bar](double share) { return bar.update(share); }};
+                                  .progress = [&bar](double share) { return bar->update(share); }};
   if (options.exposure != "auto") result.exposure = std::strtof(options.exposure.c_str(), nullptr);
   return result;
 }
 
-Image denoise(NetworkDenoiser& denoiser, const Frame& frame, const std::string& guides) {
+Image denoise(NetworkDenoiser& denoiser, Device& device, const Frame& frame, const std::string& guides) {
   const auto& images = frame.auxiliary();
-  if (images.empty()) return denoiser.denoised(frame.colour(), nullptr, nullptr, false);
-  if (images.size() == 1) return denoiser.denoised(frame.colour(), &images[0], nullptr, false);
-  if (guides != "prefilter") return denoiser.denoised(frame.colour(), &images[0], &images[1], guides == "clean");
-  const Image albedo = denoiser.denoisedAlbedo(images[0]), normal = denoiser.denoisedNormal(images[1]);
-  return denoiser.denoised(frame.colour(), &albedo, &normal, true);
+  const Image *albedo = images.empty() ? nullptr : &images[0], *normal = images.size() < 2 ? nullptr : &images[1];
+  if (!normal || guides != "prefilter")
+    return denoiser.denoised(device, frame.colour(), albedo, normal, guides == "clean");
+  const Image cleanAlbedo = denoiser.denoisedAlbedo(device, *albedo),
+              cleanNormal = denoiser.denoisedNormal(device, *normal);
+  return denoiser.denoised(device, frame.colour(), &cleanAlbedo, &cleanNormal, true);
 }
 
 void write(const DenoiseOptions& options, const Frame& frame, const Image& picture, const std::string& denoiser) {
@@ -92,12 +93,16 @@ void run(const DenoiseOptions& options) {
   const Frame frame = failingWith(ExitCode::input, [&] { return openFrame(options); });
   printWarnings(frame.warnings());
   stopIfInterrupted();
+  std::optional<ProgressBar> bar;
+  NetworkDenoiser denoiser(optionsOf(options, bar));
+  failingWith(ExitCode::model, [&] {
+    denoiser.load(frame.auxiliary().size(), options.guides == "clean", options.guides == "prefilter");
+  });
   onDevice(options.device, options.quiet, [&](Device& device) {
     Image picture;
-    std::optional<ProgressBar> bar(std::in_place, options.quiet);
-    NetworkDenoiser denoiser(device, optionsOf(options, *bar));
+    bar.emplace(options.quiet);
     try {
-      picture = denoise(denoiser, frame, options.guides);
+      picture = denoise(denoiser, device, frame, options.guides);
     } catch (const Cancelled&) {
       stopIfInterrupted();
       throw;

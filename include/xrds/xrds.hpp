@@ -6,7 +6,6 @@
 #include "xrds/merged_colour.h"
 #include "xrds/mirror.h"
 #include "xrds/model.h"
-#include "xrds/oidn_import.h"
 #include "xrds/pixel_view.h"
 #include "xrds/precision.h"
 #include "xrds/preparation.h"

@@ -1,0 +1,89 @@
+// `xrds denoise` with small networks of random weights in the place of Open Image Denoise's, and what it refuses.
+#include <cmath>
+#include <fstream>
+
+#include "network/safetensors.h"
+#include "tests/cli/frames.h"
+
+namespace xrds::test {
+namespace {
+
+const std::string kGolden = XRDS_GOLDEN_FOLDER "/unet/";
+
+/// A golden frame as one EXR file, and a folder with its network under the name that the command asks for.
+struct NoisyFrame {
+  TemporaryFolder folder;
+  TensorFile golden;
+  std::string in = (folder / "in.exr").string(), out = (folder / "out.exr").string();
+
+  NoisyFrame(const std::string& name, const std::string& network)
+      : golden(readTensors(kGolden + name + ".io.safetensors")) {
+    const auto& shape = golden.tensors.at("colour").shape;
+    const int height = static_cast<int>(shape[0]), width = static_cast<int>(shape[1]);
+    Part part{boxOf(width, height), boxOf(width, height), {}};
+    for (const char* image : {"colour", "albedo", "normal"})
+      if (golden.tensors.contains(image))
+        part.layers.push_back(
+            layerOf(image == std::string("colour") ? "" : image, golden.tensors.at(image).values, width));
+    writeParts(in, {part});
+    std::filesystem::create_directory(folder / "networks");
+    std::filesystem::copy_file(kGolden + name + ".model.safetensors", folder / "networks" / (network + ".safetensors"));
+  }
+  Ended denoise(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"denoise", in, "-o", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runXrds(arguments, {.environment = {{"XRDS_DENOISERS", (folder / "networks").string()}}});
+  }
+  double difference() const {
+    const Image found = readColour(out);
+    const std::vector<float>& expected = golden.tensors.at("output").values;
+    double difference = 0, power = 0;
+    for (size_t i = 0; i < expected.size(); ++i) {
+      difference += std::pow(double{found.pixels.at(i)} - expected[i], 2);
+      power += std::pow(double{expected[i]}, 2);
+    }
+    return std::sqrt(difference / power);
+  }
+};
+
+TEST(CliOidn, MatchesPyTorch) {
+  const NoisyFrame frame("hdr_albedo_normal_large", "rt_hdr_alb_nrm");
+  for (const auto& [precision, tolerance] : {std::pair{"fp32", 1e-4}, std::pair{"fp16", 5e-3}}) {
+    const Ended ended = frame.denoise({"--guides", "noisy", "--precision", precision});
+    ASSERT_EQ(ended.exitCode, 0) << ended.error;
+    EXPECT_LT(frame.difference(), tolerance) << precision;
+  }
+}
+
+TEST(CliOidn, TakesTheColourAlone) {
+  const NoisyFrame frame("hdr_small", "rt_hdr");
+  const Ended ended = frame.denoise({});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_NE(ended.output.find("pixels by rt_hdr on"), std::string::npos) << ended.output;
+  EXPECT_LT(frame.difference(), 1e-4);
+}
+
+TEST(CliOidn, SaysWhatToImportWhereANetworkIsMissing) {
+  const NoisyFrame frame("hdr_small", "rt_ldr");
+  const Ended ended = frame.denoise({});
+  EXPECT_EQ(ended.exitCode, 4) << ended.error;
+  EXPECT_NE(ended.error.find("There is no network rt_hdr of Open Image Denoise"), std::string::npos) << ended.error;
+  EXPECT_NE(ended.error.find("xrds import oidn PATH"), std::string::npos) << ended.error;
+}
+
+TEST(CliOidn, RefusesToImportWhatIsNoLibrary) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "library.so").string();
+  std::ofstream(file) << std::string(5000, 'x');
+  const Ended ended = runXrds({"import", "oidn", file, "-o", (folder / "networks").string()});
+  expectFailure(ended, 4, "is no library of Open Image Denoise", folder, 1);
+}
+
+TEST(CliOidn, RefusesGuidesOfAnotherSize) {
+  const SmallFrame frame;
+  const Ended ended = runXrds({"denoise", frame.color, frame.aux, "-o", frame.out});
+  expectFailure(ended, 3, "times the colour's size", frame.folder, 2);
+}
+
+}  // namespace
+}  // namespace xrds::test
