@@ -15,7 +15,8 @@ struct ImportOptions {
 };
 
 void run(const ImportOptions& options) {
-  const std::filesystem::path folder = options.folder.empty() ? denoiserFolder() : options.folder;
+  const std::filesystem::path folder =
+      options.folder.empty() ? denoiserFolder() : std::filesystem::path(options.folder);
   if (folder.empty())
     throw Failure{ExitCode::usage, "The environment names no home: say where to put the models with --output FOLDER."};
   const auto files = failingWith(ExitCode::model, [&] { return importOidn(options.path, folder); });

@@ -67,8 +67,9 @@ class GoldenUNet : public testing::TestWithParam<const char*> {};
 TEST_P(GoldenUNet, MatchesPyTorch) {
   const Golden golden(GetParam());
   const KernelFamily own = test::gpu().traits().family;
-  if (golden.input.exposure)
+  if (golden.input.exposure) {
     EXPECT_NEAR(golden.input.exposure->value / golden.tensors.tensors.at("exposure").values[0], 1, 1e-6);
+  }
   EXPECT_LT(relativeRms(outputOf(golden, own, {}), golden.output()), 1e-4);
   EXPECT_LT(relativeRms(outputOf(golden, KernelFamily::plain, {}), golden.output()), 1e-4);
   EXPECT_LT(relativeRms(outputOf(golden, own, {.precision = Precision::fp16}), golden.output()), 5e-3);
