@@ -47,9 +47,9 @@ struct NoisyFrame {
 };
 
 TEST(CliOidn, MatchesPyTorch) {
-  const NoisyFrame frame("hdr_albedo_normal_large", "rt_hdr_alb_nrm");
+  const NoisyFrame frame("ldr_albedo_normal_small", "rt_ldr_alb_nrm");
   for (const auto& [precision, tolerance] : {std::pair{"fp32", 1e-4}, std::pair{"fp16", 5e-3}}) {
-    const Ended ended = frame.denoise({"--guides", "noisy", "--precision", precision});
+    const Ended ended = frame.denoise({"--ldr", "--guides", "noisy", "--precision", precision});
     ASSERT_EQ(ended.exitCode, 0) << ended.error;
     EXPECT_LT(frame.difference(), tolerance) << precision;
   }
