@@ -1,10 +1,11 @@
 """Compares `xrds denoise` with Open Image Denoise itself on the same images: difference, time and memory.
 
-    python3 bench/denoise.py XRDS LIBRARY VAL_FOLDER --spp 4 [--size 1024x1024] [--rounds 5] [--json FILE]
+    python3 bench/denoise.py XRDS LIBRARY VAL_FOLDER --spp 4 [--guides none,noisy,prefilter,clean]
+        [--precision fp32] [--size 1024x1024] [--rounds 3] [--json FILE]
 
 LIBRARY is libOpenImageDenoise_core.so, whose networks are imported into a temporary folder. For colour, albedo and normal of each sNNNN_auxK.exr of
 K samples the relative RMS of the difference to Open Image Denoise's CPU device, RMS(xrds - oidn) / RMS(oidn): colour alone; with noisy, with
-prefiltered and with clean guides; in fp32 and fp16. --size instead times frames of that size, made of the first image side by side: whole processes
+prefiltered and with clean guides. --size instead times frames of that size, made of the first image side by side: whole processes
 in turn, each of which denoises the frame once to fill caches and then `--rounds` times, and the most memory that each process held, from the
 kernel's account of its child. Needs bench/oidn-requirements.txt.
 """
@@ -65,12 +66,12 @@ def differences(arguments, folder, device):
     for path in sorted(arguments.folder.glob(f"s*_aux{arguments.spp}.exr")):
         images = oidn.read_layers(path)
         write_frame(folder / "frame.exr", images)
-        for guides in GUIDES:
+        for guides in arguments.guides.split(","):
             expected, _ = of_oidn(device, images, guides)
-            for precision in ("fp32", "fp16"):
-                run([arguments.xrds, "denoise", folder / "frame.exr", "-o", folder / "out.exr", "--guides", guides, "--precision", precision,
-                     "--denoisers", folder, "--quiet"])
-                found.setdefault(f"{guides} {precision}", []).append(relative_rms(read_colour(folder / "out.exr"), expected))
+            run([arguments.xrds, "denoise", folder / "frame.exr", "-o", folder / "out.exr", "--guides", guides, "--precision", arguments.precision,
+                 "--denoisers", folder, "--quiet"])
+            found.setdefault(f"{guides} {arguments.precision}", []).append(relative_rms(read_colour(folder / "out.exr"), expected))
+            print(f"{path.name} {guides}: {found[f'{guides} {arguments.precision}'][-1]:.2e}", flush=True)
     for case, values in found.items():
         print(f"{case:16} {len(values)} images: mean {statistics.mean(values):.2e}, largest {max(values):.2e}")
     return found

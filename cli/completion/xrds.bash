@@ -34,7 +34,7 @@ _xrds() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} verbs=() at=1 type listed=
   COMPREPLY=()
   [ "$COMP_CWORD" -gt 1 ] && verbs=("${COMP_WORDS[1]}") at=2
-  if [ "${COMP_WORDS[1]}" = bench ] && [ "$COMP_CWORD" -gt 2 ]; then
+  if [[ ${COMP_WORDS[1]} = bench || ${COMP_WORDS[1]} = import ]] && [ "$COMP_CWORD" -gt 2 ]; then
     verbs+=("${COMP_WORDS[2]}") at=3
   fi
   if [ "$COMP_CWORD" -eq "$at" ]; then

@@ -43,6 +43,8 @@ offers tile,matrix bench network --family tile,m
 offers 8 upscale --ensemble ''
 offers safe upscale --skip ''
 offers --json upscale --j
+offers oidn import o
+offers prefilter denoise --guides p
 offers --colour upscale --colo
 offers xrds-x4-compact info xrds
 offers xrds-x4-compact upscale --model xrds
@@ -53,7 +55,7 @@ if "$program" view --help > /dev/null 2>&1; then
   offers fp16 view --precision f
 fi
 # Every command and every option that --help lists is offered.
-for verb in '' upscale compare info devices doctor tune bench 'bench quality' 'bench network' 'bench skip' 'bench stress' 'bench tiles'; do
+for verb in '' upscale compare info devices doctor tune denoise import 'import oidn' bench 'bench quality' 'bench network' 'bench skip' 'bench stress' 'bench tiles'; do
   # shellcheck disable=SC2086
   typed $verb --
   for option in $("$program" $verb --help | grep -oE -- '^  (-[a-z],)?--[a-z-]+' | grep -oE -- '--.*'); do
