@@ -81,9 +81,10 @@ void main() {
         [[unroll]] for (uint i = 0; i < kConv3x3TilePixels + 2; i++)
           line[i] = x[(row + ky) * kStride + stripBegin + i];
         [[unroll]] for (uint kx = 0; kx < 3; kx++) {
-          mat4 columns;  // column c: the weights of input channel c of the quad
-          [[unroll]] for (uint c = 0; c < 4; c++) columns[c] = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
-          [[unroll]] for (uint i = 0; i < kConv3x3TilePixels; i++) sum[i] += columns * line[i + kx];
+          [[unroll]] for (uint c = 0; c < 4; c++) {
+            const vec4 ofChannel = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
+            [[unroll]] for (uint i = 0; i < kConv3x3TilePixels; i++) sum[i] += ofChannel * line[i + kx][c];
+          }
         }
       }
     }

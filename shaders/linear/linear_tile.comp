@@ -72,9 +72,12 @@ void main() {
     }
     if (first > 0) {
       [[unroll]] for (uint q = 0; q < kQuads; q++) {
-        mat4 columns;  // column i: the weights of input channel 4 q + i
+        vec4 columns[4];  // the weights of input channel 4 q + i
         [[unroll]] for (uint i = 0; i < 4; i++) columns[i] = w[(4 * q + i) * kColumns + column];
-        [[unroll]] for (uint t = 0; t < kThreadTokens; t++) sum[t] += columns * x[(t * kRows + row) * kQuads + q];
+        [[unroll]] for (uint t = 0; t < kThreadTokens; t++) {
+          const vec4 inputs = x[(t * kRows + row) * kQuads + q];
+          [[unroll]] for (uint i = 0; i < 4; i++) sum[t] += columns[i] * inputs[i];
+        }
       }
     }
   }
