@@ -38,11 +38,9 @@ const uint kInvocations = gl_WorkGroupSize.x;
   for (uint k_ = 0; k_ < 16; k_++)                                                                     \
     for (uint n_ = 0; n_ < 8; n_++)                                                                    \
       fragment[k_][n_] = halvesOf(memory[(texel) + (lane() % 2 * 8 + n_) * (columnTexels) + k_ / 8])[k_ % 8]
-#define LOAD_SUM(sum, memory, texel, rowTexels) \
-  sum = halvesOf(memory[(texel) + lane() / 2 * (rowTexels) + lane() % 2])
+#define FILL_LEFT(fragment, number) fragment = uvec4[](uvec4(packHalf2x16(vec2(number))), uvec4(packHalf2x16(vec2(number))))
 #define CLEAR_SUM(sum) sum = float[](0, 0, 0, 0, 0, 0, 0, 0)
-#define ADD_SUM(sum, other) \
-  for (uint n_ = 0; n_ < 8; n_++) sum[n_] += other[n_]
+#define COPY_SUM(sum, other) sum = other
 #define APPLY(function, sum) \
   for (uint n_ = 0; n_ < 8; n_++) sum[n_] = function(sum[n_])
 #define MULTIPLY_ADD(a, b, sum) addProduct(a, b, sum)
@@ -132,14 +130,10 @@ const uint kDown = 16 / kUnitRows, kAcross = 16 / kUnitColumns, kDeep = 16 / kUn
     [[unroll]] for (uint j_ = 0; j_ < kAcross; j_++)                                                                      \
       UNIT_LOAD_TRANSPOSED(fragment[k_ * kAcross + j_], memory,                                                           \
                            (texel) + j_ * kUnitColumns * (columnTexels) + k_ * kUnitDepth / 8, columnTexels)
-#define LOAD_SUM(sum, memory, texel, rowTexels)                                                                           \
-  EACH_PIECE(i_, j_) {                                                                                                    \
-    UNIT_HALF_SUM half_;                                                                                                  \
-    UNIT_LOAD(half_, memory, (texel) + i_ * kUnitRows * (rowTexels) + j_ * kUnitColumns / 8, rowTexels);                  \
-    sum[i_ * kAcross + j_] = UNIT_SUM(half_);                                                                             \
-  }
+#define FILL_LEFT(fragment, number)                                                                                       \
+  [[unroll]] for (uint i_ = 0; i_ < kDown * kDeep; i_++) fragment[i_] = UNIT_LEFT(number)
 #define CLEAR_SUM(sum) EACH_PIECE(i_, j_) sum[i_ * kAcross + j_] = UNIT_SUM(0.0)
-#define ADD_SUM(sum, other) EACH_PIECE(i_, j_) sum[i_ * kAcross + j_] += other[i_ * kAcross + j_]
+#define COPY_SUM(sum, other) EACH_PIECE(i_, j_) sum[i_ * kAcross + j_] = other[i_ * kAcross + j_]
 #define APPLY(function, sum)                                                                                              \
   EACH_PIECE(i_, j_)                                                                                                      \
     [[unroll]] for (uint n_ = 0; n_ < sum[i_ * kAcross + j_].length(); n_++)                                              \

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "engine/half.h"
 #include "shaders/common/activation.h"
 #include "shaders/common/example.h"
 #include "shaders/common/matrix.h"
@@ -118,6 +119,12 @@ Matrix lastMap(const SwinLayer& op) {
   return product;
 }
 
+/// A bias as two halves, of which the second is what the first lacks; `part` above 1: nothing.
+double partOfBias(double bias, uint32_t part) {
+  const float rounded = fromHalf(toHalf(static_cast<float>(bias)));
+  return part == 0 ? rounded : part == 1 && std::isfinite(rounded) ? bias - rounded : 0;
+}
+
 /// Writes tiles of 16 x 16, row by row.
 class Tiles {
  public:
@@ -130,7 +137,7 @@ class Tiles {
   /// The outputs from `first` on, `count` of them in sixteens.
   void addMap(const Matrix& matrix, uint32_t first, uint32_t count, bool withBias = true) {
     for (uint32_t n = first; n < first + count; n += 16) {
-      if (withBias) add([&](uint32_t, uint32_t column) { return matrix.bias[n + column]; });
+      if (withBias) add([&](uint32_t row, uint32_t k) { return partOfBias(matrix.bias[n + row], k); });
       for (uint32_t k = 0; k < matrix.inputs; k += 16)
         add([&](uint32_t row, uint32_t column) { return matrix.weight[size_t{n + row} * matrix.inputs + k + column]; });
     }
@@ -244,6 +251,7 @@ std::vector<float> packedWeights(const SwinLayer& op, const DeviceTraits&) {
   tiles.addMap(normed(op.norm2, op.fc1));
   tiles.addMap(lastMap(op));
   if (grows(op)) tiles.addMap(matrixOf(op.grow), false);
+  tiles.add([](uint32_t row, uint32_t column) { return row == column; });
   return std::move(tiles.numbers);
 }
 

@@ -1,9 +1,9 @@
 // u = t + WMSA(LN(t)); y = u + MLP(LN(u)), or the 1x1 convolution of that: a Swin layer of one window, which is a workgroup's.
 // Halves are multiplied and stored, all sums are fp32. Pool: the tokens t, LN(t), u, LN(u) and y in turn; [q k] of a head,
 // whose q becomes softmax(..) v, and its v, transposed; scores of kScoreRows queries, which become weights; in place of
-// these the hidden features. Weights: tiles of 16 x 16. A map has for each 16 outputs the bias, in equal rows, and tiles
-// [n][k] for all inputs: qkv head by head (scaled for exp2), bias and mask of the scores by window class, head and query,
-// proj, fc1, fc2, grow (no bias).
+// these the hidden features. Weights: tiles [n][k] of 16 x 16, all of them right operands. A map has for each 16 outputs a tile
+// of which the first two k add up to the bias, and those for all inputs: qkv head by head (scaled for exp2), bias and mask of
+// the scores by window class, head and query, proj, fc1, fc2, grow (no bias), the identity.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -23,7 +23,10 @@ layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1, std430) readonly buffer Weights { uvec4 weights[]; };
 layout(binding = 2, std430) writeonly buffer Target { uvec2 target[]; };
 layout(push_constant) uniform Push { SwinLayerParams p; };
-const uint kTokens = kSwinTokens, kRows = kTokens / 16;  // of fragments
+const uint kTokens = kSwinTokens;
+// Subgroups share out the rows of fragments of the window, and beside each other the columns.
+const uint kRowGroups = kSubgroups >= 8 ? 4 : 2, kColumnGroups = kSubgroups / kRowGroups;
+const uint kTokenRows = kTokens / 16, kRows = kTokenRows / kRowGroups;  // of fragments: of the window, of a subgroup
 // Rows of the pool are a texel longer than they need be, so that those of a fragment lie in different banks.
 const uint kTokenStride = kChannels / 8 + 1, kHeadStride = kHeadChannels / 4 + 1, kScoreStride = kTokens / 4 + 1;
 const uint kHiddenStride = kHiddenPart / 8 + 1;
@@ -35,63 +38,85 @@ const uint kBiasAt = 3 * kChannels / 16 * kTokenColumn;
 const uint kProjAt = kBiasAt + (kShifted ? 4 : 1) * kHeads * kBiasTexels;
 const uint kFc1At = kProjAt + kChannels / 16 * kTokenColumn, kFc2At = kFc1At + kHidden / 16 * kTokenColumn;
 const uint kGrowAt = kFc2At + kOutputs / 16 * kHiddenColumn, kGrowColumn = kChannels / 16 * kTile;
-const uint kProjColumns = (kChannels / 16 + kSubgroups - 1) / kSubgroups;  // of a subgroup: every kSubgroups-th
-const uint kOutColumns = (kOutputs / 16 + kSubgroups - 1) / kSubgroups;
+const uint kIdentityAt = kGrowAt + (kGrows ? kOutputs / 16 * kGrowColumn : 0);
+const uint kMostColumns = 4;  // that a subgroup makes at once, but for those whose sums it keeps
+const uint kHeadColumns = 3 * kHeadChannels / 16;
 shared uvec4 pool[kPoolTexels];
 #include "shaders/swin_layer/window.glsl"
 
-// A column of 16 outputs for all tokens is a subgroup's, in sums of kRows fragments; each takes every kSubgroups-th.
-#define COLUMN(j) ((j) * kSubgroups + subgroupIndex())
-#define EACH_COLUMN(j, count, total) [[unroll]] for (uint j = 0; j < (count); j++) if (COLUMN(j) < (total))
+// Columns of 16 outputs, of which a subgroup makes its rows of every kColumnGroups-th.
+uint firstRow() { return subgroupIndex() % kRowGroups * kRows; }
+#define COLUMN(j) ((j) * kColumnGroups + subgroupIndex() / kRowGroups)
+#define COLUMNS_OF(total) (((total) + kColumnGroups - 1) / kColumnGroups)
+#define HAS_COLUMN(j, total) (((j) + 1) * kColumnGroups <= (total) || COLUMN(j) < (total))  // mostly known to the compiler
+#define EACH_COLUMN(j, count, total) [[unroll]] for (uint j = 0; j < (count); j++) if (HAS_COLUMN(j, total))
 #define FOR_ROWS [[unroll]] for (uint r = 0; r < kRows; r++)
-#define TAKE_BIAS(sums, tileAt) FOR_ROWS LOAD_SUM(sums[r], weights, tileAt, 2);
-#define ADD_TOKENS(sums, column)                                                         \
-  FOR_ROWS {                                                                            \
-    SUM(t);                                                                             \
-    LOAD_SUM(t, pool, 16 * r * kTokenStride + 2 * (column), kTokenStride);              \
-    ADD_SUM(sums[r], t);                                                                \
+#define ROW_AT(at, stride) ((at) + 16 * (firstRow() + r) * (stride))
+#define TAKE_BIAS(sums, tileAt)                                                         \
+  {                                                                                     \
+    LEFT_FRAGMENT(ones);                                                                \
+    FILL_LEFT(ones, 1.0);                                                               \
+    RIGHT_FRAGMENT(bias);                                                               \
+    LOAD_RIGHT(bias, weights, tileAt, 2);                                               \
+    CLEAR_SUM(sums[0]);                                                                 \
+    MULTIPLY_ADD(ones, bias, sums[0]);                                                  \
+    [[unroll]] for (uint r = 1; r < kRows; r++) COPY_SUM(sums[r], sums[0]);             \
   }
-// Rows of the pool times the tiles of the column.
-#define ADD_PRODUCTS(sums, leftAt, leftStride, tileAt, depth)                           \
-  for (uint k = 0; k < (depth) / 16; k++) {                                             \
-    RIGHT_FRAGMENT(w);                                                                  \
-    LOAD_RIGHT(w, weights, (tileAt) + k * kTile, 2);                                    \
+#define ADD_TOKENS(sums, column)                                                        \
+  {                                                                                     \
+    RIGHT_FRAGMENT(identity);                                                           \
+    LOAD_RIGHT(identity, weights, kIdentityAt, 2);                                      \
     FOR_ROWS {                                                                          \
-      LEFT_FRAGMENT(x);                                                                 \
-      LOAD_LEFT(x, pool, (leftAt) + 16 * r * (leftStride) + 2 * k, leftStride);         \
-      MULTIPLY_ADD(x, w, sums[r]);                                                      \
+      LEFT_FRAGMENT(t);                                                                 \
+      LOAD_LEFT(t, pool, ROW_AT(2 * (column), kTokenStride), kTokenStride);             \
+      MULTIPLY_ADD(t, identity, sums[r]);                                               \
+    }                                                                                   \
+  }
+// Rows of the pool times the tiles of `count` columns, of which those of the first column begin at tileAt.
+#define ADD_PRODUCTS(sums, count, total, leftAt, leftStride, tileAt, columnTexels, depth) \
+  for (uint k = 0; k < (depth) / 16; k++) {                                             \
+    LEFT_FRAGMENTS(x, kRows);                                                           \
+    FOR_ROWS LOAD_LEFT(x[r], pool, ROW_AT((leftAt) + 2 * k, leftStride), leftStride);   \
+    EACH_COLUMN(j, count, total) {                                                      \
+      RIGHT_FRAGMENT(w);                                                                \
+      LOAD_RIGHT(w, weights, (tileAt) + COLUMN(j) * (columnTexels) + k * kTile, 2);     \
+      FOR_ROWS MULTIPLY_ADD(x[r], w, sums[j][r]);                                       \
     }                                                                                   \
   }
 #define STORE_ROWS(function, sums, at, stride)                                          \
   FOR_ROWS {                                                                            \
     APPLY(function, sums[r]);                                                           \
-    STORE_HALVES(sums[r], pool, (at) + 16 * r * (stride), stride);                      \
+    STORE_HALVES(sums[r], pool, ROW_AT(at, stride), stride);                            \
   }
 
 float asHalf(float v) { return clamp(v, -kLargestHalf, kLargestHalf); }
 float gelu(float v) { return asHalf(activate(kActivationGelu, vec4(v)).x); }
 
 void mapHead(uint head) {
-  const uint columns = 3 * kHeadChannels / 16;
-  for (uint j = subgroupIndex(); j < columns; j += kSubgroups) {
-    const uint tile = (head * columns + j) * kTokenColumn;
-    SUMS(sums, 1, kRows);
-    TAKE_BIAS(sums[0], tile)
-    ADD_PRODUCTS(sums[0], 0, kTokenStride, tile + kTile, kChannels)
-    if (j < kHeadChannels / 8) {
-      STORE_ROWS(asHalf, sums[0], kHeadAt + 2 * j, kHeadStride)
-    } else
-      FOR_ROWS {
-        APPLY(asHalf, sums[0][r]);
-        STORE_HALVES_TRANSPOSED(sums[0][r], pool, kValuesAt + 16 * (j - kHeadChannels / 8) * kValueStride + 2 * r, kValueStride);
-      }
+  const uint count = min(COLUMNS_OF(kHeadColumns), kMostColumns), tile = head * kHeadColumns * kTokenColumn;
+  for (uint first = 0; first < kHeadColumns; first += count * kColumnGroups) {
+    const uint tiles = tile + first * kTokenColumn;
+    SUMS(sums, kMostColumns, kRows);
+    EACH_COLUMN(j, count, kHeadColumns - first) TAKE_BIAS(sums[j], tiles + COLUMN(j) * kTokenColumn)
+    ADD_PRODUCTS(sums, count, kHeadColumns - first, 0, kTokenStride, tiles + kTile, kTokenColumn, kChannels)
+    EACH_COLUMN(j, count, kHeadColumns - first) {
+      const uint column = first + COLUMN(j);
+      if (column < kHeadChannels / 8) {
+        STORE_ROWS(asHalf, sums[j], kHeadAt + 2 * column, kHeadStride)
+      } else
+        FOR_ROWS {
+          APPLY(asHalf, sums[j][r]);
+          const uint at = kValuesAt + 16 * (column - kHeadChannels / 8) * kValueStride + 2 * (firstRow() + r);
+          STORE_HALVES_TRANSPOSED(sums[j][r], pool, at, kValueStride);
+        }
+    }
   }
 }
 
-// Of the queries from firstRow on.
-void score(uint head, uint firstRow) {
-  for (uint i = subgroupIndex(); i < kScoreRows / 16 * kRows; i += kSubgroups) {
-    const uint row = firstRow + 16 * (i / kRows), column = i % kRows;
+// Of the queries from firstQuery on.
+void score(uint head, uint firstQuery) {
+  for (uint i = subgroupIndex(); i < kScoreRows / 16 * kTokenRows; i += kSubgroups) {
+    const uint row = firstQuery + 16 * (i / kTokenRows), column = i % kTokenRows;
     SUM(sum);
     CLEAR_SUM(sum);
     for (uint k = 0; k < kHeadChannels / 8; k += 2) {
@@ -101,42 +126,46 @@ void score(uint head, uint firstRow) {
       LOAD_RIGHT(keys, pool, kHeadAt + 16 * column * kHeadStride + kHeadChannels / 8 + k, kHeadStride);
       MULTIPLY_ADD(q, keys, sum);
     }
-    STORE_SUM(sum, pool, kScoresAt + 16 * (i / kRows) * kScoreStride + 4 * column, kScoreStride);
+    STORE_SUM(sum, pool, kScoresAt + 16 * (i / kTokenRows) * kScoreStride + 4 * column, kScoreStride);
   }
 }
 
-void weighValues(uint firstRow) {
+void weighValues(uint firstQuery) {
   const uint columns = kHeadChannels / 16;
   for (uint i = subgroupIndex(); i < kScoreRows / 16 * columns; i += kSubgroups) {
     const uint row = 16 * (i / columns), column = i % columns;
     SUM(sum);
     CLEAR_SUM(sum);
-    for (uint k = 0; k < kRows; k++) {
+    for (uint k = 0; k < kTokenRows; k++) {
       LEFT_FRAGMENT(share);
       LOAD_LEFT(share, pool, kScoresAt + row * kScoreStride + 2 * k, kScoreStride);
       RIGHT_FRAGMENT(values);
       LOAD_RIGHT(values, pool, kValuesAt + 16 * column * kValueStride + 2 * k, kValueStride);
       MULTIPLY_ADD(share, values, sum);
     }
-    STORE_HALVES(sum, pool, kHeadAt + (firstRow + row) * kHeadStride + 2 * column, kHeadStride);
+    STORE_HALVES(sum, pool, kHeadAt + (firstQuery + row) * kHeadStride + 2 * column, kHeadStride);
   }
 }
 
 void makeHidden(uint firstColumn) {
-  for (uint j = subgroupIndex(); j < kHiddenPart / 16; j += kSubgroups) {
-    const uint tile = kFc1At + (firstColumn + j) * kTokenColumn;
-    SUMS(sums, 1, kRows);
-    TAKE_BIAS(sums[0], tile)
-    ADD_PRODUCTS(sums[0], 0, kTokenStride, tile + kTile, kChannels)
-    STORE_ROWS(gelu, sums[0], kHiddenAt + 2 * j, kHiddenStride)
+  const uint columns = kHiddenPart / 16, count = min(COLUMNS_OF(columns), kMostColumns);
+  for (uint first = 0; first < columns; first += count * kColumnGroups) {
+    const uint tiles = kFc1At + (firstColumn + first) * kTokenColumn;
+    SUMS(sums, kMostColumns, kRows);
+    EACH_COLUMN(j, count, columns - first) TAKE_BIAS(sums[j], tiles + COLUMN(j) * kTokenColumn)
+    ADD_PRODUCTS(sums, count, columns - first, 0, kTokenStride, tiles + kTile, kTokenColumn, kChannels)
+    EACH_COLUMN(j, count, columns - first)
+      STORE_ROWS(gelu, sums[j], kHiddenAt + 2 * (first + COLUMN(j)), kHiddenStride)
   }
 }
 
 void main() {
+  const uint columns = kChannels / 16, outColumns = kOutputs / 16;
+  const uint count = COLUMNS_OF(columns), outCount = COLUMNS_OF(outColumns);
   loadTokens();
   barrier();
-  SUMS(u, kProjColumns, kRows);
-  EACH_COLUMN(j, kProjColumns, kChannels / 16) {
+  SUMS(u, COLUMNS_OF(kChannels / 16), kRows);
+  EACH_COLUMN(j, count, columns) {
     TAKE_BIAS(u[j], kProjAt + COLUMN(j) * kTokenColumn)
     ADD_TOKENS(u[j], COLUMN(j))
   }
@@ -145,38 +174,35 @@ void main() {
     barrier();
     mapHead(head);
     barrier();
-    for (uint row = 0; row < kTokens; row += kScoreRows) {
-      score(head, row);
+    for (uint query = 0; query < kTokens; query += kScoreRows) {
+      score(head, query);
       barrier();
-      takeSoftmax(kBiasAt + ((windowClass() * kHeads + head) * kTokens + row) * kTokens / 8);
+      takeSoftmax(kBiasAt + ((windowClass() * kHeads + head) * kTokens + query) * kTokens / 8);
       barrier();
-      weighValues(row);
+      weighValues(query);
       barrier();
     }
-    const uint firstTile = 1 + head * kHeadChannels / 16;
-    EACH_COLUMN(j, kProjColumns, kChannels / 16)
-      ADD_PRODUCTS(u[j], kHeadAt, kHeadStride, kProjAt + COLUMN(j) * kTokenColumn + firstTile * kTile, kHeadChannels)
+    const uint tiles = kProjAt + (1 + head * kHeadChannels / 16) * kTile;
+    ADD_PRODUCTS(u, count, columns, kHeadAt, kHeadStride, tiles, kTokenColumn, kHeadChannels)
   }
-  EACH_COLUMN(j, kProjColumns, kChannels / 16) STORE_ROWS(asHalf, u[j], 2 * COLUMN(j), kTokenStride)
+  EACH_COLUMN(j, count, columns) STORE_ROWS(asHalf, u[j], 2 * COLUMN(j), kTokenStride)
   barrier();
-  SUMS(y, kOutColumns, kRows);
-  EACH_COLUMN(j, kOutColumns, kOutputs / 16) {
+  SUMS(y, COLUMNS_OF(kOutputs / 16), kRows);
+  EACH_COLUMN(j, outCount, outColumns) {
     TAKE_BIAS(y[j], kFc2At + COLUMN(j) * kHiddenColumn)
-    if (kGrows)
-      ADD_PRODUCTS(y[j], 0, kTokenStride, kGrowAt + COLUMN(j) * kGrowColumn, kChannels)
-    else
-      ADD_TOKENS(y[j], COLUMN(j))
+    if (!kGrows) ADD_TOKENS(y[j], COLUMN(j))
   }
+  if (kGrows) ADD_PRODUCTS(y, outCount, outColumns, 0, kTokenStride, kGrowAt, kGrowColumn, kChannels)
   normalizeTokens();
   for (uint first = 0; first < kHidden / 16; first += kHiddenPart / 16) {
     barrier();
     makeHidden(first);
     barrier();
-    EACH_COLUMN(j, kOutColumns, kOutputs / 16)
-      ADD_PRODUCTS(y[j], kHiddenAt, kHiddenStride, kFc2At + COLUMN(j) * kHiddenColumn + (1 + first) * kTile, kHiddenPart)
+    const uint tiles = kFc2At + (1 + first) * kTile;
+    ADD_PRODUCTS(y, outCount, outColumns, kHiddenAt, kHiddenStride, tiles, kHiddenColumn, kHiddenPart)
   }
   barrier();
-  EACH_COLUMN(j, kOutColumns, kOutputs / 16) STORE_ROWS(asHalf, y[j], 2 * COLUMN(j), kTokenStride)
+  EACH_COLUMN(j, outCount, outColumns) STORE_ROWS(asHalf, y[j], 2 * COLUMN(j), kTokenStride)
   barrier();
   storeTokens();
 }
