@@ -13,10 +13,11 @@ namespace {
 Precision precisionOf(bool fp16) { return fp16 ? Precision::fp16 : Precision::fp32; }
 
 std::string textOf(const Winner& winner) {
-  const auto [outputs, rows] = winner.kernel.shape;
+  const auto [outputs, rows, subgroup] = winner.kernel.shape;
   std::string text = winner.program.name;
   if (outputs > 0) text += ", " + std::to_string(outputs) + " outputs";
   if (rows > 0) text += ", " + std::to_string(rows) + (rows > 1 ? " rows" : " row");
+  if (subgroup > 0) text += ", subgroups of " + std::to_string(subgroup);
   return text;
 }
 

@@ -70,7 +70,7 @@ void openDevice(Gpu::Handles& gpu) {
   MatrixFeatures matrixFeatures;
   gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
   matrixFeatures.enable(gpu.traits.matrixUnits, gpu.choosesSubgroups, features12);
-  std::vector<const char*> extensions = extensionsOf(gpu.traits.matrixUnits);
+  std::vector<const char*> extensions = extensionsOf(gpu.traits.matrixUnits, gpu.choosesSubgroups);
   for (const std::string& name : gpu.options.deviceExtensions) extensions.push_back(name.c_str());
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
   const char* portability = "VK_KHR_portability_subset";
@@ -166,6 +166,7 @@ Gpu::Gpu(DeviceOptions options, const HostDevice& host) : handles_(std::make_uni
   probe(gpu);
   gpu.traits.shaderInt64 = gpu.traits.shaderInt64 && host.enabled.shaderInt64;
   gpu.choosesSubgroups = host.enabled.subgroupSizeControl && subgroupControl(gpu.physicalDevice).areChosen;
+  if (!gpu.choosesSubgroups) gpu.traits.leastSubgroup = gpu.traits.mostSubgroup = 0;
   makeCommandObjects(gpu);
   loadPipelineCache(gpu);
   loadPace(*this);

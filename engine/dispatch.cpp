@@ -41,6 +41,14 @@ std::string matrixProgramName(const char* op, MatrixUnits units, DataType stored
   return std::string(op) + "_matrix_" + nameOf(units) + (stored == DataType::f32 ? "_f32" : "_f16");
 }
 
+std::vector<uint32_t> subgroupSizes(const DeviceTraits& device) {
+  std::vector<uint32_t> sizes;
+  for (uint32_t size = device.leastSubgroup; size > 0 && size <= device.mostSubgroup; size *= 2)
+    if (size != device.subgroupSize && uint64_t{size} * device.maxGroupSubgroups >= device.maxGroupInvocations)
+      sizes.push_back(size);
+  return sizes;
+}
+
 Dispatch copyRows(std::string program, const TensorView& from, const TensorView& to, RowRange rows) {
   XRDS_CHECK(from.type == to.type);
   for (const TensorView& view : {from, to}) XRDS_CHECK_EQ(view.channels, view.channelStride);

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "engine/tensor.h"
 
@@ -47,8 +48,9 @@ struct MatrixSize {
 /// How the kernel of a family shares out its work, where that may be chosen. What is 0, or does not fit an operator, is
 /// left to the operator's own rule.
 struct KernelShape {
-  uint32_t outputs = 0;  // channels of a lane, or fragments of them of a workgroup
-  uint32_t rows = 0;     // rows of pixels, tokens or queries of an invocation; or the order of its outputs
+  uint32_t outputs = 0;   // channels of a lane, or fragments of them of a workgroup
+  uint32_t rows = 0;      // rows of pixels, tokens or queries of an invocation; or the order of its outputs
+  uint32_t subgroup = 0;  // invocations of a subgroup, one of subgroupSizes()
   auto operator<=>(const KernelShape&) const = default;
 };
 
@@ -66,6 +68,8 @@ struct DeviceTraits {
   MatrixUnits matrixUnits = MatrixUnits::none;  // of the families `matrix` and `fused`
   MatrixSize matrixSize;                        // of their products
   uint32_t subgroupSize = 8;
+  uint32_t leastSubgroup = 0, mostSubgroup = 0;  // sizes that a pipeline may ask for; 0: it has no choice
+  uint32_t maxGroupSubgroups = 0;                // of a workgroup whose pipeline asks for a size
   uint64_t maxStorageBufferRange = uint64_t{128} << 20;
   uint64_t maxTexelBufferElements = uint64_t{1} << 27;
   uint64_t maxAllocationBytes = uint64_t{1} << 31;
@@ -77,6 +81,9 @@ struct DeviceTraits {
   /// the constant kKnowsUniformsConstant, beside those of their dispatch.
   bool knowsUniforms = false;
 };
+
+/// The sizes of subgroups, beside the device's own, that a pipeline of any workgroup may ask for.
+std::vector<uint32_t> subgroupSizes(const DeviceTraits& device);
 
 enum class Access : uint8_t { read, write };
 /// Reads go through uniform texel buffers of vec4 (which convert f16 for free), writes through storage buffers. Kernels
@@ -109,7 +116,8 @@ struct Dispatch {
   std::vector<Binding> bindings;
   std::vector<std::byte> pushConstants;
   std::array<uint32_t, 3> groupCount{1, 1, 1};
-  bool fullSubgroups = false;  // subgroups of DeviceTraits::subgroupSize invocations, no fewer
+  uint32_t subgroupSize = 0;   // invocations of its subgroups; 0: as many as the driver likes
+  bool fullSubgroups = false;  // no subgroup may have fewer
   std::string label;           // the node's name in the graph
   uint64_t multiplyAdds = 0;   // of the formula: for the profile and for cutting submissions
   uint64_t savedProducts = 0;  // of these, those that the kernel does without (Winograd's)

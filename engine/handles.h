@@ -24,10 +24,14 @@ struct PipelineKey {
   std::vector<uint32_t> specialization;
   std::vector<std::pair<BindingKind, DataType>> bindings;  // the type, because CPU drivers compile a texel's format in
   uint32_t pushConstantBytes = 0;
+  uint32_t subgroupSize = 0;
   bool fullSubgroups = false;
   bool operator<(const PipelineKey& other) const {
-    return std::tie(program, specialization, bindings, pushConstantBytes, fullSubgroups) <
-           std::tie(other.program, other.specialization, other.bindings, other.pushConstantBytes, other.fullSubgroups);
+    const auto all = [](const PipelineKey& key) {
+      return std::tie(key.program, key.specialization, key.bindings, key.pushConstantBytes, key.subgroupSize,
+                      key.fullSubgroups);
+    };
+    return all(*this) < all(other);
   }
 };
 

@@ -100,7 +100,11 @@ SubgroupControl subgroupControl(const VkPhysicalDeviceSubgroupSizeControlFeature
   const bool areChosen =
       features.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
   const bool isOne = sizes.minSubgroupSize == sizes.maxSubgroupSize;
-  return {.areKnown = features.computeFullSubgroups && (areChosen || isOne), .areChosen = areChosen && !isOne};
+  return {.areKnown = features.computeFullSubgroups && (areChosen || isOne),
+          .areChosen = areChosen && !isOne,
+          .least = sizes.minSubgroupSize,
+          .most = sizes.maxSubgroupSize,
+          .mostOfGroup = sizes.maxComputeWorkgroupSubgroups};
 }
 
 std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device) {
@@ -115,19 +119,23 @@ std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkP
   return {};
 }
 
-std::vector<const char*> extensionsOf(MatrixUnits units) {
-  if (units != MatrixUnits::nv && units != MatrixUnits::khr) return {};
-  return {units == MatrixUnits::nv ? VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME : "VK_KHR_cooperative_matrix",
-          VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME};
+std::vector<const char*> extensionsOf(MatrixUnits units, bool choosesSubgroups) {
+  std::vector<const char*> extensions;
+  if (units == MatrixUnits::nv) extensions.push_back(VK_NV_COOPERATIVE_MATRIX_EXTENSION_NAME);
+  if (units == MatrixUnits::khr) extensions.push_back("VK_KHR_cooperative_matrix");
+  if (choosesSubgroups || !extensions.empty()) extensions.push_back(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
+  return extensions;
 }
 
 void MatrixFeatures::enable(MatrixUnits units, bool choosesSubgroups, VkPhysicalDeviceVulkan12Features& features) {
-  if (extensionsOf(units).empty()) return;
-  features.shaderFloat16 = features.vulkanMemoryModel = VK_TRUE;
+  const bool hasUnits = !extensionsOf(units).empty();
+  if (!hasUnits && !choosesSubgroups) return;
   subgroups.subgroupSizeControl = choosesSubgroups;
-  subgroups.computeFullSubgroups = VK_TRUE;
+  subgroups.computeFullSubgroups = hasUnits;
   subgroups.pNext = features.pNext;
   features.pNext = &subgroups;
+  if (!hasUnits) return;
+  features.shaderFloat16 = features.vulkanMemoryModel = VK_TRUE;
   const auto chain = [&features](auto& wanted) {
     wanted.cooperativeMatrix = VK_TRUE;
     wanted.pNext = features.pNext;

@@ -9,8 +9,10 @@ namespace xrds {
 
 /// What a device says of the subgroups of a pipeline.
 struct SubgroupControl {
-  bool areKnown = false;   // how many invocations they have, and that all of them are full
-  bool areChosen = false;  // by the pipeline; else the device has one size
+  bool areKnown = false;         // how many invocations they have, and that all of them are full
+  bool areChosen = false;        // by the pipeline; else the device has one size
+  uint32_t least = 0, most = 0;  // invocations, a power of two
+  uint32_t mostOfGroup = 0;      // subgroups of a workgroup whose pipeline has chosen
 };
 SubgroupControl subgroupControl(VkPhysicalDevice device);
 SubgroupControl subgroupControl(const VkPhysicalDeviceSubgroupSizeControlFeatures& features,
@@ -21,10 +23,12 @@ SubgroupControl subgroupControl(const VkPhysicalDeviceSubgroupSizeControlFeature
 /// made of.
 std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
 
-/// The device extensions that the units need: "VK_NV_cooperative_matrix", say, and the control of subgroups.
-std::vector<const char*> extensionsOf(MatrixUnits units);
+/// The device extensions that the units need, "VK_NV_cooperative_matrix", say; and the control of subgroups, which
+/// pipelines may use without units, too.
+std::vector<const char*> extensionsOf(MatrixUnits units, bool choosesSubgroups = false);
 
-/// What the units need of a device. enable() adds it to the features with which one is opened, which then point here.
+/// What these extensions need of a device. enable() adds it to the features with which one is opened, which then point
+/// here.
 struct MatrixFeatures {
   VkPhysicalDeviceSubgroupSizeControlFeatures subgroups{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES};

@@ -66,11 +66,9 @@ VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipel
   info.stage.pSpecializationInfo = &specialization;
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfo subgroups{
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
-  if (key.fullSubgroups) {
-    subgroups.requiredSubgroupSize = gpu.traits.subgroupSize;
-    if (gpu.choosesSubgroups) info.stage.pNext = &subgroups;
-    info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
-  }
+  subgroups.requiredSubgroupSize = key.subgroupSize;
+  if (key.subgroupSize > 0 && gpu.choosesSubgroups) info.stage.pNext = &subgroups;
+  if (key.fullSubgroups) info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
   info.layout = layout;
   VkPipeline pipeline = VK_NULL_HANDLE;
   const VkResult result = gpu.vk.vkCreateComputePipelines(gpu.device, gpu.pipelineCache, 1, &info, nullptr, &pipeline);
@@ -101,6 +99,7 @@ PipelineKey::PipelineKey(const Dispatch& dispatch)
     : program(dispatch.program),
       specialization(dispatch.specialization),
       pushConstantBytes(static_cast<uint32_t>(dispatch.pushConstants.size())),
+      subgroupSize(dispatch.subgroupSize),
       fullSubgroups(dispatch.fullSubgroups) {
   for (const Binding& binding : dispatch.bindings) bindings.emplace_back(binding.kind, binding.type);
 }

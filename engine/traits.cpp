@@ -1,6 +1,7 @@
 #include "engine/traits.h"
 
 #include "engine/llvmpipe.h"
+#include "engine/matrix_units.h"
 
 namespace xrds {
 
@@ -12,10 +13,14 @@ DeviceTraits traitsOf(VkPhysicalDevice device, const DeviceDescription& descript
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   vkGetPhysicalDeviceFeatures2(device, &features);
   const VkPhysicalDeviceLimits& limits = properties.properties.limits;
+  const SubgroupControl subgroups = subgroupControl(device);
   return {.family = family,
           .matrixUnits = description.matrixUnits,
           .matrixSize = description.matrixSize,
           .subgroupSize = version11.subgroupSize,
+          .leastSubgroup = subgroups.areChosen ? subgroups.least : 0,
+          .mostSubgroup = subgroups.areChosen ? subgroups.most : 0,
+          .maxGroupSubgroups = subgroups.mostOfGroup,
           .maxStorageBufferRange = limits.maxStorageBufferRange,
           .maxTexelBufferElements = limits.maxTexelBufferElements,
           .maxAllocationBytes = version11.maxMemoryAllocationSize,

@@ -53,7 +53,7 @@ bool isGridOfAnyDevice(const Dispatch& launch) {
 template <class Op>
 void addDispatches(uint32_t node, const std::string& label, Op op, const DeviceTraits& device,
                    std::vector<LoweredDispatch>& lowered) {
-  Dispatch launch = dispatch(op, device);
+  Dispatch launch = launchOf(op, device);
   if constexpr (requires { op.rows; }) {
     const auto [begin, end] = computedRows(op);
     if (!isGridOfAnyDevice(launch) && end - begin > 1) {
@@ -123,17 +123,19 @@ std::vector<TensorView> Graph::inputs() const {
   return views;
 }
 
+DeviceTraits traitsOf(const KernelChoice& kernel, DeviceTraits device) {
+  device.family = kernel.family;
+  device.shape = kernel.shape;
+  if (kernel.shape.subgroup > 0) device.subgroupSize = kernel.shape.subgroup;
+  return device;
+}
+
 DeviceTraits traitsOf(const Node& node, const DeviceTraits& device) {
-  DeviceTraits traits = device;
-  if (node.kernel) {
-    traits.family = node.kernel->family;
-    traits.shape = node.kernel->shape;
-  }
-  return traits;
+  return node.kernel ? traitsOf(*node.kernel, device) : device;
 }
 
 Dispatch dispatchOf(const Node& node, const DeviceTraits& device) {
-  return std::visit([traits = traitsOf(node, device)](const auto& op) { return dispatch(op, traits); }, node.op);
+  return std::visit([traits = traitsOf(node, device)](const auto& op) { return launchOf(op, traits); }, node.op);
 }
 
 std::vector<float> packedWeightsOf(const Node& node, const DeviceTraits& device) {

@@ -61,8 +61,17 @@ struct Graph {
 /// What the node's operator states of itself.
 OperatorFacts factsOf(const Node& node);
 
-/// The device as the node's kernel takes it: with its choice, if there is one.
+/// The device as a kernel takes it, and as the node's does: with its choice, if there is one.
+DeviceTraits traitsOf(const KernelChoice& kernel, DeviceTraits device);
 DeviceTraits traitsOf(const Node& node, const DeviceTraits& device);
+
+/// The launch of an operator, in subgroups of the size that is asked for. Pure.
+template <class Op>
+Dispatch launchOf(const Op& op, const DeviceTraits& device) {
+  Dispatch launch = dispatch(op, device);
+  if (launch.subgroupSize == 0) launch.subgroupSize = device.shape.subgroup;
+  return launch;
+}
 
 /// The launch of the whole node, and the weights that it reads. Pure.
 Dispatch dispatchOf(const Node& node, const DeviceTraits& device);

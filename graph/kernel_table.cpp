@@ -8,7 +8,8 @@ namespace {
 const char* textOf(DataType type) { return type == DataType::f32 ? "f32" : "f16"; }
 
 bool launchSame(const Dispatch& a, const Dispatch& b) {
-  return a.program == b.program && a.specialization == b.specialization && a.groupCount == b.groupCount;
+  return a.program == b.program && a.specialization == b.specialization && a.groupCount == b.groupCount &&
+         a.subgroupSize == b.subgroupSize;
 }
 
 }  // namespace
@@ -48,27 +49,37 @@ std::vector<KernelCandidate> candidatesOf(const Operator& op, const DeviceTraits
                                           std::span<const KernelFamily> families, bool shapes) {
   std::vector<KernelCandidate> candidates;
   const auto add = [&](const KernelChoice& kernel) {
-    DeviceTraits traits = device;
-    traits.family = kernel.family;
-    traits.shape = kernel.shape;
-    KernelCandidate candidate{kernel, std::visit([&](const auto& each) { return dispatch(each, traits); }, op)};
+    const DeviceTraits traits = traitsOf(kernel, device);
+    KernelCandidate candidate{kernel, std::visit([&](const auto& each) { return launchOf(each, traits); }, op)};
     const auto same = [&](const auto& known) { return launchSame(known.dispatch, candidate.dispatch); };
     if (std::none_of(candidates.begin(), candidates.end(), same)) candidates.push_back(std::move(candidate));
   };
+  // Matrix kernels share out their work by the size, the others leave it to the driver.
+  const auto addSizes = [&](const KernelChoice& kernel) {
+    for (const uint32_t size : subgroupSizes(device)) {
+      KernelChoice sized = kernel;
+      sized.shape.subgroup = size;
+      if (const auto* layer = std::get_if<SwinLayer>(&op); !layer || fits(*layer, traitsOf(sized, device))) add(sized);
+    }
+  };
   if (std::holds_alternative<SwinLayer>(op)) {  // there is no other
     add({KernelFamily::fused});
+    if (shapes) addSizes({KernelFamily::fused});
     return candidates;
   }
   add({device.family});
   for (const KernelFamily family : families) add({family});
   if (!shapes) return candidates;
   for (const KernelFamily family : families) {
-    DeviceTraits traits = device;
-    traits.family = family;
+    const DeviceTraits traits = traitsOf({family}, device);
+    if (family != KernelFamily::lane) addSizes({family});
     std::visit(
         [&](const auto& each) {
           if constexpr (requires { shapesToTry(each, traits); })
-            for (const KernelShape& shape : shapesToTry(each, traits)) add({family, shape});
+            for (const KernelShape& shape : shapesToTry(each, traits)) {
+              add({family, shape});
+              if (usesMatrixUnits(family)) addSizes({family, shape});
+            }
         },
         op);
   }

@@ -32,8 +32,8 @@ struct KernelCandidate {
 };
 
 /// The kernels of these families that make the operator on the device: one of each family in the shape of its own rule,
-/// and with `shapes` those that the operator's room finds worth a try as well. Each launches something else; the first
-/// is that of the device's own family. Pure.
+/// and with `shapes` those that the operator's room finds worth a try as well, and other sizes of subgroups. Each
+/// launches something else; the first is that of the device's own family. Pure.
 std::vector<KernelCandidate> candidatesOf(const Operator& op, const DeviceTraits& device,
                                           std::span<const KernelFamily> families, bool shapes);
 

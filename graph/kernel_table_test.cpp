@@ -47,6 +47,36 @@ TEST(KernelTable, CandidatesLaunchDifferently) {
     EXPECT_TRUE(seen.emplace(each.dispatch.program, each.dispatch.specialization).second) << each.dispatch.program;
 }
 
+// Those of RDNA: pipelines choose between 32 and 64.
+TEST(KernelTable, SubgroupsOfOtherSizesAreTried) {
+  DeviceTraits gpu{.family = KernelFamily::matrix, .matrixUnits = MatrixUnits::khr, .subgroupSize = 64};
+  Linear op = linearOf(32, 64, 96);
+  op.input.type = op.output.type = op.weightType = DataType::f16;
+  constexpr KernelFamily kOfGpus[] = {KernelFamily::plain, KernelFamily::tile, KernelFamily::matrix};
+  const auto askedOf = [&](bool shapes) {
+    std::map<std::string, std::set<uint32_t>> asked;
+    for (const KernelCandidate& each : candidatesOf(op, gpu, kOfGpus, shapes)) {
+      EXPECT_TRUE(each.kernel.shape.subgroup == 0 || each.dispatch.subgroupSize == each.kernel.shape.subgroup);
+      if (each.dispatch.fullSubgroups) {
+        EXPECT_EQ(each.dispatch.specialization[0] * each.dispatch.subgroupSize, each.dispatch.specialization[9]);
+      }
+      asked[each.dispatch.program].insert(each.dispatch.subgroupSize);
+    }
+    return asked;
+  };
+  using Asked = std::map<std::string, std::set<uint32_t>>;
+  const Asked one{{"linear_plain_f16", {0}}, {"linear_tile_f16", {0}}, {"linear_matrix_khr_f16", {64}}};
+  const Asked both{{"linear_plain_f16", {0, 32}}, {"linear_tile_f16", {0, 32}}, {"linear_matrix_khr_f16", {32, 64}}};
+  EXPECT_EQ(askedOf(true), one);
+  gpu.leastSubgroup = 32;
+  gpu.mostSubgroup = 64;
+  gpu.maxGroupSubgroups = 32;
+  EXPECT_EQ(askedOf(true), both);
+  EXPECT_EQ(askedOf(false), one);
+  gpu.maxGroupSubgroups = 16;  // in which 32 make no workgroup of 1024
+  EXPECT_EQ(askedOf(true), one);
+}
+
 // A family that has no kernel for the operator would launch the plain one again.
 TEST(KernelTable, ACandidateIsNoFallback) {
   Linear normed = linearOf(32, 64, 96);

@@ -57,8 +57,8 @@ void expectLegal(const Dispatch& launch, const DeviceTraits& device) {
   EXPECT_LE(std::max({x, y, z}), kMostGroups) << launch.program;
   EXPECT_LE(invocationsOf(launch), device.maxGroupInvocations) << launch.program;
   if (launch.fullSubgroups) {
-    EXPECT_EQ(invocationsOf(launch) % device.subgroupSize, 0u) << launch.program;
-    EXPECT_EQ(launch.specialization[0] * device.subgroupSize, invocationsOf(launch)) << launch.program;
+    EXPECT_EQ(launch.subgroupSize, device.subgroupSize) << launch.program;
+    EXPECT_EQ(launch.specialization[0] * launch.subgroupSize, invocationsOf(launch)) << launch.program;
   }
   for (const Binding& binding : launch.bindings) {
     if (binding.kind == BindingKind::storage) {

@@ -123,6 +123,33 @@ TEST_F(Tuner, AKernelThatLosesTheDeviceIsStruckOff) {
   for (const TunedShape& shape : result.shapes) EXPECT_FALSE(contains(shape.winner.program.name, "linear_tile"));
 }
 
+// The device makes subgroups of one size, which no kernel of these families can tell.
+TEST_F(Tuner, SizesOfSubgroupsAreProvenAndTimed) {
+  DeviceTraits traits = gpu_->traits();
+  traits.family = KernelFamily::plain;
+  traits.leastSubgroup = traits.subgroupSize / 2;
+  traits.mostSubgroup = traits.subgroupSize;
+  traits.maxGroupSubgroups = traits.maxGroupInvocations;
+  gpu_->setTraits(traits);
+  const auto fails = [&](const Dispatch& dispatch) {
+    if (dispatch.subgroupSize > 0 && contains(dispatch.program, "layer_norm"))
+      throw Error("the test's driver has no such subgroups");
+  };
+  const TuningResult result = tuned({.beforeRun = fails});
+  size_t right = 0, failed = 0;
+  for (const auto& [key, found] : record().findings) {
+    if (key.second.shape.subgroup == 0) continue;
+    EXPECT_EQ(key.second.shape.subgroup, traits.leastSubgroup);
+    EXPECT_NE(key.second.family, KernelFamily::lane);
+    EXPECT_EQ(found.right, found.microseconds > 0);
+    ++(found.right ? right : failed);
+  }
+  EXPECT_GT(right, 0u);
+  EXPECT_GT(failed, 0u);
+  for (const TunedShape& shape : result.shapes)
+    EXPECT_FALSE(contains(shape.winner.program.name, "layer_norm") && shape.winner.kernel.shape.subgroup > 0);
+}
+
 // As if the process had been killed while it ran.
 TEST_F(Tuner, AKernelThatEndedTheProcessIsStruckOff) {
   TuningRecord before;

@@ -10,7 +10,7 @@
 namespace xrds {
 namespace {
 
-constexpr std::string_view kFirstLine = "xrds tuning 1";
+constexpr std::string_view kFirstLine = "xrds tuning 2";
 
 /// The fields of a line, separated by tabs, read one by one. Throws Error at what is no such field.
 class Fields {
@@ -36,7 +36,7 @@ class Fields {
   ProgramStamp program() { return {text(), number<uint64_t>()}; }
   KernelChoice kernel() {
     KernelChoice kernel{kernelFamilyOf(text())};
-    kernel.shape = {number<uint32_t>(), number<uint32_t>()};
+    kernel.shape = {number<uint32_t>(), number<uint32_t>(), number<uint32_t>()};
     return kernel;
   }
   std::optional<bool> flag() {
@@ -66,7 +66,8 @@ class Line {
   Line& operator<<(const TrialKey& key) { return *this << uint64_t{key.size} << key.shape; }
   Line& operator<<(const ProgramStamp& program) { return *this << program.name << program.hash; }
   Line& operator<<(const KernelChoice& kernel) {
-    return *this << std::string(nameOf(kernel.family)) << uint64_t{kernel.shape.outputs} << uint64_t{kernel.shape.rows};
+    return *this << std::string(nameOf(kernel.family)) << uint64_t{kernel.shape.outputs} << uint64_t{kernel.shape.rows}
+                 << uint64_t{kernel.shape.subgroup};
   }
   Line& operator<<(const std::optional<bool>& flag) { return *this << std::to_string(flag ? int{*flag} : -1); }
   std::string str() const { return text_ + "\n"; }

@@ -23,7 +23,7 @@ class TuningRecordFile : public testing::Test {
 TuningRecord fullRecord() {
   TuningRecord record;
   const TrialKey key{16, "linear 64 > 192 (f32 f32) 0 1"};
-  const KernelChoice lane{KernelFamily::lane, {.outputs = 32}}, tile{KernelFamily::tile, {.rows = 4}};
+  const KernelChoice lane{KernelFamily::lane, {.outputs = 32}}, tile{KernelFamily::tile, {.rows = 4, .subgroup = 32}};
   Finding right, wrong;
   right.program = {"linear_lane_f32", 11};
   right.right = true;
@@ -93,7 +93,7 @@ TEST_F(TuningRecordFile, DamagedIsEmpty) {
 
 TEST(TuningRecord, TextOfAnotherKindIsEmpty) {
   const std::string text = toText(fullRecord());
-  for (const std::string& bad : {std::string("something\n"), std::string("xrds tuning 2\n"), text + "unknown\t1\n",
+  for (const std::string& bad : {std::string("something\n"), std::string("xrds tuning 1\n"), text + "unknown\t1\n",
                                  text + "winner\t16\n", text + "frame\tx\tyes\n", text.substr(0, text.size() - 1)})
     EXPECT_EQ(toText(fromText(bad)), toText({})) << bad;
 }

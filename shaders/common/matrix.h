@@ -27,6 +27,12 @@ inline uint32_t matrixLanes(const DeviceTraits& device) {
   return inSoftware(device) ? kSoftwareSubgroup : device.subgroupSize;
 }
 
+/// The kernel counts on the size of its subgroups, where they are real.
+inline void countSubgroups(Dispatch& launch, const DeviceTraits& device) {
+  launch.fullSubgroups = !inSoftware(device);
+  if (launch.fullSubgroups) launch.subgroupSize = device.subgroupSize;
+}
+
 /// How a workgroup shares its 8 rows of `outputs` fragments among its subgroups.
 struct MatrixShape {
   uint32_t subgroups = 0;          // 0: the device, the types or the channels are not for the matrix kernel

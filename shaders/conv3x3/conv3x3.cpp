@@ -61,8 +61,9 @@ LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
     return {};
   uint32_t tile = largestDivisor(outputs, step, 16), rows = 4;
   if (tile < 8 && outputs >= 8) tile = largestDivisor(outputs, step, 32), rows = 3;
-  if (const auto [asked, askedRows] = device.shape; asked % step == 0 && asked > 0 && outputs % asked == 0)
-    tile = asked, rows = std::clamp(askedRows > 0 ? askedRows : rows, 1u, 4u);
+  const KernelShape& asked = device.shape;
+  if (asked.outputs % step == 0 && asked.outputs > 0 && outputs % asked.outputs == 0)
+    tile = asked.outputs, rows = std::clamp(asked.rows > 0 ? asked.rows : rows, 1u, 4u);
   if (op.inFours && width % 4 == 0 && op.weightType == DataType::f32) return {tile, std::min(rows, 2u), 4};
   return {tile, rows, 2};
 }
@@ -258,7 +259,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
       launch.specialization.push_back(constant);
     launch.bindings[0] = readBits(op.input);
     launch.bindings[1] = readPackedHalves();
-    launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
+    countSubgroups(launch, device);
     launch.groupCount = {ceilDivide(kernelOutputs(op), 16 * tile.outputs), ceilDivide(shape.width, 16),
                          ceilDivide(rowCount, shader::kMatrixRows)};
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {

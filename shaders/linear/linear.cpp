@@ -154,7 +154,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     launch.bindings[0] = readBits(op.input);
     launch.bindings[1] = readPackedHalves();
     launch.bindings[4] = readBits(appendedOf(op));
-    launch.fullSubgroups = device.matrixUnits != MatrixUnits::software;
+    countSubgroups(launch, device);
     launch.groupCount =
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
   } else if (const TileShape tile = tileShape(op, device); tile.columns && !normalized) {

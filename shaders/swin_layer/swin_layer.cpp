@@ -235,7 +235,7 @@ Dispatch dispatch(const SwinLayer& op, const DeviceTraits& device) {
   launch.specialization = {share.subgroups, channelsOf(op),   op.headChannels,  hiddenOf(op), shape.channels,
                            grows(op),       unit.rows,        unit.columns,     unit.depth,   share.invocations,
                            share.scoreRows, share.hiddenPart, share.poolTexels, op.shift > 0};
-  launch.fullSubgroups = device.matrixUnits == MatrixUnits::nv || device.matrixUnits == MatrixUnits::khr;
+  countSubgroups(launch, device);
   launch.groupCount = {shape.width / op.window, windowRows.count, 1};
   return launch;
 }
