@@ -39,55 +39,16 @@ const uint kProjAt = kBiasAt + (kShifted ? 4 : 1) * kHeads * kBiasTexels;
 const uint kFc1At = kProjAt + kChannels / 16 * kTokenColumn, kFc2At = kFc1At + kHidden / 16 * kTokenColumn;
 const uint kGrowAt = kFc2At + kOutputs / 16 * kHiddenColumn, kGrowColumn = kChannels / 16 * kTile;
 const uint kIdentityAt = kGrowAt + (kGrows ? kOutputs / 16 * kGrowColumn : 0);
-const uint kMostColumns = 4;  // that a subgroup makes at once, but for those whose sums it keeps
+// Columns that a subgroup makes at once, but for those whose sums it keeps.
+#ifdef XRDS_MATRIX_SOFTWARE
+const uint kMostColumns = 1;  // drivers take their time to compile more
+#else
+const uint kMostColumns = 4;
+#endif
 const uint kHeadColumns = 3 * kHeadChannels / 16;
 shared uvec4 pool[kPoolTexels];
 #include "shaders/swin_layer/window.glsl"
-
-// Columns of 16 outputs, of which a subgroup makes its rows of every kColumnGroups-th.
-uint firstRow() { return subgroupIndex() % kRowGroups * kRows; }
-#define COLUMN(j) ((j) * kColumnGroups + subgroupIndex() / kRowGroups)
-#define COLUMNS_OF(total) (((total) + kColumnGroups - 1) / kColumnGroups)
-#define HAS_COLUMN(j, total) (((j) + 1) * kColumnGroups <= (total) || COLUMN(j) < (total))  // mostly known to the compiler
-#define EACH_COLUMN(j, count, total) [[unroll]] for (uint j = 0; j < (count); j++) if (HAS_COLUMN(j, total))
-#define FOR_ROWS [[unroll]] for (uint r = 0; r < kRows; r++)
-#define ROW_AT(at, stride) ((at) + 16 * (firstRow() + r) * (stride))
-#define TAKE_BIAS(sums, tileAt)                                                         \
-  {                                                                                     \
-    LEFT_FRAGMENT(ones);                                                                \
-    FILL_LEFT(ones, 1.0);                                                               \
-    RIGHT_FRAGMENT(bias);                                                               \
-    LOAD_RIGHT(bias, weights, tileAt, 2);                                               \
-    CLEAR_SUM(sums[0]);                                                                 \
-    MULTIPLY_ADD(ones, bias, sums[0]);                                                  \
-    [[unroll]] for (uint r = 1; r < kRows; r++) COPY_SUM(sums[r], sums[0]);             \
-  }
-#define ADD_TOKENS(sums, column)                                                        \
-  {                                                                                     \
-    RIGHT_FRAGMENT(identity);                                                           \
-    LOAD_RIGHT(identity, weights, kIdentityAt, 2);                                      \
-    FOR_ROWS {                                                                          \
-      LEFT_FRAGMENT(t);                                                                 \
-      LOAD_LEFT(t, pool, ROW_AT(2 * (column), kTokenStride), kTokenStride);             \
-      MULTIPLY_ADD(t, identity, sums[r]);                                               \
-    }                                                                                   \
-  }
-// Rows of the pool times the tiles of `count` columns, of which those of the first column begin at tileAt.
-#define ADD_PRODUCTS(sums, count, total, leftAt, leftStride, tileAt, columnTexels, depth) \
-  for (uint k = 0; k < (depth) / 16; k++) {                                             \
-    LEFT_FRAGMENTS(x, kRows);                                                           \
-    FOR_ROWS LOAD_LEFT(x[r], pool, ROW_AT((leftAt) + 2 * k, leftStride), leftStride);   \
-    EACH_COLUMN(j, count, total) {                                                      \
-      RIGHT_FRAGMENT(w);                                                                \
-      LOAD_RIGHT(w, weights, (tileAt) + COLUMN(j) * (columnTexels) + k * kTile, 2);     \
-      FOR_ROWS MULTIPLY_ADD(x[r], w, sums[j][r]);                                       \
-    }                                                                                   \
-  }
-#define STORE_ROWS(function, sums, at, stride)                                          \
-  FOR_ROWS {                                                                            \
-    APPLY(function, sums[r]);                                                           \
-    STORE_HALVES(sums[r], pool, ROW_AT(at, stride), stride);                            \
-  }
+#include "shaders/swin_layer/columns.glsl"
 
 float asHalf(float v) { return clamp(v, -kLargestHalf, kLargestHalf); }
 float gelu(float v) { return asHalf(activate(kActivationGelu, vec4(v)).x); }
