@@ -131,11 +131,13 @@ TEST_F(Tuner, SizesOfSubgroupsAreProvenAndTimed) {
   traits.mostSubgroup = traits.subgroupSize;
   traits.maxGroupSubgroups = traits.maxGroupInvocations;
   gpu_->setTraits(traits);
-  const auto fails = [&](const Dispatch& dispatch) {
-    if (dispatch.subgroupSize > 0 && contains(dispatch.program, "layer_norm"))
-      throw Error("the test's driver has no such subgroups");
+  bool hasFailed = false;
+  const auto failsOnce = [&](const Dispatch& dispatch) {
+    if (dispatch.subgroupSize == 0 || hasFailed) return;
+    hasFailed = true;
+    throw Error("the test's driver has no such subgroups");
   };
-  const TuningResult result = tuned({.beforeRun = fails});
+  tuned({.beforeRun = failsOnce});
   size_t right = 0, failed = 0;
   for (const auto& [key, found] : record().findings) {
     if (key.second.shape.subgroup == 0) continue;
@@ -145,9 +147,7 @@ TEST_F(Tuner, SizesOfSubgroupsAreProvenAndTimed) {
     ++(found.right ? right : failed);
   }
   EXPECT_GT(right, 0u);
-  EXPECT_GT(failed, 0u);
-  for (const TunedShape& shape : result.shapes)
-    EXPECT_FALSE(contains(shape.winner.program.name, "layer_norm") && shape.winner.kernel.shape.subgroup > 0);
+  EXPECT_EQ(failed, 1u);
 }
 
 // As if the process had been killed while it ran.
