@@ -1,6 +1,7 @@
-"""Judges the kernels by the compilers of real GPUs, with no GPU: what RADV's null device makes of every pipeline.
+"""Judges the kernels by the compilers of real GPUs, with no GPU: what RADV makes of every pipeline for GPUs of AMD on its null
+device, and NVK for those of NVIDIA on a kernel interface that does nothing.
 
-    bench/gpu_static_mesa.sh                                          # once: Mesa 25.0 in a folder of its own
+    bench/gpu_static_mesa.sh                                          # once: Mesa 25.0 and 26 in folders of their own
     cmake --build --preset release --target xrds_gpu_static
     python3 bench/gpu_static.py                                       # minutes; writes bench/gpu_static.md and results
     python3 bench/gpu_static.py --gpus navi31 --models xrds-x4-compact --print  # one, to look at
@@ -22,19 +23,22 @@ import gpu_static_loops
 import gpu_static_report
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-COMPUTE_UNITS = {"vega10": 64, "navi10": 40, "navi21": 80, "navi31": 96, "gfx1150": 16, "gfx1200": 32}
+COMPUTE_UNITS = {"vega10": 64, "navi10": 40, "navi21": 80, "navi31": 96, "gfx1150": 16, "gfx1200": 32}  # of AMD, by RADV
+CHIPSETS = {"turing": "164", "ampere": "174"}  # of NVIDIA, by NVK
+COMPUTE_UNITS |= {"turing": 46, "ampere": 46}
 MEMORY_BYTES = {"gfx1150": 4 << 30}  # an integrated GPU; 8 GiB and more of the others
 FRAME = 256  # a side of the low-resolution frame
 MATRIX_KERNELS = ("conv3x3", "linear", "swin_layer")
+WARP_SCHEDULERS = 4  # of a multiprocessor of NVIDIA, which share its warps
 MODELS = sorted(path.stem for path in (ROOT / "models").glob("*.safetensors"))
 
 
 class Mesa:
-    """Mesa 25.0 in its folder, and how to run programs with it."""
+    """A Mesa in its folder, "mesa25" or "mesa26", and how to run programs with it."""
 
-    def __init__(self, folder=None):
+    def __init__(self, name="mesa25"):
         cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache")
-        self.folder = pathlib.Path(folder or os.environ.get("XRDS_MESA25") or cache / "xrds" / "mesa25")
+        self.folder = pathlib.Path(os.environ.get("XRDS_" + name.upper()) or cache / "xrds" / name)
 
     def exists(self):
         return (self.folder / "complete").exists()
@@ -44,11 +48,17 @@ class Mesa:
 
     def run(self, *command, gpu=None):
         usr = self.folder / "usr"
-        loader = [usr / "lib64" / "ld-linux-x86-64.so.2", "--library-path", usr / "lib" / "x86_64-linux-gnu"]
-        environment = dict(os.environ, MESA_SHADER_CACHE_DISABLE="true", LP_NATIVE_VECTOR_WIDTH="256",
-                           VK_DRIVER_FILES=str(usr / "share" / "vulkan" / "icd.d" / "radeon_icd.json"))
-        if gpu:
+        libraries = usr / "lib" / "x86_64-linux-gnu"
+        loader = [usr / "lib64" / "ld-linux-x86-64.so.2", "--library-path", libraries]
+        environment = dict(os.environ, MESA_SHADER_CACHE_DISABLE="true", LP_NATIVE_VECTOR_WIDTH="256")
+        driver = "radeon"
+        if gpu in CHIPSETS:
+            driver = "nouveau"
+            loader += ["--preload", libraries / "libnouveau_noop_drm_shim.so"]
+            environment |= {"NVK_I_WANT_A_BROKEN_VULKAN_DRIVER": "1", "NOUVEAU_CHIPSET": CHIPSETS[gpu]}
+        elif gpu:
             environment["RADV_FORCE_FAMILY"] = gpu
+        environment["VK_DRIVER_FILES"] = str(usr / "share" / "vulkan" / "icd.d" / f"{driver}_icd.json")
         done = subprocess.run(list(map(str, [*loader, *command])), env=environment, capture_output=True)
         if done.returncode != 0:
             raise RuntimeError(f"{command[0]} failed: {done.stdout[-2000:].decode()} {done.stderr[-2000:].decode()}")
@@ -68,8 +78,14 @@ def read_pipeline(raw):
     if "error" in raw:
         return {name: raw[name] for name in ("program", "specialization", "error")}
     said = raw["statistics"]
-    return {
-        "program": raw["program"], "specialization": raw["specialization"], "groupSize": raw["groupSize"], "subgroupSize": raw["subgroupSize"],
+    common = {name: raw[name] for name in ("program", "specialization", "groupSize", "subgroupSize")}
+    if "Number of GPRs" in said:  # NVK
+        return common | {
+            "registers": int(said["Number of GPRs"]), "spills": int(said["Spills to memory"] + said["Fills from memory"]),
+            "scratch": int(said["SLM size"]), "shared": raw["sharedBytes"][0] if raw["sharedBytes"] else 0,
+            "waves": int(said["Max warps/SM"]) // WARP_SCHEDULERS, "codeBytes": int(said["Code size"]), "latency": int(said["Static cycle count"]),
+            "inverseThroughput": 0, "loop": gpu_static_loops.whole_program(raw["assembly"])}
+    return common | {
         "registers": int(said["VGPRs"]), "spills": int(said["Spilled VGPRs"] + said["Spilled SGPRs"]), "scratch": int(said["Scratch size"]),
         "shared": int(said["LDS size"]), "waves": int(said["Subgroups per SIMD"]), "codeBytes": int(said["Code size"]),
         "latency": int(said["Latency"]), "inverseThroughput": int(said["Inverse Throughput"]), "loop": gpu_static_loops.inner_loop(raw["assembly"])}
@@ -102,31 +118,35 @@ def measure(mesa, program, spirv, gpu, models, *options):
             "networks": [read_network(each, COMPUTE_UNITS[gpu]) for each in raw["networks"]]}
 
 
-def measure_all(mesa, program, gpus, models, *options):
+def mesa_of(gpu):
+    return Mesa("mesa26" if gpu in CHIPSETS else "mesa25")
+
+
+def measure_all(program, gpus, models, *options):
     with tempfile.TemporaryDirectory() as spirv:
-        mesa.compile_matrix_kernels(spirv)
+        mesa_of(gpus[0]).compile_matrix_kernels(spirv)
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            return list(pool.map(lambda gpu: measure(mesa, program, spirv, gpu, models, *options), gpus))
+            return list(pool.map(lambda gpu: measure(mesa_of(gpu), program, spirv, gpu, models, *options), gpus))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=ROOT / "build" / "release" / "bench" / "xrds_gpu_static")
-    parser.add_argument("--mesa", help="the folder of bench/gpu_static_mesa.sh")
     parser.add_argument("--gpus", default=",".join(COMPUTE_UNITS))
     parser.add_argument("--models", default=",".join(MODELS))
     parser.add_argument("--print", action="store_true", help="print the kernels of each model and write nothing")
     options = parser.parse_args()
-    mesa = Mesa(options.mesa)
-    if not mesa.exists():
-        sys.exit(f"{mesa.folder} has no Mesa 25.0: run bench/gpu_static_mesa.sh.")
-    gpus = measure_all(mesa, options.program, options.gpus.split(","), options.models.split(","))
+    names = options.gpus.split(",")
+    for mesa in map(mesa_of, names):
+        if not mesa.exists():
+            sys.exit(f"{mesa.folder} has no Mesa: run bench/gpu_static_mesa.sh.")
+    gpus = measure_all(options.program, names, options.models.split(","))
     if options.print:
         for gpu in gpus:
             for network in gpu["networks"]:
                 print("\n".join(gpu_static_report.kernel_lines(gpu, network)))
         return
-    report = {"mesa": mesa.version(), "commit": gpu_static_report.commit(ROOT), "frame": FRAME, "gpus": gpus}
+    report = {"mesa": " and ".join(sorted({mesa_of(name).version() for name in names})), "commit": gpu_static_report.commit(ROOT), "frame": FRAME, "gpus": gpus}
     gpu_static_report.write_json(ROOT / "bench" / "results" / "gpu_static.json", report)
     (ROOT / "bench" / "gpu_static.md").write_text(gpu_static_report.document(report))
 

@@ -1,4 +1,4 @@
-"""Reads the machine code that RADV's compiler prints: which instructions the inner loop of a kernel has."""
+"""Reads the machine code that the compilers of RADV and NVK print: which instructions a kernel, or its inner loop, has."""
 import collections
 import re
 
@@ -71,3 +71,31 @@ def inner_loop(assembly):
         best["gathers16"] = sum(map(is_gather16, operations))
         best["productShare"] = round(useful / (useful + counts["vector"]), 3)
     return best
+
+
+# Of NVIDIA, as NAK prints them: "r4..8 = hmma.m16n8k16.f32 r0..4 r8..10 r4..8".
+NAK_KINDS = (
+    ("products", r"hmma"),
+    ("multiplyAdds", r"ffma|hfma2"),
+    ("sharedLoads", r"ld\.shared|ldsm"),
+    ("sharedStores", r"st\.shared"),
+    ("scratch", r"(ld|st)\.local"),
+    ("loads", r"ld\.global|tld|tex"),
+    ("stores", r"st\.global"),
+    ("barriers", r"bar\."),
+)
+
+
+def whole_program(assembly):
+    """The counts of all that NAK prints of a program, with `gathers16` as above; None if nothing is printed."""
+    counts, gathers, every = collections.Counter(), 0, 0
+    for line in assembly.splitlines():
+        instruction = re.match(r"\s+(?:[^=/]*= )?(?:@\S+ )?([a-z]\w*(?:\.\w+)*)", line.split("//")[0])
+        if not instruction:
+            continue
+        every += 1
+        name = next((name for name, pattern in NAK_KINDS if re.match(pattern, instruction[1])), None)
+        counts[name] += 1
+        gathers += re.match(r"ld\.(shared|global).*\.[usb]16", instruction[1]) is not None
+    del counts[None]
+    return {**counts, "all": every, "gathers16": gathers} if every else None

@@ -21,6 +21,17 @@ BB3:
 BB5:
 	s_endpgm                                                    ; bfb00000
 """
+NAK = """block.u 0 L2 [] -> {
+      b0        = bssy b0 pT L0                        // delay=1
+                  nop L0                               // delay=1
+      r0        = ldc.b32 c[0x0][+0x724]               // delay=1 wr:1
+      r4..8     = ld.shared.b128 [r1+0x10]             // delay=1
+      r8..10    = ldsm.16.m8n8.x2 [r1]                 // delay=1
+  @p0 r10       = ld.shared.u16 [r1]                   // delay=1
+      r12       = tld.a r2 // ld.local
+      r4..8     = hmma.m16n8k16.f32 r0..4 r8..10 r4..8 // delay=1
+}
+"""
 
 
 class Loops(unittest.TestCase):
@@ -33,6 +44,12 @@ class Loops(unittest.TestCase):
         self.assertEqual((loop["products"], loop["vector"], loop["sharedLoads"], loop["waits"], loop["gathers16"], loop["all"]), (1, 1, 2, 1, 1, 6))
         self.assertNotIn("multiplyAdds", loop)
         self.assertEqual(loop["productShare"], round(16 / 17, 3))
+
+    def test_nak_is_counted_as_a_whole(self):
+        counts = gpu_static_loops.whole_program(NAK)
+        self.assertEqual((counts["products"], counts["sharedLoads"], counts["loads"], counts["gathers16"], counts["all"]), (1, 3, 1, 1, 8))
+        self.assertNotIn("scratch", counts)
+        self.assertIsNone(gpu_static_loops.whole_program(""))
 
     def test_without_products_there_is_none(self):
         self.assertIsNone(gpu_static_loops.inner_loop("BB0:\n\ts_endpgm   ; bfb00000\n"))

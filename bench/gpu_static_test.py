@@ -1,7 +1,7 @@
 """Asserts what compilers of real GPUs make of the kernels: python3 bench/gpu_static_test.py PROGRAM [MODEL ...]
 
 Two models by default, bench/gpu_static.py has all. Where Mesa 25.0 is not in its folder it says so and ends with 77,
-which the suite takes for skipped.
+which the suite takes for skipped; where Mesa 26 is not, the GPUs of NVIDIA alone are left out.
 """
 import collections
 import pathlib
@@ -14,8 +14,11 @@ SKIPPED = 77
 LARGE = 0.03  # share of a network's work from which a kernel counts
 LEAST_WAVES = 4  # a SIMD
 # Not reached: four waves of vega10 have 64 registers each, and a query with its result, or 8 pixels of 4 outputs, need all.
+# Where they are fewer, the compiler's estimates must say that they are enough: latency / waves <= inverse throughput.
 KNOWN_WAVES = {("vega10", "window_attention_tile"): 2, ("vega10", "window_attention_plain"): 3, ("vega10", "linear_tile"): 3,
-               ("vega10", "conv3x3_tile"): 1}
+               ("vega10", "conv3x3_tile"): 2}
+# Loads from shared memory for a product of the fused layer of 96 channels: a third of the 116 for 24 products that it had.
+SWIN_LOADS_A_PRODUCT = 116 / 24 / 3
 MODELS = ["xrds-x4-compact", "xrds-x4-full"]
 SMALL = {"--shared-bytes": 16384, "--group-invocations": 128}
 
@@ -42,14 +45,17 @@ class GpuStatic(unittest.TestCase):
             with self.subTest(gpu=gpu["gpu"]):
                 self.assertEqual([pipeline for pipeline in gpu["pipelines"] if "error" in pipeline], [])
                 families = {network["family"] for network in gpu["networks"]}
-                # Mesa 25.0 has no matrix units on RDNA4 yet, and hardware before RDNA3 has none.
-                with_units = gpu["gpu"] in ("navi31", "gfx1150")
+                # Mesa 25.0 has no matrix units on RDNA4 yet, and AMD's hardware before RDNA3 has none.
+                with_units = gpu["gpu"] in ("navi31", "gfx1150", *gpu_static.CHIPSETS)
                 self.assertEqual(families, {"plain", "tile", "matrix", "fused"} if with_units else {"plain", "tile"})
 
     def test_nothing_is_spilled(self):
         for gpu in self.gpus:
             with self.subTest(gpu=gpu["gpu"]):
-                self.assertEqual([p["program"] for p in gpu["pipelines"] if p["spills"] or p["scratch"]], [])
+                self.assertEqual([p["program"] for p in gpu["pipelines"] if p["spills"]], [])
+                # NVK leaves the loops over the pixels and tokens of `plain` as they are, and their sums in local memory.
+                known = lambda p: gpu["gpu"] in gpu_static.CHIPSETS and stem(p["program"]) in ("conv3x3_plain", "linear_plain")
+                self.assertEqual([p["program"] for p in gpu["pipelines"] if p["scratch"] and not known(p)], [])
 
     def test_matrix_kernels_multiply_matrices(self):
         for gpu in self.gpus:
@@ -62,9 +68,7 @@ class GpuStatic(unittest.TestCase):
         for gpu in self.gpus:
             with self.subTest(gpu=gpu["gpu"]):
                 for pipeline in gpu["pipelines"]:
-                    # A column of the fused layer begins with the bias of its outputs: four halves, before any product.
-                    most = 4 if pipeline["program"].startswith("swin_layer") else 0
-                    self.assertLessEqual((pipeline["loop"] or {}).get("gathers16", 0), most, pipeline["program"])
+                    self.assertEqual((pipeline["loop"] or {}).get("gathers16", 0), 0, pipeline["program"])
 
     def test_waves_hide_latency(self):
         for gpu in self.gpus:
@@ -72,6 +76,8 @@ class GpuStatic(unittest.TestCase):
                 for pipeline in self.kernels(gpu, ("plain", "tile", "matrix", "fused"), LARGE):
                     least = KNOWN_WAVES.get((gpu["gpu"], stem(pipeline["program"])), LEAST_WAVES)
                     self.assertGreaterEqual(pipeline["waves"], least, (pipeline["program"], pipeline["specialization"]))
+                    if pipeline["waves"] < LEAST_WAVES:
+                        self.assertLessEqual(pipeline["latency"], 1.01 * pipeline["waves"] * pipeline["inverseThroughput"], pipeline["program"])
 
     def test_large_dispatches_fill_the_gpu(self):
         for gpu in self.gpus:
@@ -86,6 +92,8 @@ class GpuStatic(unittest.TestCase):
 
     def test_most_of_the_inner_loops_time_is_products(self):
         for gpu in self.gpus:
+            if gpu["gpu"] in gpu_static.CHIPSETS:
+                continue  # the counts are not of loops
             with self.subTest(gpu=gpu["gpu"]):
                 for pipeline in self.kernels(gpu, ("matrix",), LARGE):
                     four_fragments = "_matrix_" in pipeline["program"] and pipeline["specialization"][1] == 4
@@ -95,11 +103,18 @@ class GpuStatic(unittest.TestCase):
     def test_shared_memory_is_read_in_whole_texels(self):
         """A third of what it was: 136 loads for linear, 204 for convolutions of 64 outputs."""
         for gpu in self.gpus:
+            if gpu["gpu"] in gpu_static.CHIPSETS:
+                continue  # the counts are not of loops
             with self.subTest(gpu=gpu["gpu"]):
                 for pipeline in self.kernels(gpu, ("matrix", "fused")):
-                    if "_matrix_" in pipeline["program"] and pipeline["specialization"][1] == 4:
+                    if "_matrix_" not in pipeline["program"]:
+                        continue
+                    loop, first = pipeline["loop"], pipeline["specialization"][1]  # channels of a layer; fragments of a map
+                    if pipeline["program"].startswith("swin_layer") and first >= 96:
+                        self.assertLessEqual(loop["sharedLoads"], SWIN_LOADS_A_PRODUCT * loop["products"], pipeline["specialization"])
+                    elif first == 4:
                         most = 45 if pipeline["program"].startswith("linear") else 68
-                        self.assertLessEqual(pipeline["loop"]["sharedLoads"], most, (pipeline["program"], pipeline["specialization"]))
+                        self.assertLessEqual(loop["sharedLoads"], most, (pipeline["program"], pipeline["specialization"]))
 
     def test_small_devices_get_small_workgroups(self):
         for pipeline in self.small["pipelines"]:
@@ -111,15 +126,17 @@ class GpuStatic(unittest.TestCase):
 
 def main():
     program, models = sys.argv[1], sys.argv[2:] or MODELS
-    mesa = gpu_static.Mesa()
-    if not mesa.exists():
-        print(f"Skipped: {mesa.folder} has no Mesa 25.0, which bench/gpu_static_mesa.sh brings.")
+    missing = [mesa.folder for mesa in (gpu_static.Mesa("mesa25"), gpu_static.Mesa("mesa26")) if not mesa.exists()]
+    for folder in missing:
+        print(f"Skipped: {folder} has no Mesa, which bench/gpu_static_mesa.sh brings.")
+    if gpu_static.Mesa("mesa25").folder in missing:
         sys.exit(SKIPPED)
     if not pathlib.Path(program).exists():
         sys.exit(f"There is no {program}.")
-    GpuStatic.gpus = gpu_static.measure_all(mesa, program, list(gpu_static.COMPUTE_UNITS), models)
+    gpus = [gpu for gpu in gpu_static.COMPUTE_UNITS if gpu_static.mesa_of(gpu).exists()]
+    GpuStatic.gpus = gpu_static.measure_all(program, gpus, models)
     small = [str(word) for option in SMALL.items() for word in option]
-    GpuStatic.small = gpu_static.measure_all(mesa, program, ["navi31"], models[:1], *small)[0]
+    GpuStatic.small = gpu_static.measure_all(program, ["navi31"], models[:1], *small)[0]
     unittest.main(argv=sys.argv[:1])
 
 

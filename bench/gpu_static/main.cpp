@@ -41,6 +41,13 @@ std::vector<uint32_t> numbersBehind(const std::string& text, const std::string& 
   return numbers;
 }
 
+// Of what the compiler gives of a program: the first of these names that it has.
+std::string textOf(const Compiled& found, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (const auto text = found.texts.find(name); text != found.texts.end()) return text->second;
+  return {};
+}
+
 // The words of a program's file, else those that are embedded.
 std::span<const uint32_t> programOf(const std::filesystem::path& folder, std::string_view name) {
   static std::map<std::string, std::vector<uint32_t>, std::less<>> read;
@@ -92,15 +99,15 @@ class Report {
     const PipelineKey key(launch);
     const auto [place, isNew] = indices_.try_emplace(key, static_cast<int>(pipelines_.size()));
     if (!isNew) return place->second;
-    Compiled found = compiled(device_.handles(), key);
-    const std::string& text = found.texts["NIR Shader(s)"];
+    const Compiled found = compiled(device_.handles(), key);
+    const std::string text = textOf(found, {"NIR Shader(s)", "NIR shader"});
     pipelines_.push_back({{"program", key.program},
                           {"specialization", key.specialization},
                           {"subgroupSize", found.subgroupSize},
                           {"statistics", found.statistics},
                           {"groupSize", numbersBehind(text, "workgroup_size")},
                           {"sharedBytes", numbersBehind(text, "shared_size")},
-                          {"assembly", found.texts["Assembly"]}});
+                          {"assembly", textOf(found, {"Assembly", "NAK assembly"})}});
     if (!found.error.empty()) pipelines_.back()["error"] = found.error;
     return place->second;
   }
