@@ -81,7 +81,8 @@ class Library {
       if (table.type != kSymbolTable && table.type != kDynamicSymbols) continue;
       if (table.link >= sections_.size()) throw damaged();
       const std::span<const std::byte> names = bytesOf(sections_[table.link]);
-      for (uint64_t i = 0; i + 1 <= bytesOf(table).size() / sizeof(ElfSymbol); ++i) {
+      const uint64_t count = bytesOf(table).size() / sizeof(ElfSymbol);
+      for (uint64_t i = 0; i < count; ++i) {
         const auto symbol = at<ElfSymbol>(table.offset, i * sizeof(ElfSymbol));
         if (nameAt(names, symbol.name).ends_with(ending)) return bytesOf(symbol);
       }
