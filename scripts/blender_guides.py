@@ -35,27 +35,27 @@ def arguments():
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else ["--help"])
 
 
-def without_light(scene):
+def without_light(scene, put=setattr):
     """No lamp, no surface and no sky is sampled; the sky stays what the camera sees behind the scene."""
     for item in scene.objects:
         if item.type == "LIGHT":
-            item.hide_render = True
+            put(item, "hide_render", True)
     for material in bpy.data.materials:
         if hasattr(material.cycles, "emission_sampling"):
-            material.cycles.emission_sampling = "NONE"
+            put(material.cycles, "emission_sampling", "NONE")
         else:       # Blender before 3.5
-            material.cycles.sample_as_light = False
+            put(material.cycles, "sample_as_light", False)
     if scene.world:
-        scene.world.cycles.sampling_method = "NONE"
+        put(scene.world.cycles, "sampling_method", "NONE")
 
 
-def bounces(scene, glossy, transmission):
+def bounces(scene, glossy, transmission, put=setattr):
     """At most so many of mirrors and of glass, none of other surfaces. Transparent surfaces, such as leaves, stay."""
-    cycles = scene.cycles
-    cycles.max_bounces = max(glossy, transmission)
-    cycles.diffuse_bounces = cycles.volume_bounces = 0
-    cycles.glossy_bounces, cycles.transmission_bounces = glossy, transmission
-    cycles.caustics_reflective = cycles.caustics_refractive = False
+    limits = {"max": max(glossy, transmission), "diffuse": 0, "volume": 0, "glossy": glossy, "transmission": transmission}
+    for kind, limit in limits.items():
+        put(scene.cycles, f"{kind}_bounces", limit)
+    for kind in ("reflective", "refractive"):
+        put(scene.cycles, f"caustics_{kind}", False)
 
 
 def rasterize(scene, samples):
@@ -68,13 +68,14 @@ def rasterize(scene, samples):
             setattr(scene.eevee, effect, False)
 
 
-def apply(recipe, scene):
+def apply(recipe, scene, put=setattr):
+    """Sets the scene by put(owner, name, value): the extension in blender/ keeps what was there."""
     if recipe in ("mirrors", "flat", "eevee"):
-        without_light(scene)
+        without_light(scene, put)
     if recipe == "mirrors":
-        bounces(scene, min(scene.cycles.glossy_bounces, 4), min(scene.cycles.transmission_bounces, 8))
+        bounces(scene, min(scene.cycles.glossy_bounces, 4), min(scene.cycles.transmission_bounces, 8), put)
     elif recipe in ("direct", "flat"):
-        bounces(scene, 0, 0)
+        bounces(scene, 0, 0, put)
 
 
 def configure(scene, ask):
@@ -118,4 +119,5 @@ def main():
           f"of processors, {ask.output}", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,35 +1,46 @@
-"""OpenEXR scan-line files as a dictionary from channel name to a 2-D array. Needs numpy only."""
+"""OpenEXR files of scan lines in one part, as arrays. Needs numpy only."""
 import os
 import struct
 import zlib
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 
 MAGIC = struct.pack("<ii", 20000630, 2)
-HALF, FLOAT = 1, 2
-ZIP = 3
-LINES = {0: 1, 2: 1, 3: 16}  # scan lines in a block, by compression: none, ZIPS, ZIP
+LONG_NAMES = struct.pack("<ii", 20000630, 2 | 0x400)  # of attributes and channels: longer than 31 bytes
+KINDS = ("<u4", "<f2", "<f4")  # by the number that a channel list has for them
+HALF = 1
+NONE, ZIP = 0, 3
+LINES = {NONE: 1, 2: 1, ZIP: 16}  # scan lines in a block, by compression: none, ZIPS, ZIP
+
+
+class Picture(NamedTuple):
+    """attributes: {name: (type, bytes)} as they are stored, of everything that the channels do not say.
+    channels: {name: array [height, width]} of uint32, float16 or float32."""
+    attributes: dict
+    channels: dict
 
 
 def _attribute(name, kind, value):
     return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
 
 
-def _pack(raw):
+def _pack(raw, level):
     """Splits even from odd bytes, stores differences, deflates: OpenEXR's ZIP."""
     flat = np.frombuffer(raw, np.uint8)
-    split = np.concatenate([flat[0::2], flat[1::2]]).astype(np.int16)
-    split[1:] = split[1:] - split[:-1] + 128
-    packed = zlib.compress(split.astype(np.uint8).tobytes(), 9)
+    split = np.concatenate([flat[0::2], flat[1::2]])
+    split[1:] = split[1:] - split[:-1] + np.uint8(128)  # modulo 256
+    packed = zlib.compress(split.tobytes(), level)
     return packed if len(packed) < len(raw) else raw
 
 
 def _unpack(packed, byte_size):
     if len(packed) == byte_size:
         return packed
-    split = np.frombuffer(zlib.decompress(packed), np.uint8).astype(np.int64)
-    split[1:] -= 128
-    split = np.cumsum(split).astype(np.uint8)
+    split = np.frombuffer(zlib.decompress(packed), np.uint8).copy()
+    split[1:] -= np.uint8(128)
+    split = np.cumsum(split, dtype=np.uint8)
     half = (byte_size + 1) // 2
     flat = np.empty(byte_size, np.uint8)
     flat[0::2], flat[1::2] = split[:half], split[half:]
@@ -47,71 +58,104 @@ def rounded(plane, bits):
     return np.ldexp(on_grid(share, 0.5 ** (bits + 1)), exponent)
 
 
-def write(path, channels):
-    """Writes equally sized 2-D arrays as half floats, ZIP; the file appears whole or not at all."""
-    names = sorted(channels)
-    planes = [np.asarray(channels[name]).clip(-65504, 65504).astype("<f2") for name in names]
+def _encoding(names, planes):
+    """The attributes that the channels decide."""
     height, width = planes[0].shape
-    listed = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", HALF, 0, 1, 1) for n in names) + b"\0"
+    listed = b"".join(name.encode() + b"\0" + struct.pack("<iBxxxii", KINDS.index(plane.dtype.str), 0, 1, 1) for name, plane in zip(names, planes)) + b"\0"
     window = struct.pack("<iiii", 0, 0, width - 1, height - 1)
-    head = MAGIC + b"".join([
-        _attribute("channels", "chlist", listed),
-        _attribute("compression", "compression", bytes([ZIP])),
-        _attribute("dataWindow", "box2i", window),
-        _attribute("displayWindow", "box2i", window),
-        _attribute("lineOrder", "lineOrder", b"\0"),
-        _attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
-        _attribute("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0)),
-        _attribute("screenWindowWidth", "float", struct.pack("<f", 1)),
-    ]) + b"\0"
-    blocks = []
-    for top in range(0, height, LINES[ZIP]):
+    return {
+        "channels": ("chlist", listed),
+        "compression": ("compression", bytes([ZIP])),
+        "dataWindow": ("box2i", window),
+        "displayWindow": ("box2i", window),
+        "lineOrder": ("lineOrder", b"\0"),
+    }
+
+
+def save(path, picture, level=9):
+    """Writes a Picture as ZIP, deflated at `level`; the file appears whole or not at all."""
+    names = sorted(picture.channels, key=str.encode)
+    planes = [np.ascontiguousarray(picture.channels[name]) for name in names]
+    height = planes[0].shape[0]
+    usual = {
+        "pixelAspectRatio": ("float", struct.pack("<f", 1)),
+        "screenWindowCenter": ("v2f", struct.pack("<ff", 0, 0)),
+        "screenWindowWidth": ("float", struct.pack("<f", 1)),
+    }
+    attributes = {**usual, **picture.attributes, **_encoding(names, planes)}
+    long = max(map(len, map(str.encode, [*names, *attributes]))) > 31
+    head = (LONG_NAMES if long else MAGIC) + b"".join(_attribute(name, *attributes[name]) for name in sorted(attributes)) + b"\0"
+
+    def block(top):
         lines = range(top, min(top + LINES[ZIP], height))
-        packed = _pack(b"".join(plane[y].tobytes() for y in lines for plane in planes))
-        blocks.append(struct.pack("<ii", top, len(packed)) + packed)
+        packed = _pack(b"".join(plane[y].tobytes() for y in lines for plane in planes), level)
+        return struct.pack("<ii", top, len(packed)) + packed
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        blocks = list(pool.map(block, range(0, height, LINES[ZIP])))
     offsets = np.cumsum([len(head) + 8 * len(blocks)] + [len(block) for block in blocks[:-1]])
     part = f"{path}.part"
-    with open(part, "wb") as file:
-        file.write(head + offsets.astype("<u8").tobytes() + b"".join(blocks))
-    os.replace(part, path)
+    try:
+        with open(part, "wb") as file:
+            file.write(head + offsets.astype("<u8").tobytes())
+            file.writelines(blocks)
+        os.replace(part, path)
+    except BaseException:
+        if os.path.isfile(part):
+            os.remove(part)
+        raise
+
+
+def write(path, channels):
+    """Writes equally sized 2-D arrays as half floats, ZIP; the file appears whole or not at all."""
+    save(path, Picture({}, {name: np.asarray(plane).clip(-65504, 65504).astype(KINDS[HALF]) for name, plane in channels.items()}))
 
 
 def _header(content):
-    """The attributes by name, and the position behind them."""
+    """The attributes by name, (type, bytes), and the position behind them."""
+    if content[:8] not in (MAGIC, LONG_NAMES):
+        raise ValueError("is no OpenEXR file of scan lines in one part")
     attributes, at = {}, len(MAGIC)
     while content[at]:
         name, kind, _ = content[at:at + 600].split(b"\0", 2)
         at += len(name) + len(kind) + 2
         (byte_size,) = struct.unpack_from("<i", content, at)
-        attributes[name.decode()] = content[at + 4:at + 4 + byte_size]
+        attributes[name.decode()] = kind.decode(), content[at + 4:at + 4 + byte_size]
         at += 4 + byte_size
     return attributes, at + 1
 
 
-def read(path):
-    """Reads a single-part file stored plain, ZIPS or ZIP; half and float channels come back as float32."""
+def load(path):
+    """Reads a single-part file stored plain, ZIPS or ZIP as a Picture. Raises ValueError for any other."""
     with open(path, "rb") as file:
         content = file.read()
     attributes, at = _header(content)
-    listed, names, kinds = attributes["channels"], [], []
+    listed, kinds = attributes["channels"][1], {}
     while listed[0]:
         name, listed = listed.split(b"\0", 1)
-        names.append(name.decode())
-        kinds.append({HALF: "<f2", FLOAT: "<f4"}[struct.unpack_from("<i", listed)[0]])
+        kinds[name.decode()] = np.dtype(KINDS[struct.unpack_from("<i", listed)[0]])
         listed = listed[16:]
-    left, top, right, bottom = struct.unpack("<iiii", attributes["dataWindow"])
+    left, top, right, bottom = struct.unpack("<iiii", attributes["dataWindow"][1])
     width, height = right - left + 1, bottom - top + 1
-    step = LINES[attributes["compression"][0]]
-    line_size = sum(width * np.dtype(kind).itemsize for kind in kinds)
-    image = {name: np.empty((height, width), np.float32) for name in names}
-    count = -(-height // step)
-    for offset in np.frombuffer(content, "<u8", count, at):
+    compression = attributes["compression"][1][0]
+    if compression not in LINES:
+        raise ValueError(f"is compressed by method {compression}, expected none, ZIPS or ZIP")
+    step = LINES[compression]
+    line_size = sum(width * kind.itemsize for kind in kinds.values())
+    channels = {name: np.empty((height, width), kind) for name, kind in kinds.items()}
+    for offset in np.frombuffer(content, "<u8", -(-height // step), at):
         y, packed_size = struct.unpack_from("<ii", content, int(offset))
-        lines = range(y - top, min(y - top + step, height))
-        raw = _unpack(content[int(offset) + 8:int(offset) + 8 + packed_size], line_size * len(lines))
-        begin = 0
-        for line in lines:
-            for name, kind in zip(names, kinds):
-                image[name][line] = np.frombuffer(raw, kind, width, begin)
-                begin += width * np.dtype(kind).itemsize
-    return image
+        lines = min(step, height - (y - top))
+        raw = _unpack(content[int(offset) + 8:int(offset) + 8 + packed_size], line_size * lines)
+        block, begin = np.frombuffer(raw, np.uint8).reshape(lines, line_size), 0
+        for name, kind in kinds.items():
+            end = begin + width * kind.itemsize
+            channels[name][y - top:y - top + lines] = np.ascontiguousarray(block[:, begin:end]).view(kind)
+            begin = end
+    decided = _encoding(list(channels), list(channels.values())) if channels else {}
+    return Picture({name: value for name, value in attributes.items() if name not in decided}, channels)
+
+
+def read(path):
+    """Reads a file as load() does; every channel comes back as float32."""
+    return {name: plane.astype(np.float32, copy=False) for name, plane in load(path).channels.items()}

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What stands in the way of a render, as a sentence for the artist."""
+import os
+
+import bpy
+
+from . import passes
+from .settings import AUTO, needs_light
+
+BYTES_PER_PIXEL = 4 * 40  # ten passes of four floats, at full resolution
+IMAGE_ENDINGS = frozenset({".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr", ".bmp", ".tga", ".webp", ".jp2", ".mp4", ".mkv", ".avi", ".mov", ".webm"})
+
+
+def package_problem():
+    try:
+        import xrds  # noqa: F401
+    except ImportError as error:
+        return f"The package xrds, which does the work, cannot be loaded: {error}. Install the extension again."
+    return None
+
+
+def output_file(scene, frame):
+    """Where the result goes: the scene's output path, with the number of the frame and _xrds."""
+    root, ending = os.path.splitext(bpy.path.abspath(scene.render.filepath))
+    if ending.lower() not in IMAGE_ENDINGS:
+        root += ending
+    digits = len(root) - len(root.rstrip("#"))
+    root, digits = (root[:-digits], digits) if digits else (root, 4)
+    return f"{root}{frame:0{digits}d}_xrds.exr"
+
+
+def _memory():
+    """Bytes of this machine; None where it does not tell."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
+def _scene_problem(scene):
+    if scene.render.engine != "CYCLES" or not hasattr(scene, "cycles"):
+        return "Choose Cycles as the Render Engine: albedo and normals come from it."
+    if scene.camera is None:
+        return "The scene has no camera. Add one with Add > Camera."
+    if scene.render.use_multiview:
+        return "Stereoscopy is on, and only one view can be upscaled. Switch it off in the Output properties."
+    if not any(layer.use for layer in scene.view_layers):
+        return "No view layer is used for rendering. Switch one on in the View Layer properties."
+    return None
+
+
+def _size_problem(scene, settings):
+    scale = int(settings.scale)
+    width, height = passes.size(scene, scale)
+    if min(width, height) < 8:
+        return f"The colour would be rendered with {width} x {height} pixels, at least 8 x 8 are needed. Choose a smaller scale or a larger resolution."
+    needed, there = scale * width * scale * height * BYTES_PER_PIXEL, _memory()
+    if there is not None and needed > there:
+        return (f"A frame of {scale * width} x {scale * height} needs about {needed / 1e9:.0f} GB of memory, and this machine has {there / 1e9:.0f} GB. "
+                "Choose a smaller resolution.")
+    return None
+
+
+def _output_problem(scene):
+    if scene.render.filepath.startswith("//") and not bpy.data.filepath:
+        return "The Output path begins beside the .blend file, which is not saved yet. Save it, or choose another path in the Output properties."
+    folder = os.path.dirname(output_file(scene, 0)) or "."
+    while not os.path.exists(folder) and os.path.dirname(folder) != folder:
+        folder = os.path.dirname(folder)
+    if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
+        return f"Nothing can be written into '{folder}'. Choose another path in the Output properties."
+    return None
+
+
+def _choice_problem(settings):
+    if not settings.device:
+        return "The chosen device is missing. Choose another one."
+    if not settings.model:
+        return "The chosen model is missing, or for another scale. Choose another one."
+    if settings.model != AUTO and settings.guides == "CHEAP" and needs_light(settings.model):
+        return "The chosen model takes the light of the guides. Choose path-traced guides, or another model."
+    return None
+
+
+def problem(scene):
+    """The first thing that stands in the way, or None."""
+    settings = scene.xrds
+    return package_problem() or _scene_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
+
+
+def notes(scene):
+    """What the result will not be as an artist may expect, as sentences."""
+    render, scale = scene.render, int(scene.xrds.scale)
+    width, height = (scale * side for side in passes.size(scene, scale))
+    asked = tuple(side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
+    if (width, height) != asked:
+        yield f"Rendered with {width} x {height} pixels: sides are whole multiples of the scale."
+    if render.use_border:
+        yield "The render region is ignored: the whole frame is rendered."
+    if render.use_compositing and getattr(scene, "compositing_node_group", None) or getattr(scene, "use_nodes", False) and bpy.app.version < (5, 0):
+        yield "The compositor does not run: open the result in it."

@@ -1,0 +1,1 @@
+../../scripts/blender_guides.py

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A render of one or more frames, as a row of steps: the interface runs between them, or waits for each where there is none."""
+import os
+import tempfile
+import threading
+import time
+
+import bpy
+
+from . import checks, frame, passes
+from .recorder import Recorder
+from .settings import AUTO
+
+
+class Stopped(Exception):
+    """Cancelled by the artist, or by Blender."""
+
+
+class Render:
+    """A step: Blender's own render into a file, with its progress and its ways to cancel it."""
+
+    def __init__(self, scene, path):
+        self._scene, self._path = scene, path
+
+    def start(self):
+        bpy.ops.render.render("INVOKE_DEFAULT", write_still=True, scene=self._scene.name)
+
+    def done(self):
+        return not bpy.app.is_job_running("RENDER")
+
+    def wait(self):
+        bpy.ops.render.render(write_still=True, scene=self._scene.name)
+
+    def finish(self):
+        if not os.path.exists(self._path):  # Blender writes it unless it was cancelled
+            raise Stopped("The render was cancelled.")
+
+
+class Work:
+    """A step: a function of plain values in a thread beside the interface."""
+
+    def __init__(self, function):
+        self._function, self._error = function, None
+        self._thread = threading.Thread(target=self._run)
+
+    def start(self):
+        self._thread.start()
+
+    def done(self):
+        return not self._thread.is_alive()
+
+    def wait(self):
+        self._run()
+
+    def finish(self):
+        if self._thread.ident:
+            self._thread.join()
+        if self._error:
+            raise self._error
+
+    def _run(self):
+        try:
+            self._function()
+        except BaseException as error:  # raised again in the thread of the interface
+            self._error = error
+
+
+class Job:
+    """Renders and upscales frames of a scene. steps() changes the scene only while a render runs.
+
+    frames: None: the current one, written anew; else those of an animation, of which existing ones are skipped.
+    """
+
+    def __init__(self, scene, frames=None):
+        self.scene = scene
+        self.settings = scene.xrds
+        self.frames = frames
+        self.text, self.share = "", 0.0
+        self.cancelled = False
+        self.written, self.skipped = [], 0
+        self.seconds = {"renders": 0.0, "upscaling": 0.0, "all": 0.0}
+
+    def steps(self):
+        begin, scene = time.monotonic(), self.scene
+        before = scene.frame_current, scene.frame_subframe
+        try:
+            for place, number in enumerate(self.frames or [scene.frame_current]):
+                if self.frames and os.path.exists(checks.output_file(scene, number)):
+                    self.skipped += 1
+                    continue
+                if self.frames:
+                    scene.frame_set(number)
+                yield from self._frame(number, place, len(self.frames or [0]))
+        finally:
+            if (scene.frame_current, scene.frame_subframe) != before:
+                scene.frame_set(before[0], subframe=before[1])
+            self.seconds["all"] = time.monotonic() - begin
+
+    def cancel(self):
+        """Ends an upscaling soon, a render when it is done: Blender's own button beside its progress ends that at once."""
+        self.cancelled = True
+
+    def summary(self):
+        if not self.written:
+            return f"All {self.skipped} frames are there already: nothing was rendered."
+        what = self.written[-1] if len(self.written) == 1 else f"{len(self.written)} frames, the last one {self.written[-1]}"
+        skipped = f" {self.skipped} were there already." if self.skipped else ""
+        return f"Saved {what} in {self.seconds['all']:.1f} s, of which {self.seconds['renders']:.1f} s for renders, {self.seconds['upscaling']:.1f} s for upscaling.{skipped}"
+
+    def _frame(self, number, place, count):
+        result = checks.output_file(self.scene, number)
+        os.makedirs(os.path.dirname(result), exist_ok=True)
+        of = f" of frame {number}" if count > 1 else ""
+        wish = self._wish()
+        with tempfile.TemporaryDirectory(dir=bpy.app.tempdir or None, prefix="xrds_") as folder:
+            low, full = (os.path.join(folder, f"{name}.exr") for name in ("low", "full"))
+            yield from self._render(passes.configure_low, low, f"Colour{of}", place / count)
+            yield from self._render(passes.configure_full, full, f"Guides{of}", (place + 1 / 3) / count)
+            yield from self._timed("upscaling", Work(lambda: frame.upscale(low, full, result, wish, lambda share: self._heard((place + (2 + share) / 3) / count))),
+                                   f"Upscaling{of}", (place + 2 / 3) / count)
+        self.written.append(result)
+
+    def _wish(self):
+        settings, layers = self.settings, self.scene.view_layers
+        output = self.scene.render.image_settings
+        return frame.Wish(
+            layers=tuple(layer.name for layer in layers), keeps_guides=frozenset(layer.name for layer in layers if layer.cycles.denoising_store_passes),
+            samples=(settings.samples, settings.guide_samples), model=None if settings.model == AUTO else settings.model,
+            device=None if settings.device == AUTO else settings.device, has_light=settings.guides != "CHEAP",
+            half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"))
+
+    def _render(self, configure, path, text, share):
+        with Recorder() as recorder:
+            configure(self.scene, self.settings, path, recorder)
+            yield from self._timed("renders", Render(self.scene, path), text, share)
+
+    def _timed(self, kind, step, text, share):
+        if self.cancelled:
+            raise Stopped("Cancelled.")
+        self.text, self.share = text, share
+        begin = time.monotonic()
+        yield step
+        step.finish()
+        self.seconds[kind] += time.monotonic() - begin
+
+    def _heard(self, share):
+        self.share = share
+        return not self.cancelled
+
+
+def run(job):
+    """Without an interface: every step is waited for."""
+    for step in job.steps():
+        step.wait()

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The buttons."""
+import os
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import checks, jobs
+from .recorder import active
+
+current = None  # the job that runs
+last = ""  # what became of the one before
+
+
+class XRDS_OT_render(bpy.types.Operator):
+    """Render the colour at low resolution and the guides at full resolution, and upscale them"""
+
+    bl_idname = "xrds.render"
+    bl_label = "Render and Upscale"
+
+    animation: bpy.props.BoolProperty(name="Animation", description="All frames of the scene; those that exist are skipped", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        return current is None and context.scene is not None
+
+    def execute(self, context):
+        """Waits for every step: for scripts, and for Blender without its window."""
+        if not self._begin(context):
+            return {"CANCELLED"}
+        try:
+            jobs.run(current)
+        except BaseException as error:
+            return self._end(context, error)
+        return self._end(context, None)
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        if bpy.app.is_job_running("RENDER"):
+            self.report({"ERROR"}, "A render runs already.")
+            return {"CANCELLED"}
+        if not self._begin(context):
+            return {"CANCELLED"}
+        self._steps, self._step = current.steps(), None
+        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC" and event.value == "PRESS":
+            current.cancel()
+        if event.type == "Z" and (event.ctrl or event.oskey):
+            return {"RUNNING_MODAL"}  # undo would take the scene away under the render
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        _redraw(context)
+        if self._step and not self._step.done():
+            return {"PASS_THROUGH"}
+        try:
+            self._step = next(self._steps, None)
+            if self._step is None:
+                return self._end(context, None)
+            self._step.start()
+        except Exception as error:
+            self._steps.close()
+            return self._end(context, error)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context):
+        """Blender quits or loads a file: what ran ends without it."""
+        current.cancel()
+        self._steps.close()
+        self._end(context, jobs.Stopped("Cancelled."))
+
+    def _begin(self, context):
+        global current, last
+        scene = context.scene
+        found = checks.problem(scene)
+        if found:
+            last = found
+            self.report({"ERROR"}, found)
+            return False
+        frames = range(scene.frame_start, scene.frame_end + 1, scene.frame_step) if self.animation else None
+        current, last = jobs.Job(scene, frames), ""
+        return True
+
+    def _end(self, context, error):
+        global current, last
+        job, current = current, None
+        if getattr(self, "_timer", None):
+            context.window_manager.event_timer_remove(self._timer)
+        last, kind = _outcome(job, error)
+        self.report({kind}, last)
+        if job.written:
+            show(context, job.written[-1])
+        _redraw(context)
+        if error is not None and not isinstance(error, Exception):
+            raise error  # the wish to quit
+        return {"FINISHED"} if error is None else {"CANCELLED"}
+
+
+class XRDS_OT_cancel(bpy.types.Operator):
+    """End the upscaling now; a render that runs is ended by the cross beside its progress, or Esc"""
+
+    bl_idname = "xrds.cancel"
+    bl_label = "Cancel"
+
+    @classmethod
+    def poll(cls, context):
+        return current is not None
+
+    def execute(self, context):
+        current.cancel()
+        return {"FINISHED"}
+
+
+def show(context, path):
+    """Loads the result, and shows it in the Image Editors that show a render, or in the first one."""
+    image = bpy.data.images.load(path, check_existing=True)
+    image.reload()
+    editors = [area.spaces.active for window in context.window_manager.windows for area in window.screen.areas if area.type == "IMAGE_EDITOR"]
+    renders = [space for space in editors if space.image is None or space.image.type in ("RENDER_RESULT", "MULTILAYER")]
+    for space in renders or editors[:1]:
+        space.image = image
+
+
+def _outcome(job, error):
+    """(sentence, kind of report)"""
+    if error is None:
+        return job.summary(), "INFO"
+    kept = f" {len(job.written)} frames are saved." if job.written else ""
+    if isinstance(error, jobs.Stopped) or type(error).__name__ == "Cancelled":
+        return f"Cancelled; the settings are as before.{kept}", "WARNING"
+    if isinstance(error, OSError) and error.filename:
+        return f"{os.path.basename(error.filename)} cannot be written or read: {error.strerror}.{kept}", "ERROR"
+    if isinstance(error, MemoryError):
+        return f"There is too little memory for this frame. Choose a smaller resolution.{kept}", "ERROR"
+    return f"{str(error).strip().removeprefix('Error: ')}{kept}", "ERROR"
+
+
+def _redraw(context):
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()
+
+
+@persistent
+def before_save(*_):
+    for recorder in reversed(active):
+        recorder.suspend()
+
+
+@persistent
+def after_save(*_):
+    for recorder in active:
+        recorder.resume()
+
+
+HANDLERS = {"save_pre": before_save, "save_post": after_save}
+
+
+def register():
+    for name, function in HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(function)
+
+
+def unregister():
+    for name, function in HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(function)

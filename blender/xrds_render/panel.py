@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel in the Render properties."""
+import textwrap
+
+import bpy
+
+from . import checks, operators, passes
+
+
+class XRDS_PT_panel(bpy.types.Panel):
+    bl_label = "Render and Upscale"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+
+    def draw(self, context):
+        scene, job = context.scene, operators.current
+        settings, layout = scene.xrds, self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column()
+        column.enabled = job is None
+        scale = int(settings.scale)
+        width, height = passes.size(scene, scale)
+        column.row().prop(settings, "scale", expand=True)
+        column.prop(settings, "samples", text=f"Samples at {width} x {height}")
+        column.prop(settings, "guides")
+        column.prop(settings, "guide_samples", text=f"Samples at {scale * width} x {scale * height}")
+        column.prop(settings, "model")
+        column.prop(settings, "device")
+        if job:
+            self._progress(layout, job)
+        else:
+            self._buttons(context, layout, scene)
+
+    def _progress(self, layout, job):
+        if hasattr(layout, "progress"):  # Blender 4
+            layout.progress(factor=job.share, text=job.text)
+        else:
+            layout.label(text=f"{job.text}: {100 * job.share:.0f} %", icon="SORTTIME")
+        row = layout.row()
+        row.template_running_jobs()
+        row.operator("xrds.cancel", icon="CANCEL", text="Cancelling" if job.cancelled else "Cancel")
+
+    def _buttons(self, context, layout, scene):
+        found = checks.problem(scene)
+        if found:
+            _sentence(context, layout, found, "ERROR")
+        for note in checks.notes(scene):
+            _sentence(context, layout, note, "INFO")
+        row = layout.row()
+        row.enabled = not found
+        row.scale_y = 1.4
+        row.operator("xrds.render", icon="RENDER_STILL", text="Render Image")
+        row.operator("xrds.render", icon="RENDER_ANIMATION", text="Render Animation").animation = True
+        if operators.last and operators.last != found:
+            _sentence(context, layout, operators.last, "BLANK1")
+        elif not found:
+            _sentence(context, layout, f"To {checks.output_file(scene, scene.frame_current)}", "BLANK1")
+
+
+def _sentence(context, layout, text, icon):
+    """Text in as many lines as the panel is narrow."""
+    letters = max(20, int(context.region.width / (7 * context.preferences.system.ui_scale)) - 8)
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for place, line in enumerate(textwrap.wrap(text, letters)):
+        column.label(text=line, icon=icon if place == 0 else "BLANK1")

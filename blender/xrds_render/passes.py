@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the two renders of a frame are asked for, and what their passes mean."""
+from . import guides
+
+# Flags of a view layer whose passes hold light: they come from the low-resolution render.
+LIGHT_FLAGS = tuple(f"use_pass_{kind}_{part}" for kind in ("diffuse", "glossy", "transmission", "subsurface", "volume") for part in ("direct", "indirect")) + (
+    "use_pass_emit", "use_pass_environment")
+# Light by the names of its passes: short ones before Blender 5, long ones from there on.
+LIGHTS = frozenset(
+    [f"{kind}{part}" for kind in ("Diff", "Gloss", "Trans", "Subsurface", "Volume") for part in ("Dir", "Ind")]
+    + [f"{kind} {part}" for kind in ("Diffuse", "Glossy", "Transmission", "Subsurface", "Volume") for part in ("Direct", "Indirect")]
+    + ["Emit", "Emission", "Env", "Environment"])
+LIGHT_GROUP = "Combined_"
+
+
+def is_light(name):
+    """Whether a pass is upscaled as light. The others are data of the full-resolution render."""
+    return name in LIGHTS or name.startswith(LIGHT_GROUP)
+
+
+def is_colour(name):
+    """Whether a pass multiplies lights."""
+    return name.endswith(("Col", " Color")) and not name.startswith("Denoising")
+
+
+def size(scene, scale):
+    """(width, height) of the low-resolution render: of the scene's size, rounded up to whole multiples of the scale."""
+    render = scene.render
+    return tuple(-(-(side * render.resolution_percentage // 100) // scale) for side in (render.resolution_x, render.resolution_y))
+
+
+def _flags(layer):
+    """(owner, name) of the switches of its passes; Cycles has some of its own."""
+    return [(owner, name) for owner in (layer, layer.cycles) for name in dir(owner) if name.startswith("use_pass_")]
+
+
+def _configure(scene, width, height, samples, path, put, keep):
+    """What both renders share: nothing filters or replaces the passes, and they are stored as they are."""
+    render, cycles = scene.render, scene.cycles
+    keep(render.image_settings)
+    settings = render.image_settings
+    if hasattr(settings, "media_type"):  # Blender 5
+        put(settings, "media_type", "MULTI_LAYER_IMAGE")
+    put(settings, "file_format", "OPEN_EXR_MULTILAYER")
+    put(settings, "color_depth", "32")
+    put(settings, "exr_codec", "NONE")
+    for name, value in {"use_exr_interleave": True, "use_preview": False, "color_management": "FOLLOW_SCENE"}.items():
+        if hasattr(settings, name):
+            put(settings, name, value)
+    for name, value in {
+        "resolution_x": width, "resolution_y": height, "resolution_percentage": 100, "use_border": False, "use_compositing": False, "use_sequencer": False,
+        "use_file_extension": False, "use_overwrite": True, "use_placeholder": False, "filepath": path,
+    }.items():
+        put(render, name, value)
+    for name, value in {"samples": samples, "use_adaptive_sampling": False, "use_denoising": False, "time_limit": 0}.items():
+        put(cycles, name, value)
+    for layer in scene.view_layers:
+        put(layer, "samples", 0)  # those of the scene
+
+
+def configure_low(scene, settings, path, recorder):
+    """The colour: light passes alone, with the colours that multiply them."""
+    _configure(scene, *size(scene, int(settings.scale)), settings.samples, path, recorder.put, recorder.keep)
+    for layer in scene.view_layers:
+        recorder.put(layer.cycles, "denoising_store_passes", False)
+        for owner, flag in _flags(layer):
+            if flag not in LIGHT_FLAGS:
+                recorder.put(owner, flag, flag == "use_pass_combined")
+        _with_colours(layer, recorder.put)
+
+
+def configure_full(scene, settings, path, recorder):
+    """The guides: every pass but light, which a path-traced one has in its Combined alone."""
+    scale = int(settings.scale)
+    width, height = size(scene, scale)
+    if settings.guides == "CHEAP":
+        guides.apply("mirrors", scene, recorder.put)
+    _configure(scene, scale * width, scale * height, settings.guide_samples, path, recorder.put, recorder.keep)
+    for layer in scene.view_layers:
+        recorder.put(layer.cycles, "denoising_store_passes", True)
+        recorder.put(layer, "use_pass_combined", True)
+        _with_colours(layer, recorder.put)
+        for owner, flag in _flags(layer):
+            if flag in LIGHT_FLAGS:
+                recorder.put(owner, flag, False)
+
+
+def _with_colours(layer, put):
+    for kind in ("diffuse", "glossy", "transmission", "subsurface"):
+        parts = [getattr(layer, f"use_pass_{kind}_{part}", False) for part in ("direct", "indirect")]
+        if any(parts):
+            put(layer, f"use_pass_{kind}_color", True)
+
+
+class Layer:
+    """The passes of a view layer in a file: {pass: {component: channel}}."""
+
+    def __init__(self, picture, name):
+        self.name = name
+        self.passes = {}
+        for channel in picture.channels:
+            if channel.startswith(f"{name}."):
+                found, _, component = channel[len(name) + 1:].rpartition(".")
+                self.passes.setdefault(found, {})[component] = channel
+
+
+def layers_of(picture, names):
+    """The view layers that a file has, of these names."""
+    found = [Layer(picture, name) for name in names]
+    return [layer for layer in found if "Combined" in layer.passes]

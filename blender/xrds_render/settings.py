@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the artist chooses, kept in the scene."""
+import functools
+import zlib
+
+import bpy
+
+AUTO = "AUTO"
+
+
+@functools.lru_cache(maxsize=None)
+def _devices():
+    """Enum items; Blender needs them alive. Their numbers are of the device itself: a list in other order changes nothing."""
+    items = [(AUTO, "Automatic", "The fastest device", 0)]
+    try:
+        import xrds
+
+        items += [(found.uuid, found.name, f"{found.kind}, {found.driver}", _number(found.uuid)) for found in xrds.devices()]
+    except (ImportError, RuntimeError):  # the first is reported by the panel, the second when rendering
+        pass
+    return items
+
+
+@functools.lru_cache(maxsize=None)
+def _models(scale):
+    items = [(AUTO, "Automatic", "The model that suits samples and guides", 0)]
+    try:
+        import xrds
+
+        items += [(name, name.replace(f"xrds-x{scale}-", ""), name, _number(name)) for name in xrds.models() if name.startswith(f"xrds-x{scale}-") and _usable(xrds.Model(name))]
+    except (ImportError, RuntimeError):
+        pass
+    return items
+
+
+def _usable(model):
+    """Whether the two renders have what it takes."""
+    return set(model.inputs) <= {"albedo", "normal", "colour"}
+
+
+@functools.lru_cache(maxsize=None)
+def needs_light(model):
+    """Whether a model takes the colour of the full-resolution render."""
+    import xrds
+
+    return "colour" in xrds.Model(model).inputs
+
+
+def _number(text):
+    return zlib.crc32(text.encode()) & 0x7FFFFFFF
+
+
+class XRDS_Settings(bpy.types.PropertyGroup):
+    scale: bpy.props.EnumProperty(
+        name="Scale", description="Sides of the result over those of the low-resolution render", default="4",
+        items=[("2", "2x", "Most detail"), ("4", "4x", "The usual choice"), ("8", "8x", "Fastest, least detail")])
+    samples: bpy.props.IntProperty(name="Samples", description="Of a pixel of the low-resolution render, which brings the light", default=64, min=1, max=65536)
+    guides: bpy.props.EnumProperty(
+        name="Guides", description="How albedo and normals of the full resolution are rendered", default="CYCLES",
+        items=[("CYCLES", "Path Traced", "With all light: its colour is merged into the result, which is better"),
+               ("CHEAP", "Cheap", "Without light, behind mirrors and glass too: about a third of the time")])
+    guide_samples: bpy.props.IntProperty(name="Guide Samples", description="Of a pixel of the full-resolution render", default=16, min=1, max=4096)
+    model: bpy.props.EnumProperty(name="Model", description="The network that upscales", items=lambda settings, context: _models(int(settings.scale)))
+    device: bpy.props.EnumProperty(name="Device", description="The Vulkan device that upscales", items=lambda settings, context: _devices())
