@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From the files of the two renders to that of the result. Nothing here touches the scene: it runs beside the interface."""
+import inspect
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -20,6 +21,13 @@ class Wish(NamedTuple):
     device: Optional[str]  # UUID; None: the best
     has_light: bool  # the guides' colour is of the same light, and is merged
     half: bool  # 16 bits for light; data keep theirs
+
+
+def takes_layers():
+    """Whether this version of the package xrds upscales light passes; without it the result has none."""
+    import xrds
+
+    return "layers" in inspect.signature(xrds.upscale).parameters
 
 
 def _stack(picture, channels, components):
@@ -56,7 +64,7 @@ def _inputs(wish, full, layer):
 
 
 def upscale(low_file, full_file, result_file, wish, progress):
-    """Writes the result. progress(share) returning False ends it with xrds.Cancelled. Raises what xrds and files do."""
+    """Writes the result. progress(stage, share) returning False ends it with xrds.Cancelled. Raises what xrds and files do."""
     import xrds
 
     low, full = exr.load(low_file), exr.load(full_file)
@@ -65,20 +73,25 @@ def upscale(low_file, full_file, result_file, wish, progress):
     for place, low_layer in enumerate(low_layers):
         layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
         lights = _lights(low, full, low_layer, layer)
-        options = {"layers": lights} if lights else {}
+        options = {"layers": lights} if any(is_light(name) for name in lights) and takes_layers() else {}
         made = xrds.upscale(
             _stack(low, low_layer.passes["Combined"], "RGB"), **_inputs(wish, full, layer), samples=wish.samples, model=wish.model, device=wish.device,
-            progress=lambda stage, share, place=place: progress((place + (share if stage == "upscaling" else 0)) / len(low_layers)), **options)
+            progress=lambda stage, share, place=place: progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers)), **options)
         picture, lights = made if options else (made, {})
         _put(channels, layer.name, "Combined", picture, wish.half)
+        _drop(channels, layer, lambda name: is_light(name) and name not in lights)
         for name, pixels in lights.items():
             _put(channels, layer.name, name, pixels, wish.half)
         if layer.name not in wish.keeps_guides:
-            for name, components in layer.passes.items():
-                if name.startswith(DENOISING):
-                    for channel in components.values():
-                        del channels[channel]
+            _drop(channels, layer, lambda name: name.startswith(DENOISING))
     exr.save(result_file, exr.Picture(full.attributes, channels), LEVEL)
+
+
+def _drop(channels, layer, unwanted):
+    for name, components in layer.passes.items():
+        if unwanted(name):
+            for channel in components.values():
+                del channels[channel]
 
 
 def _put(channels, layer, name, pixels, half):

@@ -116,8 +116,9 @@ class Job:
             low, full = (os.path.join(folder, f"{name}.exr") for name in ("low", "full"))
             yield from self._render(passes.configure_low, low, f"Colour{of}", place / count)
             yield from self._render(passes.configure_full, full, f"Guides{of}", (place + 1 / 3) / count)
-            yield from self._timed("upscaling", Work(lambda: frame.upscale(low, full, result, wish, lambda share: self._heard((place + (2 + share) / 3) / count))),
-                                   f"Upscaling{of}", (place + 2 / 3) / count)
+            text, begin = f"Upscaling{of}", (place + 2 / 3) / count
+            work = Work(lambda: frame.upscale(low, full, result, wish, lambda stage, share: self._heard(stage, text, begin + share / 3 / count)))
+            yield from self._timed("upscaling", work, text, begin)
         self.written.append(result)
 
     def _wish(self):
@@ -143,7 +144,8 @@ class Job:
         step.finish()
         self.seconds[kind] += time.monotonic() - begin
 
-    def _heard(self, share):
+    def _heard(self, stage, text, share):
+        self.text = text if stage == "upscaling" else "Preparing the device, minutes on the first time"
         self.share = share
         return not self.cancelled
 

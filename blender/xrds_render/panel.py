@@ -23,9 +23,11 @@ class XRDS_PT_panel(bpy.types.Panel):
         scale = int(settings.scale)
         width, height = passes.size(scene, scale)
         column.row().prop(settings, "scale", expand=True)
-        column.prop(settings, "samples", text=f"Samples at {width} x {height}")
+        _value(column, "Colour", f"{width} x {height}")
+        column.prop(settings, "samples")
+        _value(column, "Result", f"{scale * width} x {scale * height}")
         column.prop(settings, "guides")
-        column.prop(settings, "guide_samples", text=f"Samples at {scale * width} x {scale * height}")
+        column.prop(settings, "guide_samples", text="Samples")
         column.prop(settings, "model")
         column.prop(settings, "device")
         if job:
@@ -48,15 +50,22 @@ class XRDS_PT_panel(bpy.types.Panel):
             _sentence(context, layout, found, "ERROR")
         for note in checks.notes(scene):
             _sentence(context, layout, note, "INFO")
-        row = layout.row()
-        row.enabled = not found
-        row.scale_y = 1.4
-        row.operator("xrds.render", icon="RENDER_STILL", text="Render Image")
-        row.operator("xrds.render", icon="RENDER_ANIMATION", text="Render Animation").animation = True
+        column = layout.column(align=True)
+        column.enabled = not found
+        column.scale_y = 1.3
+        column.operator("xrds.render", icon="RENDER_STILL", text="Render Image")
+        column.operator("xrds.render", icon="RENDER_ANIMATION", text="Render Animation").animation = True
         if operators.last and operators.last != found:
             _sentence(context, layout, operators.last, "BLANK1")
         elif not found:
             _sentence(context, layout, f"To {checks.output_file(scene, scene.frame_current)}", "BLANK1")
+
+
+def _value(layout, name, value):
+    row = layout.split(factor=0.4)
+    row.alignment = "RIGHT"
+    row.label(text=name)
+    row.label(text=value)
 
 
 def _sentence(context, layout, text, icon):

@@ -59,6 +59,6 @@ class XRDS_Settings(bpy.types.PropertyGroup):
         name="Guides", description="How albedo and normals of the full resolution are rendered", default="CYCLES",
         items=[("CYCLES", "Path Traced", "With all light: its colour is merged into the result, which is better"),
                ("CHEAP", "Cheap", "Without light, behind mirrors and glass too: about a third of the time")])
-    guide_samples: bpy.props.IntProperty(name="Guide Samples", description="Of a pixel of the full-resolution render", default=16, min=1, max=4096)
+    guide_samples: bpy.props.IntProperty(name="Guides' Samples", description="Of a pixel of the full-resolution render", default=16, min=1, max=4096)
     model: bpy.props.EnumProperty(name="Model", description="The network that upscales", items=lambda settings, context: _models(int(settings.scale)))
     device: bpy.props.EnumProperty(name="Device", description="The Vulkan device that upscales", items=lambda settings, context: _devices())

@@ -1,0 +1,156 @@
+"""What the extension for Blender costs and gains: three scenes of samples/, beside full renders of as much processor time.
+
+    for scene in interior outdoor glossy; do
+      blender -b --factory-startup -noaudio -P bench/extension.py -- --scene $scene --out WORK --package build/release/python
+    done
+    python3 bench/extension.py --report WORK --xrds build/release/cli/xrds
+
+The first part needs Blender 3.4 or newer with the settings of samples/render.py, whose samples/*_gt.exr are the references. For each scene it renders, with
+512 x 384 pixels: by the extension, with path-traced and with cheap guides; and plainly, with as many samples as take the processor time of each, upscaling
+included. Times are of the processor, of all threads, which neighbours on the machine hardly change. The second part denoises the plain renders by
+Open Image Denoise, which is Blender's denoiser and needs bench/oidn-requirements.txt (albedo and normals denoised first, its time not counted), and prints Markdown.
+"""
+import argparse
+import importlib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+WIDTH, HEIGHT, SCALE, SAMPLES, GUIDE_SAMPLES = 512, 384, 4, 64, 16
+GUIDES = ("CYCLES", "CHEAP")
+
+
+def arguments():
+    own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
+    parser = argparse.ArgumentParser(prog="extension.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", help="of samples/scenes, to render")
+    parser.add_argument("--out", type=pathlib.Path, help="folder for what is rendered")
+    parser.add_argument("--package", help="folder that has the Python package xrds")
+    parser.add_argument("--report", type=pathlib.Path, help="that folder, to print its table")
+    parser.add_argument("--xrds", default="xrds", help="the command")
+    return parser.parse_args(own)
+
+
+def processor(function):
+    """(seconds of the processor, result) of a call."""
+    begin = time.process_time()
+    result = function()
+    return time.process_time() - begin, result
+
+
+def extended(scene, guides, out):
+    """Renders by the extension; {step: seconds of the processor}."""
+    from xrds_render import jobs
+
+    spent = {"renders": 0.0, "upscaling": 0.0}
+    before = {"renders": jobs.Render, "upscaling": jobs.Work}
+    for kind, step in before.items():
+        def wait(self, kind=kind, step=step):
+            spent[kind] += processor(lambda: step.wait(self))[0]
+        setattr(jobs, step.__name__, type(step.__name__, (step,), {"wait": wait}))
+    scene.xrds.guides = guides
+    scene.render.filepath = str(out)
+    try:
+        spent["all"], _ = processor(lambda: jobs.run(jobs.Job(scene)))
+    finally:
+        for step in before.values():
+            setattr(jobs, step.__name__, step)
+    return spent
+
+
+def plain(scene, samples, path):
+    """Renders by Cycles alone, with the passes of its denoiser; seconds of the processor."""
+    import bpy
+
+    scene.cycles.samples = samples
+    scene.view_layers[0].cycles.denoising_store_passes = True
+    scene.render.filepath = str(path)
+    return processor(lambda: bpy.ops.render.render(write_still=True))[0]
+
+
+def render(ask):
+    sys.dont_write_bytecode = True
+    sys.path[:0] = [str(ROOT / "samples/scenes"), str(ROOT / "blender"), ask.package]
+    import bpy
+    import passes
+    import xrds_render
+
+    ask.out.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    importlib.import_module(ask.scene).build(scene)
+    passes.configure(scene)
+    passes.expose(scene, WIDTH // SCALE, HEIGHT // SCALE)
+    scene.cycles.use_adaptive_sampling = False
+    scene.cycles.seed = 7
+    scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
+    scene.render.image_settings.color_depth = "32"
+    xrds_render.register()
+    scene.xrds.samples, scene.xrds.guide_samples = SAMPLES, GUIDE_SAMPLES
+    warm(scene)
+    found = {guides: extended(scene, guides, ask.out / f"{ask.scene}_{guides.lower()}_") for guides in GUIDES}
+    first = plain(scene, GUIDE_SAMPLES, ask.out / f"{ask.scene}_plain.exr")
+    for guides in GUIDES:
+        samples = max(1, round(GUIDE_SAMPLES * found[guides]["all"] / first))
+        seconds = plain(scene, samples, ask.out / f"{ask.scene}_{guides.lower()}_plain.exr")
+        found[guides].update(plain_samples=samples, plain_seconds=seconds)
+    (ask.out / f"{ask.scene}.json").write_text(json.dumps(found, indent=1))
+
+
+def warm(scene):
+    """Compiles the kernels of both models, which a machine does once."""
+    import numpy
+    import xrds
+
+    colour = numpy.ones((HEIGHT // SCALE, WIDTH // SCALE, 3), numpy.float32)
+    full = numpy.ones((HEIGHT, WIDTH, 3), numpy.float32)
+    for more in ({"full_colour": full}, {}):
+        xrds.upscale(colour, albedo=full, normal=full, samples=(SAMPLES, GUIDE_SAMPLES), **more)
+
+
+def error(ask, path, scene):
+    """(PSNR in dB, RelMSE, FLIP) against the sample's reference."""
+    found = ask.report / "compare.json"
+    subprocess.run([ask.xrds, "compare", str(path), str(ROOT / f"samples/{scene}_gt.exr"), "--json", str(found)], check=True, capture_output=True)
+    row = json.loads(found.read_text())
+    row = row["metrics"] if "metrics" in row else row
+    return row["psnr"], row["relMse"], row["flip"]
+
+
+def denoised(path):
+    """The file of a plain render, denoised."""
+    import oidn
+
+    target = path.with_name(f"{path.stem}_oidn.exr")
+    with oidn.pyoidn.Device(oidn.pyoidn.OIDN_DEVICE_TYPE_CPU) as device:
+        device.commit()
+        oidn.check(device)
+        pixels, _ = oidn.denoise(device, oidn.read_layers(path), prefilter=True)
+    oidn.write_exr(target, pixels)
+    return target
+
+
+def report(ask):
+    sys.path.insert(0, str(ROOT / "bench"))
+    print("| scene, guides | way | samples | processor s | PSNR dB | RelMSE | FLIP |\n|---|---|---|---|---|---|---|")
+    for path in sorted(ask.report.glob("*.json")):
+        scene = path.stem
+        if scene == "compare":
+            continue
+        for guides, spent in json.loads(path.read_text()).items():
+            stem = f"{scene}_{guides.lower()}_"
+            bare = ask.report / f"{stem}plain.exr"
+            rows = [("xrds", f"{SAMPLES}-{GUIDE_SAMPLES}", spent["all"], ask.report / f"{stem}0001_xrds.exr"),
+                    ("full render", spent["plain_samples"], spent["plain_seconds"], bare), ("full render, OIDN", spent["plain_samples"], spent["plain_seconds"], denoised(bare))]
+            for way, samples, seconds, file in rows:
+                psnr, rel_mse, flip = error(ask, file, scene)
+                print(f"| {scene}, {guides.lower()} | {way} | {samples} | {seconds:.1f} | {psnr:.2f} | {rel_mse:.3f} | {flip:.3f} |")
+
+
+if __name__ == "__main__":
+    asked = arguments()
+    report(asked) if asked.report else render(asked)

@@ -1,0 +1,345 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The extension in a real Blender without its window, on the files of scenes.py:
+
+    blender -b --factory-startup -noaudio -P blender/tests/test_extension.py -- --package build/release/python
+
+or by a Python that has the module bpy. Another folder than build/release/python may have the package xrds. Exits with 77 where it cannot be imported.
+"""
+import os
+import shutil
+import signal
+import sys
+import tempfile
+import unittest
+from unittest import mock
+
+import bpy
+import numpy
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+OWN = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
+sys.dont_write_bytecode = True
+sys.path[:0] = [HERE, os.path.dirname(HERE)] + ([OWN[1]] if OWN[:1] == ["--package"] else [])
+try:
+    import xrds
+except ImportError as error:
+    print(f"The extension is not tried: this Blender cannot import the package xrds ({error})")
+    sys.stdout.flush()
+    os._exit(77)
+
+import scenes  # noqa: E402
+import xrds_render  # noqa: E402
+from properties import differences, snapshot  # noqa: E402
+from xrds_render import checks, exr, frame, jobs, operators, passes, recorder  # noqa: E402
+
+MODEL = "xrds-x4-nano"
+
+
+class WithBlender(unittest.TestCase):
+    """Each test begins with a file of scenes.py, in a folder of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.TemporaryDirectory()
+        for build in (scenes.interior, scenes.layers, scenes.cryptomatte):
+            build()
+            bpy.context.scene.render.filepath = f"//{build.__name__}_"
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(cls.made.name, f"{build.__name__}.blend"))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.made.cleanup()
+
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = self._folder.name
+        self.addCleanup(self._folder.cleanup)
+
+    def open(self, name):
+        path = shutil.copy(os.path.join(self.made.name, f"{name}.blend"), self.folder)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        scene = bpy.context.scene
+        scene.xrds.model, scene.xrds.samples, scene.xrds.guide_samples = MODEL, 2, 1
+        return scene
+
+    def render(self, **options):
+        self.assertEqual(bpy.ops.xrds.render(**options), {"FINISHED"})
+
+    def result(self, name):
+        return exr.load(os.path.join(self.folder, name))
+
+    def exrs(self):
+        return sorted(name for name in os.listdir(self.folder) if ".exr" in name)
+
+    def kept_guides(self):
+        """Within it, the guides' file is copied to guides.exr before it goes."""
+        def keeping(low, full, *rest, upscale=frame.upscale):
+            shutil.copy(full, os.path.join(self.folder, "guides.exr"))
+            upscale(low, full, *rest)
+        return mock.patch.object(frame, "upscale", keeping)
+
+
+class OneClick(WithBlender):
+    def test_a_saved_frame_with_everything_as_before(self):
+        for guides in ("CYCLES", "CHEAP"):
+            with self.subTest(guides):
+                scene = self.open("cryptomatte")
+                scene.xrds.guides = guides
+                before = snapshot()
+                with self.kept_guides():
+                    self.render()
+                self.assertEqual(differences(before, snapshot()), [])
+                made, guide = self.result("cryptomatte_0001_xrds.exr"), self.result("guides.exr")
+                self.check_untouched(made, guide)
+                colour = made.channels["ViewLayer.Combined.R"]
+                self.assertEqual((colour.shape, colour.dtype), ((48, 64), numpy.float16))
+                self.assertTrue(numpy.isfinite(colour).all() and colour.max() > 0)
+                self.assertFalse(numpy.array_equal(colour, guide.channels["ViewLayer.Combined.R"].astype(numpy.float16)))
+
+    def check_untouched(self, made, guide):
+        self.assertEqual(made.attributes, guide.attributes)
+        self.assertEqual(sum(name.startswith("cryptomatte/") for name in made.attributes), 12)
+        data = [name for name in guide.channels if not name.startswith("ViewLayer.Combined.") or name.endswith(".A")]
+        self.assertTrue(any("CryptoObject00" in name for name in data))
+        self.assertTrue(any("Denoising Albedo" in name for name in data), "the file asked for them")
+        for name in data:
+            self.assertEqual(made.channels[name].tobytes(), guide.channels[name].tobytes(), name)
+
+    def test_light_adds_up(self):
+        if not frame.takes_layers():
+            self.skipTest("this package xrds does not upscale light passes")
+        self.open("interior").render.image_settings.file_format = "OPEN_EXR"
+        bpy.context.scene.render.image_settings.color_depth = "32"
+        self.render()
+        made = self.result("interior_0001_xrds.exr").channels
+        self.assertFalse([name for name in made if "Denoising" in name])
+        long = "ViewLayer.Diffuse Direct.R" in made
+        names = ("Diffuse {}", "Glossy {}", "Transmission {}", "Direct", "Indirect", "Color", "Emission", "Environment") if long else (
+            "Diff{}", "Gloss{}", "Trans{}", "Dir", "Ind", "Col", "Emit", "Env")
+        for component in "RGB":
+            def of(name, component=component):
+                return made[f"ViewLayer.{name}.{component}"].astype(numpy.float64)
+            total = sum((of(kind.format(names[3])) + of(kind.format(names[4]))) * of(kind.format(names[5])) for kind in names[:3]) + of(names[6]) + of(names[7])
+            beauty = of("Combined")
+            self.assertLess(numpy.abs(total - beauty).max(), 1e-3 * beauty.max())
+            self.assertGreater(beauty.max(), 0)
+        self.assertIn("ViewLayer.Combined_KEY.R", made)
+
+    def test_view_layers_motion_blur_and_a_transparent_film(self):
+        scene = self.open("layers")
+        before = snapshot()
+        with self.kept_guides():
+            self.render()
+        self.assertEqual(differences(before, snapshot()), [])
+        made, guide = self.result("layers_0002_xrds.exr").channels, self.result("guides.exr").channels
+        self.assertIn("All of it.Depth.Z", made)
+        self.assertNotIn("Front.Depth.Z", made)
+        for layer in ("Front", "All of it"):
+            alpha = made[f"{layer}.Combined.A"]
+            self.assertEqual(alpha.tobytes(), guide[f"{layer}.Combined.A"].tobytes())
+            self.assertTrue(0 == alpha.min() < alpha.max())
+        self.assertLess((made["Front.Combined.A"] > 0).sum(), (made["All of it.Combined.A"] > 0).sum())
+        self.assertEqual(scene.frame_current, 2)
+
+    def test_the_result_opens_as_layers(self):
+        self.open("layers")
+        self.render()
+        image = next(image for image in bpy.data.images if image.name.endswith("_xrds.exr"))
+        node = bpy.data.node_groups.new("Compositing", "CompositorNodeTree").nodes.new("CompositorNodeImage")
+        node.image = image
+        self.assertEqual((image.type, node.has_layers), ("MULTILAYER", True))
+        self.assertTrue({"Combined", "Alpha"} <= {socket.name for socket in node.outputs})
+
+    def test_odd_sizes_become_whole_multiples(self):
+        scene = self.open("cryptomatte")
+        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 122, 96, 50
+        self.assertIn("64 x 48", " ".join(checks.notes(scene)))
+        self.render()
+        self.assertEqual(self.result("cryptomatte_0001_xrds.exr").channels["ViewLayer.Combined.R"].shape, (48, 64))
+
+
+class Animation(WithBlender):
+    def test_existing_frames_are_kept(self):
+        scene = self.open("layers")
+        there = os.path.join(self.folder, "layers_0002_xrds.exr")
+        with open(there, "w") as file:
+            file.write("kept")
+        before = snapshot()
+        self.render(animation=True)
+        self.assertEqual(differences(before, snapshot()), [])
+        self.assertEqual(self.exrs(), [f"layers_000{number}_xrds.exr" for number in (1, 2, 3)])
+        with open(there) as file:
+            self.assertEqual(file.read(), "kept")
+        first, last = (self.result(f"layers_000{number}_xrds.exr").channels["Front.Combined.A"] for number in (1, 3))
+        self.assertGreater(abs(first - last).max(), 0.5)
+        self.assertEqual(scene.frame_current, 2)
+        self.render(animation=True)
+        self.assertIn("All 3 frames are there already", operators.last)
+
+    def test_a_stopped_one_goes_on(self):
+        self.open("layers")
+        count = []
+
+        def stopping(*given, upscale=frame.upscale):
+            count.append(1)
+            if len(count) == 2:
+                raise xrds.Cancelled("enough")
+            upscale(*given)
+
+        before = snapshot()
+        with mock.patch.object(frame, "upscale", stopping):
+            self.assertEqual(bpy.ops.xrds.render(animation=True), {"CANCELLED"})
+        self.assertEqual(differences(before, snapshot()), [])
+        self.assertEqual(self.exrs(), ["layers_0001_xrds.exr"])
+        self.assertIn("1 frame", operators.last)
+        stamp = os.stat(os.path.join(self.folder, "layers_0001_xrds.exr")).st_mtime_ns
+        self.render(animation=True)
+        self.assertEqual(len(self.exrs()), 3)
+        self.assertEqual(os.stat(os.path.join(self.folder, "layers_0001_xrds.exr")).st_mtime_ns, stamp)
+
+
+class Trouble(WithBlender):
+    def refused(self, sentence, **options):
+        """The sentence, in the panel and as the report, and nothing lost."""
+        before = snapshot()
+        with self.assertRaisesRegex(RuntimeError, sentence):
+            bpy.ops.xrds.render(**options)
+        self.assertRegex(operators.last, sentence)
+        self.assertEqual(differences(before, snapshot()), [])
+        self.assertEqual(self.exrs(), [])
+        self.assertIsNone(operators.current)
+
+    def test_bad_input_is_a_sentence(self):
+        def engine(scene):
+            scene.render.engine = "BLENDER_WORKBENCH"
+
+        def camera(scene):
+            scene.camera = None
+
+        def stereo(scene):
+            scene.render.use_multiview = True
+
+        def huge(scene):
+            scene.render.resolution_x = scene.render.resolution_y = 60000
+
+        def tiny(scene):
+            scene.render.resolution_x = 16
+
+        def unused(scene):
+            scene.view_layers[0].use = False
+
+        def device(scene):
+            scene.xrds["device"] = 12345
+
+        def model(scene):
+            scene.xrds.scale = "2"
+
+        def dark(scene):
+            scene.xrds.model, scene.xrds.guides = "xrds-x4-full", "CHEAP"
+
+        def folder(scene):
+            scene.render.filepath = "/dev/null/frame_"
+
+        cases = {engine: "Choose Cycles", camera: "no camera", stereo: "Stereoscopy", huge: "60000 x 60000 needs about [0-9]+ GB", tiny: "at least 8 x 8",
+                 unused: "No view layer", device: "device is missing", model: "model is missing", dark: "takes the light", folder: "Nothing can be written into"}
+        for spoil, sentence in cases.items():
+            with self.subTest(spoil.__name__):
+                spoil(self.open("cryptomatte"))
+                self.assertRegex(checks.problem(bpy.context.scene), sentence)
+                self.refused(sentence)
+
+    def test_an_unsaved_file(self):
+        scenes.cryptomatte()
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        scene = scenes.empty()
+        scene.render.filepath = "//frame_"
+        self.refused("not saved yet")
+
+    def test_what_fails_underway_is_a_sentence_too(self):
+        for error, sentence in ((xrds.Error("The device went away."), "The device went away"), (MemoryError(), "too little memory"),
+                                (OSError(28, "No space left on device", "/there/frame.exr"), "frame.exr cannot be written or read: No space left")):
+            self.open("layers")
+            with self.subTest(sentence), mock.patch.object(frame, "upscale", side_effect=error):
+                self.refused(sentence)
+
+    def test_everything_is_as_before_wherever_it_ends(self):
+        self.open("layers")
+        bpy.context.scene.xrds.guides = "CHEAP"
+        for step in range(3):
+            for error in (jobs.Stopped("enough"), RuntimeError("broken"), KeyboardInterrupt()):
+                with self.subTest(step=step, error=error):
+                    before, job = snapshot(), jobs.Job(bpy.context.scene, [1, 3])
+                    with self.assertRaises(type(error)):
+                        for place, made in enumerate(job.steps()):
+                            if place == step:
+                                self.assertTrue(differences(before, snapshot()))
+                                raise error
+                            made.wait()
+                    del job
+                    self.assertEqual(differences(before, snapshot()), [])
+                    self.assertEqual(self.exrs(), [])
+                    self.assertEqual(recorder.active, [])
+
+    @unittest.skipIf(bpy.app.binary_path == "", "Blender as a module hears no Ctrl-C: Python does")
+    def test_blender_cancels_its_render(self):
+        self.open("layers")
+        before = snapshot()
+
+        def interrupt(*_):
+            os.kill(os.getpid(), signal.SIGINT)     # Blender without a window takes it for Esc
+
+        bpy.app.handlers.render_pre.append(interrupt)
+        try:
+            self.assertEqual(bpy.ops.xrds.render(), {"CANCELLED"})
+        finally:
+            bpy.app.handlers.render_pre.remove(interrupt)
+        self.assertIn("Cancelled", operators.last)
+        self.assertEqual(differences(before, snapshot()), [])
+        self.assertEqual(self.exrs(), [])
+
+
+class Recording(WithBlender):
+    def test_every_file_format_comes_back(self):
+        scene = self.open("cryptomatte")
+        settings = scene.render.image_settings
+        for kind in ("PNG", "JPEG", "TIFF", "OPEN_EXR", "BMP", "OPEN_EXR_MULTILAYER"):
+            settings.file_format = kind
+            before = snapshot()
+            with self.subTest(kind), recorder.Recorder() as made:
+                passes.configure_full(scene, scene.xrds, "/nowhere", made)
+                self.assertEqual(settings.file_format, "OPEN_EXR_MULTILAYER")
+            self.assertEqual(differences(before, snapshot()), [])
+
+    def test_a_file_saved_underway_has_the_settings_of_the_artist(self):
+        scene = self.open("layers")
+        path = os.path.join(self.folder, "saved.blend")
+        with recorder.Recorder() as made:
+            passes.configure_low(scene, scene.xrds, "/nowhere", made)
+            bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+            self.assertEqual(scene.render.resolution_x, 16)
+        with bpy.data.libraries.load(path) as (there, wanted):
+            wanted.scenes = there.scenes
+        self.assertEqual([wanted.scenes[0].render.resolution_x, scene.render.resolution_x], [64, 64])
+
+    def test_what_is_deleted_hinders_nothing(self):
+        scene = self.open("layers")
+        item = bpy.data.objects["Lamp"]
+        made = recorder.Recorder()
+        made.put(scene.render, "resolution_x", 16)
+        made.put(item, "hide_render", True)
+        bpy.data.objects.remove(item)
+        self.assertEqual(len(made.restore()), 1)
+        self.assertEqual(scene.render.resolution_x, 64)
+
+
+def main():
+    xrds_render.register()
+    result = unittest.main(argv=["test_extension.py", *OWN[2:]], exit=False, verbosity=1).result
+    xrds_render.unregister()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0 if result.wasSuccessful() else 1)
+
+
+if __name__ == "__main__":
+    main()
