@@ -145,7 +145,7 @@ class Job:
         self.seconds[kind] += time.monotonic() - begin
 
     def _heard(self, stage, text, share):
-        self.text = text if stage == "upscaling" else "Preparing the device, minutes on the first time"
+        self.text = text if stage == "upscaling" else "Preparing the device"
         self.share = share
         return not self.cancelled
 

@@ -40,9 +40,8 @@ class XRDS_PT_panel(bpy.types.Panel):
             layout.progress(factor=job.share, text=job.text)
         else:
             layout.label(text=f"{job.text}: {100 * job.share:.0f} %", icon="SORTTIME")
-        row = layout.row()
-        row.template_running_jobs()
-        row.operator("xrds.cancel", icon="CANCEL", text="Cancelling" if job.cancelled else "Cancel")
+        layout.template_running_jobs()  # with the cross that ends a render at once
+        layout.operator("xrds.cancel", icon="CANCEL", text="Cancelling" if job.cancelled else "Cancel")
 
     def _buttons(self, context, layout, scene):
         found = checks.problem(scene)

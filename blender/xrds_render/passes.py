@@ -29,9 +29,14 @@ def size(scene, scale):
     return tuple(-(-(side * render.resolution_percentage // 100) // scale) for side in (render.resolution_x, render.resolution_y))
 
 
-def _flags(layer):
+def flags(layer):
     """(owner, name) of the switches of its passes; Cycles has some of its own."""
     return [(owner, name) for owner in (layer, layer.cycles) for name in dir(owner) if name.startswith("use_pass_")]
+
+
+def has_light(scene):
+    """Whether the scene asks for light passes."""
+    return any(layer.lightgroups or any(getattr(owner, name) for owner, name in flags(layer) if name in LIGHT_FLAGS) for layer in scene.view_layers)
 
 
 def _configure(scene, width, height, samples, path, put, keep):
@@ -63,7 +68,7 @@ def configure_low(scene, settings, path, recorder):
     _configure(scene, *size(scene, int(settings.scale)), settings.samples, path, recorder.put, recorder.keep)
     for layer in scene.view_layers:
         recorder.put(layer.cycles, "denoising_store_passes", False)
-        for owner, flag in _flags(layer):
+        for owner, flag in flags(layer):
             if flag not in LIGHT_FLAGS:
                 recorder.put(owner, flag, flag == "use_pass_combined")
         _with_colours(layer, recorder.put)
@@ -80,7 +85,7 @@ def configure_full(scene, settings, path, recorder):
         recorder.put(layer.cycles, "denoising_store_passes", True)
         recorder.put(layer, "use_pass_combined", True)
         _with_colours(layer, recorder.put)
-        for owner, flag in _flags(layer):
+        for owner, flag in flags(layer):
             if flag in LIGHT_FLAGS:
                 recorder.put(owner, flag, False)
 
