@@ -1,10 +1,8 @@
-#include "api/state.h"
+#include "api/engine_access.h"
 #include "checks/matrix_proof.h"
 #include "engine/environment.h"
-#include "engine/host_device.h"
 #include "engine/kernel_family.h"
 #include "shaders/programs.h"
-#include "xrds/engine_access.h"
 
 namespace xrds {
 namespace {
@@ -38,23 +36,13 @@ std::vector<std::string> Device::kernelFamilies() {
 
 Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
-Device EngineAccess::shared(const HostDevice& host, const Device::Options& options) {
-  DeviceOptions asked{.cacheFolder = options.cacheFolder,
-                      .kernelFamily = options.kernelFamily,
-                      .onPreparation = options.onPreparation,
-                      .programs = embeddedProgram};
-  Device device(std::make_unique<Device::State>(Device::State{Gpu(std::move(asked), host)}));
-  proveAskedKernels(device.state_->gpu, options.kernelFamily.empty() ? wantedKernelFamily() : options.kernelFamily);
-  return device;
-}
+Device EngineAccess::open(Gpu gpu) { return Device(std::make_unique<Device::State>(Device::State{std::move(gpu)})); }
 
 Device::Device(const Options& options)
     : state_(new State{Gpu({.select = options.select,
                             .validation = options.validation,
                             .onMessage = options.onMessage,
                             .cacheFolder = options.cacheFolder,
-                            .instanceExtensions = options.instanceExtensions,
-                            .deviceExtensions = options.deviceExtensions,
                             .kernelFamily = options.kernelFamily,
                             .onPreparation = options.onPreparation,
                             .programs = embeddedProgram})}) {

@@ -3,7 +3,7 @@
 #include <exception>
 
 #include "api/arguments.h"
-#include "api/state.h"
+#include "api/engine_access.h"
 #include "checks/reference.h"
 #include "checks/stress/stress.h"
 #include "frames/ensemble.h"
@@ -15,7 +15,6 @@
 #include "network/halo.h"
 #include "network/oidn.h"
 #include "tuning/tuner.h"
-#include "xrds/engine_access.h"
 
 namespace xrds {
 namespace {
@@ -124,8 +123,8 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 }  // namespace
 
 struct Upscaler::State {
-  State(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& given)
-      : config(model.config()), frame(shape), options(given) {
+  State(Gpu& on, const NetworkModel& model, FrameShape shape, const Options& given)
+      : gpu(on), config(model.config()), frame(shape), options(given) {
     if (options.ensemble == 8 && frame.width != frame.height) {
       options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
       Options once = options;
@@ -133,13 +132,13 @@ struct Upscaler::State {
       turned = std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once);
     }
     try {
-      prepare(gpu, model, memoryOf(gpu, options.tiles));
+      prepare(model, memoryOf(gpu, options.tiles));
     } catch (const OutOfMemory&) {
-      prepareSmaller(gpu, model, std::current_exception());
+      prepareSmaller(model, std::current_exception());
     }
   }
 
-  void prepare(Gpu& gpu, const NetworkModel& model, uint64_t memory) {
+  void prepare(const NetworkModel& model, uint64_t memory) {
     SessionOptions of = sessionOptions(gpu, model, frame, options);
     of.memoryBytes = memory;
     DeviceTraits traits = gpu.traits();
@@ -157,11 +156,11 @@ struct Upscaler::State {
   }
 
   // The device has less memory than it says, for other programs use it: tiles of half as much, again and again.
-  void prepareSmaller(Gpu& gpu, const NetworkModel& model, const std::exception_ptr& first) {
+  void prepareSmaller(const NetworkModel& model, const std::exception_ptr& first) {
     while (true) {
       runner.reset();
       try {
-        return prepare(gpu, model, (tiling.arenaBytes + tiling.weightBytes) / 2);
+        return prepare(model, (tiling.arenaBytes + tiling.weightBytes) / 2);
       } catch (const OutOfMemory&) {
       } catch (const Cancelled&) {
         throw;
@@ -208,14 +207,7 @@ struct Upscaler::State {
     return true;
   }
 
-  // The images of a frame that is computed in tiles are never on the device as a whole.
-  Session& wholeSession() {
-    Session* const session = runner->whole();
-    if (!session)
-      throw Error("The frame is computed in parts, so that it cannot be drawn from the device: use Upscaler::run().");
-    return *session;
-  }
-
+  Gpu& gpu;
   NetworkConfig config;
   FrameShape frame;
   Options options;
@@ -285,12 +277,14 @@ SkipMap Upscaler::skipMap() const {
 
 const Tiling& Upscaler::tiling() const { return state_->tiling; }
 
-std::vector<Upscaler::ProfileRow> Upscaler::profile() const {
-  std::vector<ProfileRow> rows;
-  for (const DispatchTime& time : state_->runner->times())
+std::vector<Upscaler::ProfileRow> profileRows(std::span<const DispatchTime> times) {
+  std::vector<Upscaler::ProfileRow> rows;
+  for (const DispatchTime& time : times)
     rows.push_back({time.label, time.program, time.multiplyAdds, time.byteSize, time.microseconds});
   return rows;
 }
+
+std::vector<Upscaler::ProfileRow> Upscaler::profile() const { return profileRows(state_->runner->times()); }
 
 std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& model, const PixelView& colour,
                                                 std::span<const PixelView> auxiliary, const Options& options) {
@@ -308,7 +302,10 @@ std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& mod
   return rows;
 }
 
-Gpu& EngineAccess::gpu(Device& device) { return device.state_->gpu; }
+Gpu& EngineAccess::gpu(const Upscaler& upscaler) { return upscaler.state_->gpu; }
+const Upscaler::Options& EngineAccess::options(const Upscaler& upscaler) { return upscaler.state_->options; }
+const NetworkConfig& EngineAccess::config(const Upscaler& upscaler) { return upscaler.state_->config; }
+FrameShape EngineAccess::shape(const Upscaler& upscaler) { return upscaler.state_->frame; }
 
 std::vector<FramePart> EngineAccess::parts(const Upscaler& upscaler) {
   if (upscaler.state_->options.ensemble > 1)
@@ -321,35 +318,6 @@ std::vector<FramePart> EngineAccess::parts(const Upscaler& upscaler) {
         "and "
         "keepUnchanged.");
   return parts;
-}
-
-std::optional<float> EngineAccess::exposureOf(const Upscaler& upscaler) { return upscaler.state_->options.exposure; }
-
-bool EngineAccess::isWhole(const Upscaler& upscaler) { return upscaler.state_->runner->whole() != nullptr; }
-
-DeviceFrame EngineAccess::frame(const Upscaler& upscaler) {
-  const Session& session = upscaler.state_->wholeSession();
-  const auto place = [&](const TensorView& view) -> DeviceImage {
-    if (!view.exists()) return {};
-    return {session.placeOf(view), view.width, view.height, view.channels};
-  };
-  const Graph& graph = session.graph();
-  return {&session.arena(), place(graph.colour), place(graph.auxiliary), place(graph.output)};
-}
-
-void EngineAccess::upload(Upscaler& upscaler, const PixelView& colour, std::span<const PixelView> auxiliary) {
-  Upscaler::State& state = *upscaler.state_;
-  checkImages(state.config, state.frame, colour, auxiliary);
-  state.wholeSession().upload(inputOf(state.config, colour, auxiliary, state.options));
-}
-
-bool EngineAccess::replay(Upscaler& upscaler, const Upscaler::Progress& progress) {
-  return upscaler.state_->wholeSession().replay(countingShare(progress));
-}
-
-void EngineAccess::download(const Upscaler& upscaler, std::span<float> output) {
-  checkOutput(upscaler.state_->config, upscaler.state_->frame, output);
-  upscaler.state_->wholeSession().download(output);
 }
 
 StressReport Upscaler::stress(Device& device, const StressOptions& options) {

@@ -71,7 +71,6 @@ void openDevice(Gpu::Handles& gpu) {
   gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
   matrixFeatures.enable(gpu.traits.matrixUnits, gpu.choosesSubgroups, features12);
   std::vector<const char*> extensions = extensionsOf(gpu.traits.matrixUnits, gpu.choosesSubgroups);
-  for (const std::string& name : gpu.options.deviceExtensions) extensions.push_back(name.c_str());
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
   const char* portability = "VK_KHR_portability_subset";
   if (hasDeviceExtension(gpu.physicalDevice, portability)) extensions.push_back(portability);
@@ -133,14 +132,23 @@ std::vector<DeviceDescription> listDevices() {
   return descriptions;
 }
 
+void prepareDrivers(const std::filesystem::path& cacheFolder, bool draws) {
+  const auto held = holdLoader();
+  std::vector<std::string> notes;
+  const auto folder = chooseCacheFolder(cacheFolder, notes);
+  // llvmpipe (Mesa 22.3) crashes when it compiles a vertex shader for 512-bit vectors.
+  if (!draws) widenCpuVectors();
+  separateShaderCache(folder);
+  std::unique_ptr<Instance> instance;
+  if (!draws) openDevices(instance, {.cacheFolder = folder});
+}
+
 Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   const auto held = holdLoader();
   Handles& gpu = *handles_;
   gpu.options = std::move(options);
   gpu.options.cacheFolder = chooseCacheFolder(gpu.options.cacheFolder, gpu.notes);
-  // llvmpipe (Mesa 22.3) crashes when it compiles a vertex shader for 512-bit vectors.
-  const bool draws = !gpu.options.deviceExtensions.empty();
-  if (!draws) widenCpuVectors();
+  widenCpuVectors();
   separateShaderCache(gpu.options.cacheFolder);
   const auto found = openDevices(gpu.instance, gpu.options);
   std::vector<DeviceDescription> descriptions;
@@ -180,13 +188,6 @@ const DeviceDescription& Gpu::description() const { return handles_->description
 const DeviceTraits& Gpu::traits() const { return handles_->traits; }
 const std::vector<std::string>& Gpu::notes() const { return handles_->notes; }
 bool Gpu::hasAskedFamily() const { return !handles_->options.kernelFamily.empty() || !wantedKernelFamily().empty(); }
-void Gpu::addPrograms(ProgramSource source) {
-  handles_->options.programs = [first = std::move(handles_->options.programs),
-                                second = std::move(source)](std::string_view name) {
-    const auto words = first ? first(name) : std::span<const uint32_t>{};
-    return words.empty() ? second(name) : words;
-  };
-}
 bool Gpu::isShared() const { return handles_->isShared; }
 const std::filesystem::path& Gpu::cacheFolder() const { return handles_->options.cacheFolder; }
 std::string Gpu::driverKey() const {

@@ -42,8 +42,6 @@ struct DeviceOptions {
   /// Pipelines and driver caches are kept here; empty: the user's cache folder. If it cannot be written, a temporary
   /// one takes its place: see Gpu::notes().
   std::filesystem::path cacheFolder;
-  /// Vulkan extensions to enable beside the engine's own, for programs that share its device to draw with it.
-  std::vector<std::string> instanceExtensions{}, deviceExtensions{};
   /// The written version of the kernels; empty: what $XRDS_KERNEL_FAMILY names, else what suits the device.
   std::string kernelFamily{};
   /// Hears how far the making of programs is, from Recording's constructor.
@@ -79,8 +77,6 @@ class Gpu {
   const std::vector<std::string>& notes() const;
   /// Whether the kernel family was asked for, by the options or $XRDS_KERNEL_FAMILY.
   bool hasAskedFamily() const;
-  /// Lets programs that none of the sources so far has be found in one more.
-  void addPrograms(ProgramSource source);
   /// Whether it is another program's.
   bool isShared() const;
   /// Where caches are kept; empty: nowhere.

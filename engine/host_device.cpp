@@ -5,6 +5,7 @@
 #include "engine/handles.h"
 #include "engine/kernel_family.h"
 #include "engine/matrix_units.h"
+#include "engine/selection.h"
 #include "engine/traits.h"
 #include "xrds/error.h"
 
@@ -38,7 +39,8 @@ MatrixUnits unitsOf(const HostFeatures& features) {
   return features.cooperativeMatrixKhr ? MatrixUnits::khr : MatrixUnits::none;
 }
 
-void checkQueue(const HostDevice& host) {
+// The bits of its timestamps that count.
+uint32_t checkedQueue(const HostDevice& host) {
   if (!host.device || !host.queue) throw InvalidArgument("The Vulkan device or its queue is a null handle.");
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(host.physicalDevice, &count, nullptr);
@@ -47,9 +49,20 @@ void checkQueue(const HostDevice& host) {
   if (host.queueFamily >= count || !(families[host.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT))
     throw InvalidArgument("Queue family " + std::to_string(host.queueFamily) +
                           " of the device has no compute queues: give a queue of one that has.");
+  return families[host.queueFamily].timestampValidBits;
 }
 
 }  // namespace
+
+VkPhysicalDevice selectPhysicalDevice(const HostDevice& host, std::string_view select) {
+  const auto held = holdLoader();
+  const auto instance = takeInstance(host.instance, host.loader);
+  const auto found = findDevices(*instance);
+  std::vector<DeviceDescription> descriptions;
+  descriptions.reserve(found.size());
+  for (const FoundDevice& each : found) descriptions.push_back(each.description);
+  return found[selectDevice(descriptions, select)].physicalDevice;
+}
 
 HostFeatures usefulFeatures(const HostDevice& host) {
   const auto held = holdLoader();
@@ -84,7 +97,7 @@ Buffer hostBuffer(Gpu& gpu, VkBuffer buffer, uint64_t byteSize) {
 void takeDevice(Gpu::Handles& gpu, const HostDevice& host) {
   gpu.isShared = true;
   gpu.instance = checkedInstance(host);
-  checkQueue(host);
+  gpu.timestampValidBits = checkedQueue(host);
   gpu.physicalDevice = host.physicalDevice;
   gpu.description = describe(*gpu.instance, host.physicalDevice);
   if (unitsOf(host.enabled) != gpu.description.matrixUnits) gpu.description.matrixUnits = MatrixUnits::none;

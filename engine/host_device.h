@@ -37,6 +37,14 @@ struct HostImage {
 /// A buffer of that program, whose first bytes count. Throws InvalidArgument if it cannot hold so many.
 Buffer hostBuffer(Gpu& gpu, VkBuffer buffer, uint64_t byteSize);
 
+/// Sets the environment for CPU drivers as Gpu's constructor does for a device of its own, before the first instance of
+/// the process. An empty folder: the user's.
+void prepareDrivers(const std::filesystem::path& cacheFolder, bool draws);
+
+/// The device of the instance that DeviceOptions::select means. Throws Error that names the devices if none or more
+/// than one fits.
+VkPhysicalDevice selectPhysicalDevice(const HostDevice& host, std::string_view select);
+
 /// What of the features the engine would use on the physical device; queue, device and `enabled` do not count. Throws
 /// InvalidArgument if it is none of the instance or older than Vulkan 1.2.
 HostFeatures usefulFeatures(const HostDevice& host);

@@ -151,7 +151,6 @@ std::unique_ptr<Instance> openInstance(const DeviceOptions& options) {
   result->onMessage = options.onMessage;
 
   std::vector<const char*> extensions;
-  for (const std::string& name : options.instanceExtensions) extensions.push_back(name.c_str());
   VkInstanceCreateFlags flags = 0;
   if (hasInstanceExtension(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
     extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);

@@ -15,7 +15,6 @@ class WholeFrame : public FrameRunner {
   const std::vector<uint64_t>& lostPixels() const override { return session_->lostPixels(); }
   std::vector<DispatchTime> times() const override { return session_->times(); }
   uint64_t byteSize() const override { return session_->ownByteSize(); }
-  Session* whole() override { return &*session_; }
   std::vector<FramePart> parts() override {
     const TensorView& colour = session_->graph().colour;
     const Rectangle frame{0, 0, colour.width, colour.height};

@@ -28,8 +28,6 @@ class FrameRunner {
   /// What a frame is made of, for programs that run it on the device themselves; empty: which parts it has depends on
   /// its pixels.
   virtual std::vector<FramePart> parts() { return {}; }
-  /// The session of a frame that is on the device as a whole; null: it is computed in parts.
-  virtual Session* whole() { return nullptr; }
   /// What skips windows; null: nothing does.
   virtual const SparseRunner* sparse() const { return nullptr; }
 };

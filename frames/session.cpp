@@ -212,17 +212,18 @@ void Session::download(std::span<float> output) const {
   });
 }
 
-std::vector<DispatchTime> Session::times() const {
-  const auto microseconds = recording_->gpuMicroseconds();
+std::vector<DispatchTime> timesOf(std::span<const PlacedDispatch> dispatches, std::span<const double> microseconds) {
   std::vector<DispatchTime> times;
   for (size_t i = 0; i < microseconds.size(); ++i) {
-    const Dispatch& dispatch = placed_[i].dispatch;
+    const Dispatch& dispatch = dispatches[i].dispatch;
     DispatchTime row{dispatch.label, dispatch.program, dispatch.multiplyAdds, 0, microseconds[i]};
-    for (const ByteRange& range : placed_[i].ranges) row.byteSize += range.byteSize;
+    for (const ByteRange& range : dispatches[i].ranges) row.byteSize += range.byteSize;
     times.push_back(std::move(row));
   }
   return times;
 }
+
+std::vector<DispatchTime> Session::times() const { return timesOf(placed_, recording_->gpuMicroseconds()); }
 
 std::vector<float> Session::read(const TensorView& view) const {
   std::vector<std::byte> bytes(view.storedByteSize());

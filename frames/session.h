@@ -58,6 +58,9 @@ struct DispatchTime {
   double microseconds = 0;
 };
 
+/// Of dispatches, by the times that a recording of them has taken.
+std::vector<DispatchTime> timesOf(std::span<const PlacedDispatch> dispatches, std::span<const double> microseconds);
+
 /// A model made ready for one frame shape on one device: planned and recorded once, replayed for each frame.
 class Session {
  public:

@@ -29,7 +29,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"sequence", {"xrds"}},
     {"app", {"xrds", "image"}},
     {"cli", {"xrds", "image", "app", "advice", "sequence"}},
-    {"viewer", {"xrds", "image", "app", "sequence", "engine", "volk.h", "GLFW"}},
+    {"viewer", {"xrds", "image", "app", "sequence", "vulkan", "GLFW"}},
     {"bench", {"engine", "shaders", "graph", "network", "frames", "checks", "image", "xrds"}},
     {"fuzz", {"network", "image", "xrds"}},
     {"python", {"xrds"}},

@@ -19,7 +19,7 @@ compare() {
 }
 
 source=$(cd "$(dirname "$0")/.." && pwd)
-headers=$(cd "$source/include" && find xrds -type f ! -name engine_access.h -printf 'include/%p\n')
+headers=$(cd "$source/include" && find xrds -type f -printf 'include/%p\n')
 models=$(cd "$source/models" && find . -type f \( -name '*.safetensors' -o -name '*.md' -o -name ways.json \) -printf 'share/xrds/models/%P\n')
 [ "$(grep -c safetensors <<< "$models")" -eq "$(grep -c 'md$' <<< "$models")" ] || fail "A model has no card"
 kind=$(sed -n 's/^CMAKE_BUILD_TYPE:STRING=//p' "$build/CMakeCache.txt" | tr '[:upper:]' '[:lower:]')

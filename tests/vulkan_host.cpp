@@ -7,6 +7,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "tests/heap_count.h"
+
 namespace xrds::test {
 namespace {
 
@@ -37,6 +39,7 @@ struct Thunk<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
     ++counts[kIndex];
     if constexpr (std::is_same_v<Result, VkResult>)
       if (failing == kIndex) return failure;
+    const Uncounted driver;
     return reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(originals[kIndex])(arguments...);
   }
 };

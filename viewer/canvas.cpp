@@ -5,8 +5,8 @@
 
 #include "canvas_frag.h"
 #include "canvas_vert.h"
-#include "engine/vulkan_result.h"
 #include "image/compose.h"
+#include "viewer/vulkan/kernel.h"
 
 namespace xrds {
 
@@ -19,15 +19,6 @@ Image heatRamp(int steps) {
 namespace {
 
 constexpr uint32_t kBindings = 3;
-
-VkShaderModule makeModule(const Gpu::Handles& gpu, std::span<const uint32_t> words) {
-  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  info.codeSize = words.size_bytes();
-  info.pCode = words.data();
-  VkShaderModule module = VK_NULL_HANDLE;
-  checkResult(gpu.vk.vkCreateShaderModule(gpu.device, &info, nullptr, &module), "vkCreateShaderModule");
-  return module;
-}
 
 // The colours of the heat map from least to most, as a picture of one row.
 std::vector<float> heatColours() {
@@ -47,43 +38,42 @@ std::pair<uint32_t, uint32_t> pixelsOf(double begin, double end, double limit) {
 
 }  // namespace
 
-Canvas::Canvas(Gpu& gpu, Pictures& pictures, VkRenderPass renderPass) : gpu_(gpu.handles()), pictures_(pictures) {
-  pictures.upload(Slot::heat, 256, 1, 4, heatColours());
+Canvas::Canvas(VulkanDevice& gpu, Pictures& pictures, VkRenderPass renderPass) : gpu_(gpu), pictures_(pictures) {
+  pictures.upload(Slot::heat, 256, 1, 1, heatColours());
   VkDescriptorSetLayoutBinding bindings[kBindings]{};
   for (uint32_t i = 0; i < kBindings; ++i)
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
   VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   set.bindingCount = kBindings;
   set.pBindings = bindings;
-  checkResult(gpu_.vk.vkCreateDescriptorSetLayout(gpu_.device, &set, nullptr, &setLayout_),
-              "vkCreateDescriptorSetLayout");
+  checkVulkan(vkCreateDescriptorSetLayout(gpu_.device, &set, nullptr, &setLayout_), "vkCreateDescriptorSetLayout");
   const VkPushConstantRange range{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(shader::PictureParameters)};
   VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layout.setLayoutCount = 1;
   layout.pSetLayouts = &setLayout_;
   layout.pushConstantRangeCount = 1;
   layout.pPushConstantRanges = &range;
-  checkResult(gpu_.vk.vkCreatePipelineLayout(gpu_.device, &layout, nullptr, &layout_), "vkCreatePipelineLayout");
+  checkVulkan(vkCreatePipelineLayout(gpu_.device, &layout, nullptr, &layout_), "vkCreatePipelineLayout");
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kBindings * 3};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = 3;
   pool.poolSizeCount = 1;
   pool.pPoolSizes = &size;
-  checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
+  checkVulkan(vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
   VkDescriptorSetAllocateInfo allocation{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocation.descriptorPool = pool_;
   const VkDescriptorSetLayout layouts[] = {setLayout_, setLayout_, setLayout_};
   allocation.descriptorSetCount = 3;
   allocation.pSetLayouts = layouts;
-  checkResult(gpu_.vk.vkAllocateDescriptorSets(gpu_.device, &allocation, sets_.data()), "vkAllocateDescriptorSets");
+  checkVulkan(vkAllocateDescriptorSets(gpu_.device, &allocation, sets_.data()), "vkAllocateDescriptorSets");
   makePipelines(renderPass);
 }
 
 Canvas::~Canvas() {
-  for (const VkPipeline pipeline : pipelines_) gpu_.vk.vkDestroyPipeline(gpu_.device, pipeline, nullptr);
-  gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
-  gpu_.vk.vkDestroyPipelineLayout(gpu_.device, layout_, nullptr);
-  gpu_.vk.vkDestroyDescriptorSetLayout(gpu_.device, setLayout_, nullptr);
+  for (const VkPipeline pipeline : pipelines_) vkDestroyPipeline(gpu_.device, pipeline, nullptr);
+  vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
+  vkDestroyPipelineLayout(gpu_.device, layout_, nullptr);
+  vkDestroyDescriptorSetLayout(gpu_.device, setLayout_, nullptr);
 }
 
 void Canvas::makePipelines(VkRenderPass renderPass) {
@@ -131,10 +121,10 @@ void Canvas::makePipelines(VkRenderPass renderPass) {
   for (uint32_t kind = 0; kind < shader::kKindCount && made == VK_SUCCESS; ++kind) {
     const VkSpecializationInfo specialization{1, &kEntry, sizeof kind, &kind};
     stages[1].pSpecializationInfo = &specialization;
-    made = gpu_.vk.vkCreateGraphicsPipelines(gpu_.device, gpu_.pipelineCache, 1, &info, nullptr, &pipelines_[kind]);
+    made = vkCreateGraphicsPipelines(gpu_.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipelines_[kind]);
   }
-  for (const auto& stage : stages) gpu_.vk.vkDestroyShaderModule(gpu_.device, stage.module, nullptr);
-  checkResult(made, "vkCreateGraphicsPipelines");
+  for (const auto& stage : stages) vkDestroyShaderModule(gpu_.device, stage.module, nullptr);
+  checkVulkan(made, "vkCreateGraphicsPipelines");
 }
 
 Canvas::Choice Canvas::choiceOf(View view) {
@@ -166,7 +156,7 @@ Canvas::Choice Canvas::choiceOf(View view) {
 View Canvas::shownFor(View view) const {
   const Choice choice = choiceOf(view);
   const PictureView picture = pictures_.at(choice.slot);
-  const bool missing = !picture.valid || picture.channels < choice.channel() + 3 || !pictures_.at(choice.other).valid;
+  const bool missing = !picture.valid || picture.planes <= choice.plane() || !pictures_.at(choice.other).valid;
   if (!missing) return view;
   return view == View::output && pictures_.at(Slot::guided).valid ? View::guided : View::input;
 }
@@ -179,7 +169,7 @@ void Canvas::describe(VkDescriptorSet set, const Choice& choice) {
   write.descriptorCount = kBindings;  // runs on over the following bindings
   write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   write.pTexelBufferView = views;
-  gpu_.vk.vkUpdateDescriptorSets(gpu_.device, 1, &write, 0, nullptr);
+  vkUpdateDescriptorSets(gpu_.device, 1, &write, 0, nullptr);
 }
 
 void Canvas::draw(VkCommandBuffer commands, const ViewState& state, uint32_t width, uint32_t height) {
@@ -203,11 +193,11 @@ void Canvas::draw(VkCommandBuffer commands, const ViewState& state, uint32_t wid
 void Canvas::warmUp(VkCommandBuffer commands) {
   const VkRect2D pixel{{}, {1, 1}};
   shader::PictureParameters parameters{};
-  parameters.picture = {1, 1, 4};
+  parameters.picture = {1, 1, 1};
   parameters.width = parameters.height = parameters.windowSide = 1;
   parameters.zoom = 1;
   describe(sets_[2], {Slot::heat});
-  gpu_.vk.vkCmdSetScissor(commands, 0, 1, &pixel);
+  vkCmdSetScissor(commands, 0, 1, &pixel);
   for (uint32_t kind = 0; kind < shader::kKindCount; ++kind) record(commands, sets_[2], kind, parameters);
 }
 
@@ -218,7 +208,7 @@ void Canvas::drawPart(VkCommandBuffer commands, VkDescriptorSet set, const Choic
   const PictureView picture = pictures_.at(choice.slot);
   const Viewport& viewport = state.viewport;
   shader::PictureParameters parameters{};
-  parameters.picture = {picture.width, picture.height, picture.channels};
+  parameters.picture = {picture.width, picture.height, picture.planes};
   parameters.width = static_cast<uint32_t>(viewport.pictureWidth);
   parameters.height = static_cast<uint32_t>(viewport.pictureHeight);
   parameters.originX = static_cast<float>(viewport.left);
@@ -227,16 +217,16 @@ void Canvas::drawPart(VkCommandBuffer commands, VkDescriptorSet set, const Choic
   parameters.exposure = state.exposure();
   parameters.curve = state.curve;
   parameters.windowSide = std::max(state.windowSide, 1U);
-  gpu_.vk.vkCmdSetScissor(commands, 0, 1, &part);
+  vkCmdSetScissor(commands, 0, 1, &part);
   record(commands, set, choice.kind, parameters);
 }
 
 void Canvas::record(VkCommandBuffer commands, VkDescriptorSet set, uint32_t kind,
                     const shader::PictureParameters& parameters) {
-  gpu_.vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[kind]);
-  gpu_.vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set, 0, nullptr);
-  gpu_.vk.vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof parameters, &parameters);
-  gpu_.vk.vkCmdDraw(commands, 3, 1, 0, 0);
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[kind]);
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set, 0, nullptr);
+  vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof parameters, &parameters);
+  vkCmdDraw(commands, 3, 1, 0, 0);
 }
 
 }  // namespace xrds

@@ -14,10 +14,8 @@ layout(location = 0) out vec4 colour;
 
 vec3 pixelOf(uvec2 at) {
   const Picture picture = parameters.picture;
-  const int texel = int((at.y * picture.width + at.x) * (picture.stride / 4));
-  const vec4 first = texelFetch(texels, texel);
-  if (kKind == kKindNormal) return vec3(first.w, texelFetch(texels, texel + 1).xy);
-  return first.xyz;
+  const uint plane = kKind == kKindNormal ? 1 : 0;
+  return texelFetch(texels, int((at.y * picture.planes + plane) * picture.width + at.x)).xyz;
 }
 
 vec3 heat(vec3 found, uvec2 at) {

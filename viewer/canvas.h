@@ -13,7 +13,7 @@ Image heatRamp(int steps);
 class Canvas {
  public:
   /// Throws Error if Vulkan fails. All must outlive the canvas.
-  Canvas(Gpu& gpu, Pictures& pictures, VkRenderPass renderPass);
+  Canvas(VulkanDevice& gpu, Pictures& pictures, VkRenderPass renderPass);
   ~Canvas();
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
@@ -26,8 +26,8 @@ class Canvas {
   struct Choice {
     Slot slot = Slot::output;
     uint32_t kind = shader::kKindRadiance;
-    Slot other = Slot::heat;                                                  // which is always there
-    uint32_t channel() const { return kind == shader::kKindNormal ? 3 : 0; }  // the first that is shown
+    Slot other = Slot::heat;                                                // which is always there
+    uint32_t plane() const { return kind == shader::kKindNormal ? 1 : 0; }  // that is shown
   };
   static Choice choiceOf(View view);
   /// What is drawn for a view now: itself, or where its picture is not there (yet), the guided image or the input.
@@ -42,7 +42,7 @@ class Canvas {
   void record(VkCommandBuffer commands, VkDescriptorSet set, uint32_t kind,
               const shader::PictureParameters& parameters);
 
-  Gpu::Handles& gpu_;
+  VulkanDevice& gpu_;
   Pictures& pictures_;
   VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;

@@ -47,11 +47,12 @@ void runHeadless(const ViewerOptions& options) {
     throw Failure{ExitCode::usage, "--headless needs --live SCENE and --frames N."};
   using Clock = std::chrono::steady_clock;
   Wanted wanted = wantedOf(options);
-  Device device({.select = options.device});
-  Pictures pictures(EngineAccess::gpu(device));
+  VulkanDevice vulkan({.select = options.device});
+  Device device = vulkan.shared();
+  Pictures pictures(vulkan);
   wanted.live.scene = options.scene;
   Signal signal;
-  Upscaling upscaling(device, pictures, [&] { signal.give(); });
+  Upscaling upscaling(vulkan, device, pictures, [&] { signal.give(); });
   upscaling.want(wanted);
   std::optional<Orbit> orbit;
   const uint64_t last = kUncounted + static_cast<uint64_t>(options.frames);

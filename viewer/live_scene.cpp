@@ -15,24 +15,16 @@ TraceScene sceneOf(const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end() ? builtInScene(name) : loadScene(name);
 }
 
-PathTracer makeTracer(Gpu& gpu, const LiveWanted& wanted, uint32_t scale, Camera& start) {
+PathTracer makeTracer(VulkanDevice& gpu, const LiveWanted& wanted, uint32_t scale, Camera& start) {
   const TraceScene scene = failingWith(ExitCode::input, [&] { return sceneOf(wanted.scene); });
   start = scene.camera;
   return {gpu, scene, wanted.width, wanted.height, scale};
 }
 
-// A device finds programs for ever once it was told of them.
-Gpu& withPrograms(Gpu& gpu) {
-  static const Gpu* told = nullptr;
-  if (told != &gpu) gpu.addPrograms(tracerProgram);
-  told = &gpu;
-  return gpu;
-}
-
 }  // namespace
 
-LiveScene::LiveScene(Gpu& gpu, const LiveWanted& wanted, uint32_t scale)
-    : gpu_(withPrograms(gpu)), made_(wanted), scale_(scale), tracer_(makeTracer(gpu_, wanted, scale, start_)) {
+LiveScene::LiveScene(VulkanDevice& gpu, const LiveWanted& wanted, uint32_t scale)
+    : made_(wanted), scale_(scale), tracer_(makeTracer(gpu, wanted, scale, start_)) {
   camera_ = start_;
   tracer_.reset(camera_);
 }

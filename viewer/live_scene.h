@@ -22,7 +22,7 @@ struct LiveWanted {
 class LiveScene {
  public:
   /// Throws Failure if the scene cannot be read, Error if the device cannot hold it.
-  LiveScene(Gpu& gpu, const LiveWanted& wanted, uint32_t scale);
+  LiveScene(VulkanDevice& gpu, const LiveWanted& wanted, uint32_t scale);
 
   /// The names that LiveWanted::scene takes besides files.
   static std::vector<std::string> names();
@@ -38,10 +38,9 @@ class LiveScene {
   bool finished(const LiveWanted& wanted) const { return samples() >= wanted.mostSamples; }
   /// Adds samples: one at first, more at once while nothing moves. Returns false if `progress` stopped it.
   bool refine(const LiveWanted& wanted, const PathTracer::Progress& progress);
-  void giveTo(PreparedNetwork& network) { network.take(gpu_, tracer_.colour(), tracer_.auxiliary()); }
+  void giveTo(PreparedNetwork& network) { network.take(tracer_.colour(), tracer_.auxiliary()); }
 
  private:
-  Gpu& gpu_;
   LiveWanted made_;
   uint32_t scale_;
   Camera start_, camera_;

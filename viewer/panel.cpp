@@ -4,7 +4,6 @@
 #include <imgui_impl_glfw.h>
 #include <imgui_impl_vulkan.h>
 
-#include "engine/vulkan_result.h"
 #include "viewer/file_dialog.h"
 #include "viewer/overlay.h"
 #include "viewer/panel_parts.h"
@@ -29,7 +28,7 @@ void setStyle(float scale) {
 }
 
 // Dear ImGui changed how its renderer gets the render pass, and uploads the letters itself from 1.90 on.
-void startRenderer(ImGui_ImplVulkan_InitInfo& info, VkRenderPass renderPass, Gpu::Handles& gpu) {
+void startRenderer(ImGui_ImplVulkan_InitInfo& info, VkRenderPass renderPass, VulkanDevice& gpu) {
 #if IMGUI_VERSION_NUM >= 19240
   info.PipelineInfoMain.RenderPass = renderPass;
 #elif IMGUI_VERSION_NUM >= 19030
@@ -41,7 +40,7 @@ void startRenderer(ImGui_ImplVulkan_InitInfo& info, VkRenderPass renderPass, Gpu
   ImGui_ImplVulkan_Init(&info, renderPass);
 #endif
 #if IMGUI_VERSION_NUM < 19000
-  runOnce(gpu, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
+  gpu.runOnce([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
   ImGui_ImplVulkan_DestroyFontUploadObjects();
 #else
   static_cast<void>(gpu);
@@ -50,8 +49,8 @@ void startRenderer(ImGui_ImplVulkan_InitInfo& info, VkRenderPass renderPass, Gpu
 
 }  // namespace
 
-Panel::Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain)
-    : gpu_(gpu.handles()), display_(display), swapchain_(swapchain) {
+Panel::Panel(VulkanDevice& gpu, const Display& display, const Swapchain& swapchain)
+    : gpu_(gpu), display_(display), swapchain_(swapchain) {
   constexpr uint32_t kTextures = 8;  // Dear ImGui has one, and a new one before the old is gone
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kTextures};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
@@ -59,7 +58,7 @@ Panel::Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain)
   pool.maxSets = kTextures;
   pool.poolSizeCount = 1;
   pool.pPoolSizes = &size;
-  checkResult(gpu_.vk.vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
+  checkVulkan(vkCreateDescriptorPool(gpu_.device, &pool, nullptr, &pool_), "vkCreateDescriptorPool");
 
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
@@ -72,7 +71,7 @@ Panel::~Panel() {
   ImGui_ImplVulkan_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
-  gpu_.vk.vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
+  vkDestroyDescriptorPool(gpu_.device, pool_, nullptr);
 }
 
 // Letters and sizes for the scale of the display, and what draws them.
@@ -87,7 +86,7 @@ void Panel::open() {
   io.FontGlobalScale = 1 / unit_;
   setStyle(scale_ / unit_);
   ImGui_ImplVulkan_InitInfo info{};
-  info.Instance = gpu_.instance->instance;
+  info.Instance = gpu_.instance;
   info.PhysicalDevice = gpu_.physicalDevice;
   info.Device = gpu_.device;
   info.QueueFamily = gpu_.queueFamily;
@@ -95,14 +94,14 @@ void Panel::open() {
   info.DescriptorPool = pool_;
   info.MinImageCount = 2;
   info.ImageCount = std::max(swapchain_.imageCount(), 2u);
-  info.CheckVkResultFn = [](VkResult result) { checkResult(result, "Dear ImGui"); };
+  info.CheckVkResultFn = [](VkResult result) { checkVulkan(result, "Dear ImGui"); };
   startRenderer(info, swapchain_.renderPass(), gpu_);
 }
 
 void Panel::rescale() {
   if (scale_ == display_.scale() && unit_ == display_.pixelsPerUnit()) return;
   ImGui_ImplVulkan_Shutdown();
-  checkResult(gpu_.vk.vkResetDescriptorPool(gpu_.device, pool_, 0), "vkResetDescriptorPool");
+  checkVulkan(vkResetDescriptorPool(gpu_.device, pool_, 0), "vkResetDescriptorPool");
   open();
 }
 

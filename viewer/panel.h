@@ -51,7 +51,7 @@ struct PanelModel {
 class Panel {
  public:
   /// Throws Error if Vulkan fails. All must outlive the panel.
-  Panel(Gpu& gpu, const Display& display, const Swapchain& swapchain);
+  Panel(VulkanDevice& gpu, const Display& display, const Swapchain& swapchain);
   ~Panel();
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
@@ -81,7 +81,7 @@ class Panel {
   void layOutPanel(PanelModel& model, PanelPlace place, float width, float height);
   void applyPretended() const;
 
-  Gpu::Handles& gpu_;
+  VulkanDevice& gpu_;
   const Display& display_;
   const Swapchain& swapchain_;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;

@@ -10,7 +10,7 @@ using uint = uint32_t;
 
 const uint kKindRadiance = 0;  // linear: exposure, tone curve
 const uint kKindAlbedo = 1;    // linear: no exposure, sRGB
-const uint kKindNormal = 2;    // [-1, 1], of the channels 3 to 5
+const uint kKindNormal = 2;    // [-1, 1], of the second plane
 const uint kKindError = 3;     // against the reference, as a heat map
 const uint kKindSkip = 4;      // radiance, under the map of what was not computed
 const uint kKindCount = 5;
@@ -32,9 +32,9 @@ inline
   return difference * difference / (expected * expected + 0.01f);
 }
 
-/// How a picture lies in its texel buffer: rows from the top, `stride` floats a pixel.
+/// How a picture lies in its texel buffer: rows from the top, each with those of its planes, one after the other.
 struct Picture {
-  uint width, height, stride;
+  uint width, height, planes;
 };
 
 /// Lengths on the display are in its pixels, from the top left.

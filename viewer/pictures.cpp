@@ -1,24 +1,19 @@
 #include "viewer/pictures.h"
 
-#include "engine/vulkan_result.h"
+#include "viewer/vulkan/kernel.h"
 
 namespace xrds {
 
 Pictures::~Pictures() {
-  const Gpu::Handles& gpu = gpu_.handles();
-  for (const Picture& made : pictures_) gpu.vk.vkDestroyBufferView(gpu.device, made.view.texels, nullptr);
+  for (const Picture& made : pictures_) vkDestroyBufferView(gpu_.device, made.view.texels, nullptr);
 }
 
-Pictures::Picture Pictures::make(uint32_t width, uint32_t height, uint32_t channels) {
+Pictures::Picture Pictures::make(uint32_t width, uint32_t height, uint32_t planes) {
   Picture made;
-  made.memory = std::make_unique<Buffer>(gpu_, uint64_t{4} * width * height * channels);
-  made.view = {made.memory->handles().buffer, VK_NULL_HANDLE, width, height, channels, false};
-  VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
-  info.buffer = made.view.buffer;
-  info.format = VK_FORMAT_R32G32B32A32_SFLOAT;
-  info.range = uint64_t{4} * width * height * channels;
-  const Gpu::Handles& gpu = gpu_.handles();
-  checkResult(gpu.vk.vkCreateBufferView(gpu.device, &info, nullptr, &made.view.texels), "vkCreateBufferView");
+  made.view = {VK_NULL_HANDLE, VK_NULL_HANDLE, width, height, planes, false};
+  made.memory = std::make_unique<DeviceBuffer>(gpu_, made.view.byteSize());
+  made.view.buffer = made.memory->buffer();
+  made.view.texels = makeTexelView(gpu_, *made.memory, VK_FORMAT_R32G32B32A32_SFLOAT);
   return made;
 }
 
@@ -28,35 +23,32 @@ void Pictures::replace(Slot slot, Picture fresh) {
     std::swap(picture(slot), fresh);
   }
   if (!fresh.memory) return;
-  Gpu::Handles& gpu = gpu_.handles();
   {
-    const std::lock_guard lock(gpu.queueAccess);
-    checkResult(gpu.vk.vkQueueWaitIdle(gpu.queue), "vkQueueWaitIdle");  // a drawing may still read the old one
+    const std::lock_guard lock(gpu_.queueAccess);
+    checkVulkan(vkQueueWaitIdle(gpu_.queue), "vkQueueWaitIdle");  // a drawing may still read the old one
   }
-  gpu.vk.vkDestroyBufferView(gpu.device, fresh.view.texels, nullptr);
+  vkDestroyBufferView(gpu_.device, fresh.view.texels, nullptr);
 }
 
-void Pictures::resize(Slot slot, uint32_t width, uint32_t height, uint32_t channels) {
+void Pictures::resize(Slot slot, uint32_t width, uint32_t height, uint32_t planes) {
   const PictureView now = at(slot);
-  if (now.width != width || now.height != height || now.channels != channels)
-    replace(slot, make(width, height, channels));
+  if (now.width != width || now.height != height || now.planes != planes) replace(slot, make(width, height, planes));
 }
 
 void Pictures::copy(std::span<const PictureSource> sources) {
-  Gpu::Handles& gpu = gpu_.handles();
-  runOnce(gpu, [&](VkCommandBuffer commands) {
+  gpu_.runOnce([&](VkCommandBuffer commands) {
     for (const PictureSource& source : sources) {
       const PictureView to = at(source.slot);
-      const VkBufferCopy region{source.byteOffset, 0, uint64_t{4} * to.width * to.height * to.channels};
-      gpu.vk.vkCmdCopyBuffer(commands, source.buffer, to.buffer, 1, &region);
+      const VkBufferCopy region{0, 0, to.byteSize()};
+      vkCmdCopyBuffer(commands, source.buffer->buffer(), to.buffer, 1, &region);
     }
   });
   const std::lock_guard lock(mutex_);
   for (const PictureSource& source : sources) picture(source.slot).view.valid = true;
 }
 
-void Pictures::upload(Slot slot, uint32_t width, uint32_t height, uint32_t channels, std::span<const float> pixels) {
-  Picture fresh = make(width, height, channels);
+void Pictures::upload(Slot slot, uint32_t width, uint32_t height, uint32_t planes, std::span<const float> pixels) {
+  Picture fresh = make(width, height, planes);
   fresh.memory->upload(0, std::as_bytes(pixels));
   fresh.view.valid = true;
   replace(slot, std::move(fresh));

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <volk.h>
-
 #include <array>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 
-#include "engine/buffer.h"
-#include "engine/handles.h"
+#include "viewer/vulkan/buffer.h"
 
 namespace xrds {
 
@@ -17,37 +14,37 @@ namespace xrds {
 enum class Slot : uint8_t { input, auxiliary, output, bicubic, demodulated, guided, reference, heat, skipMap };
 inline constexpr size_t kSlotCount = 9;
 
-/// An image in device memory as texels: rows from the top, `channels` floats a pixel (a multiple of 4). `valid` once it
-/// belongs to the frame that is shown.
+/// An image in device memory, [height, planes, width, 4] floats: each row has those of its planes one after the other.
+/// `valid` once it belongs to the frame that is shown.
 struct PictureView {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkBufferView texels = VK_NULL_HANDLE;
-  uint32_t width = 0, height = 0, channels = 0;
+  uint32_t width = 0, height = 0, planes = 0;
+  uint64_t byteSize() const { return uint64_t{16} * width * height * planes; }
   bool valid = false;
 };
 
-/// A copy on the device that renews a picture: from an offset in a buffer.
+/// A copy on the device that renews a picture: from the begin of a buffer.
 struct PictureSource {
   Slot slot;
-  VkBuffer buffer;
-  uint64_t byteOffset;
+  const DeviceBuffer* buffer;
 };
 
 /// Images that one thread renews, on the device, while another draws them. Each picture that is drawn is a whole one,
 /// because a copy is one submission and so is a drawing.
 class Pictures {
  public:
-  explicit Pictures(Gpu& gpu) : gpu_(gpu) {}
+  explicit Pictures(VulkanDevice& gpu) : gpu_(gpu) {}
   ~Pictures();
   Pictures(const Pictures&) = delete;
   Pictures& operator=(const Pictures&) = delete;
 
   /// For the renewing thread. A slot of another size gets new memory and is invalid until it is filled.
-  void resize(Slot slot, uint32_t width, uint32_t height, uint32_t channels);
+  void resize(Slot slot, uint32_t width, uint32_t height, uint32_t planes);
   /// Copies whole pictures, as one step for those who draw.
   void copy(std::span<const PictureSource> sources);
   /// Gives the slot memory of its own with these pixels.
-  void upload(Slot slot, uint32_t width, uint32_t height, uint32_t channels, std::span<const float> pixels);
+  void upload(Slot slot, uint32_t width, uint32_t height, uint32_t planes, std::span<const float> pixels);
   void invalidate(Slot slot);
   uint64_t byteSize() const;
 
@@ -57,15 +54,15 @@ class Pictures {
 
  private:
   struct Picture {
-    std::unique_ptr<Buffer> memory;
+    std::unique_ptr<DeviceBuffer> memory;
     PictureView view;
   };
   Picture& picture(Slot slot) { return pictures_[static_cast<size_t>(slot)]; }
   const Picture& picture(Slot slot) const { return pictures_[static_cast<size_t>(slot)]; }
-  Picture make(uint32_t width, uint32_t height, uint32_t channels);
+  Picture make(uint32_t width, uint32_t height, uint32_t planes);
   void replace(Slot slot, Picture fresh);
 
-  Gpu& gpu_;
+  VulkanDevice& gpu_;
   std::array<Picture, kSlotCount> pictures_;
   mutable std::mutex mutex_;
 };

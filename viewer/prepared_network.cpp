@@ -19,31 +19,59 @@ Model checked(Model model, const std::string& name, const FrameSize& frame) {
   return model;
 }
 
-Upscaler::Options upscalerOptions(const NetworkOptions& options) {
-  return {.fp16 = options.fp16,
-          .profile = true,
-          .tiles = {.memoryBytes = options.memoryBytes},
-          .skip = options.skip,
-          .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
-          .tune = options.tune,
-          .onTuning = options.onTuning};
+Upscaler::Options upscalerOptions(const Device& device, const Model& model, const FrameSize& frame,
+                                  const NetworkOptions& options) {
+  Upscaler::Options asked{.fp16 = options.fp16,
+                          .profile = true,
+                          .tiles = {.memoryBytes = options.memoryBytes},
+                          .skip = options.skip,
+                          .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
+                          .tune = options.tune,
+                          .onTuning = options.onTuning};
+  // Of a device of its own an upscaler decides that itself.
+  if (asked.tune == Upscaler::Tune::automatic &&
+      Upscaler::paysToTune(device, model, frame.width, frame.height, options.fp16))
+    asked.tune = Upscaler::Tune::now;
+  return asked;
 }
 
-std::vector<float> downloaded(const Buffer& buffer, uint64_t floats) {
+std::vector<float> downloaded(const DeviceBuffer& buffer, uint64_t floats) {
   std::vector<float> values(floats);
   buffer.download(0, std::as_writable_bytes(std::span(values)));
   return values;
 }
 
-// Images side by side in the channels of one, as texels.
-std::vector<float> interleaved(std::span<const PixelView> images, uint32_t channels) {
-  const size_t pixels = size_t{images[0].width} * images[0].height;
-  std::vector<float> packed(pixels * channels);
-  for (size_t i = 0; i < images.size(); ++i)
-    for (size_t p = 0; p < pixels; ++p)
-      std::copy_n(images[i].pixels + p * images[i].stride, 3, &packed[p * channels + 3 * i]);
+// Images as the planes of one: [height, images, width, 4].
+std::vector<float> inPlanes(std::span<const PixelView> images) {
+  const uint32_t wide = images[0].width, high = images[0].height;
+  std::vector<float> packed(size_t{4} * images.size() * wide * high);
+  float* to = packed.data();
+  for (size_t y = 0; y < high; ++y)
+    for (const PixelView& image : images)
+      for (size_t x = 0; x < wide; ++x, to += 4) std::copy_n(image.pixels + (y * wide + x) * image.stride, 3, to);
   return packed;
 }
+
+// One plane of such an image, four floats a pixel.
+std::vector<float> plane(std::span<const float> planes, uint32_t count, uint32_t index, uint32_t wide, uint32_t high) {
+  const size_t row = size_t{4} * wide;
+  std::vector<float> one(row * high);
+  for (size_t y = 0; y < high; ++y) std::copy_n(&planes[(y * count + index) * row], row, &one[y * row]);
+  return one;
+}
+
+// The images of a frame in one buffer, as xrds reads them.
+std::vector<XrdsVulkanImage> planesOf(const DeviceBuffer& buffer, uint32_t count, uint32_t wide, uint32_t high) {
+  const uint64_t rowBytes = uint64_t{16} * wide;
+  std::vector<XrdsVulkanImage> images(count, xrdsBufferImage(buffer.buffer(), XRDS_FLOAT, 4, wide, high));
+  for (uint32_t i = 0; i < count; ++i) {
+    images[i].offset = i * rowBytes;
+    images[i].rowPitch = count * rowBytes;
+  }
+  return images;
+}
+
+uint32_t planeCount(const Model& model) { return static_cast<uint32_t>(model.auxiliaryInputs().size()); }
 
 }  // namespace
 
@@ -58,14 +86,40 @@ bool FrameSize::has(const std::string& input) const {
   return std::find(inputs.begin(), inputs.end(), input) != inputs.end();
 }
 
-PreparedNetwork::PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame,
-                                 const NetworkOptions& options)
-    : name_(std::move(name)),
+PreparedNetwork::PreparedNetwork(VulkanDevice& vulkan, Device& device, std::string name, Model model,
+                                 const FrameSize& frame, const NetworkOptions& options)
+    : vulkan_(vulkan),
+      name_(std::move(name)),
       model_(failingWith(ExitCode::model, [&] { return checked(std::move(model), name_, frame); })),
       options_(options),
       width_(frame.width),
       height_(frame.height),
-      upscaler_(device, model_, width_, height_, upscalerOptions(options)) {}
+      upscaler_(device, model_, width_, height_, upscalerOptions(device, model_, frame, options)) {
+  if (tileCount() > 1) return;  // which are shown as they are finished
+  try {
+    record();
+  } catch (const InvalidArgument&) {  // its frames are not recorded: windows are left out, or pixels decide
+    deviceColour_.reset();
+    deviceAuxiliary_.reset();
+    deviceOutput_.reset();
+  }
+}
+
+void PreparedNetwork::record() {
+  const uint32_t scale = model_.scale(), wide = scale * width_, high = scale * height_, count = planeCount(model_);
+  const auto imageOf = [&](std::unique_ptr<DeviceBuffer>& buffer, uint32_t width, uint32_t height, uint32_t planes) {
+    buffer = std::make_unique<DeviceBuffer>(vulkan_, uint64_t{16} * planes * width * height);
+    return planesOf(*buffer, planes, width, height);
+  };
+  XrdsVulkanFrame frame = xrdsVulkanFrameDefault();
+  frame.colour = imageOf(deviceColour_, width_, height_, 1).front();
+  frame.output = imageOf(deviceOutput_, wide, high, 1).front();
+  std::vector<XrdsVulkanImage> auxiliary;
+  if (count > 0) auxiliary = imageOf(deviceAuxiliary_, wide, high, count);
+  frame.auxiliary = auxiliary.data();
+  frame.auxiliaryCount = count;
+  recording_.emplace(upscaler_, frame);
+}
 
 bool PreparedNetwork::fits(const FrameSize& frame) const {
   const auto& inputs = model_.auxiliaryInputs();
@@ -76,58 +130,59 @@ bool PreparedNetwork::fits(const FrameSize& frame) const {
 void PreparedNetwork::take(const LoadedFrame& frame) {
   colour_ = viewOf(frame.colour);
   auxiliary_ = inputsOf(model_, frame.inputs, frame.auxiliary);
-  if (isOnDevice()) EngineAccess::upload(upscaler_, colour_, auxiliary_);
+  if (!isOnDevice()) return;
+  const auto upload = [](DeviceBuffer& to, std::span<const float> pixels) { to.upload(0, std::as_bytes(pixels)); };
+  upload(*deviceColour_, inPlanes({&colour_, 1}));
+  if (deviceAuxiliary_) upload(*deviceAuxiliary_, inPlanes(auxiliary_));
 }
 
-void PreparedNetwork::take(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary) {
-  const bool takesAuxiliary = !model_.auxiliaryInputs().empty();
-  if (takesAuxiliary && model_.auxiliaryInputs() != std::vector<std::string>{"albedo", "normal"})
+void PreparedNetwork::take(const DeviceBuffer& colour, const DeviceBuffer& auxiliary) {
+  const uint32_t count = planeCount(model_);
+  if (count > 0 && model_.auxiliaryInputs() != std::vector<std::string>{"albedo", "normal"})
     throw Error("Model '" + name_ + "' does not take albedo and normal, which is what a live view gives.");
-  if (isOnDevice()) return copyOnDevice(gpu, colour, auxiliary);
+  if (isOnDevice()) {
+    vulkan_.runOnce([&](VkCommandBuffer commands) {
+      const auto copy = [&](const DeviceBuffer& from, const DeviceBuffer& to) {
+        const VkBufferCopy region{0, 0, to.byteSize()};
+        vkCmdCopyBuffer(commands, from.buffer(), to.buffer(), 1, &region);
+      };
+      copy(colour, *deviceColour_);
+      if (deviceAuxiliary_) copy(auxiliary, *deviceAuxiliary_);
+    });
+    return;
+  }
   const uint32_t scale = model_.scale(), wide = scale * width_, high = scale * height_;
   copiedColour_ = downloaded(colour, uint64_t{4} * width_ * height_);
   colour_ = {copiedColour_.data(), width_, height_, 4};
   auxiliary_.clear();
-  if (!takesAuxiliary) return;
-  copiedAuxiliary_ = downloaded(auxiliary, uint64_t{8} * wide * high);
-  auxiliary_ = {{copiedAuxiliary_.data(), wide, high, 8}, {copiedAuxiliary_.data() + 3, wide, high, 8}};
-}
-
-void PreparedNetwork::copyOnDevice(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary) {
-  const DeviceFrame frame = EngineAccess::frame(upscaler_);
-  runOnce(gpu.handles(), [&](VkCommandBuffer commands) {
-    const auto copy = [&](const Buffer& from, const DeviceImage& to) {
-      const VkBufferCopy region{0, to.byteOffset, to.byteSize()};
-      gpu.handles().vk.vkCmdCopyBuffer(commands, from.handles().buffer, frame.buffer->handles().buffer, 1, &region);
-    };
-    copy(colour, frame.colour);
-    if (frame.auxiliary.channels != 0) copy(auxiliary, frame.auxiliary);
-  });
+  copiedAuxiliary_.clear();
+  if (count == 0) return;
+  const std::vector<float> planes = downloaded(auxiliary, uint64_t{4} * count * wide * high);
+  for (uint32_t i = 0; i < count; ++i) {
+    copiedAuxiliary_.push_back(plane(planes, count, i, wide, high));
+    auxiliary_.push_back({copiedAuxiliary_.back().data(), wide, high, 4});
+  }
 }
 
 void PreparedNetwork::showInputs(Pictures& pictures) const {
-  if (model_.auxiliaryInputs().empty()) pictures.invalidate(Slot::auxiliary);
+  const uint32_t count = planeCount(model_), scale = model_.scale();
+  if (count == 0) pictures.invalidate(Slot::auxiliary);
   if (!isOnDevice()) {
-    pictures.upload(Slot::input, width_, height_, 4, interleaved({&colour_, 1}, 4));
-    if (auxiliary_.empty()) return;
-    const auto channels = static_cast<uint32_t>((3 * auxiliary_.size() + 3) / 4 * 4);
-    pictures.upload(Slot::auxiliary, auxiliary_[0].width, auxiliary_[0].height, channels,
-                    interleaved(auxiliary_, channels));
+    pictures.upload(Slot::input, width_, height_, 1, inPlanes({&colour_, 1}));
+    if (count > 0) pictures.upload(Slot::auxiliary, scale * width_, scale * height_, count, inPlanes(auxiliary_));
     return;
   }
-  const DeviceFrame frame = EngineAccess::frame(upscaler_);
-  const VkBuffer buffer = frame.buffer->handles().buffer;
-  std::vector<PictureSource> sources{{Slot::input, buffer, frame.colour.byteOffset}};
-  pictures.resize(Slot::input, frame.colour.width, frame.colour.height, frame.colour.channels);
-  if (frame.auxiliary.channels > 0) {
-    pictures.resize(Slot::auxiliary, frame.auxiliary.width, frame.auxiliary.height, frame.auxiliary.channels);
-    sources.push_back({Slot::auxiliary, buffer, frame.auxiliary.byteOffset});
+  std::vector<PictureSource> sources{{Slot::input, deviceColour_.get()}};
+  pictures.resize(Slot::input, width_, height_, 1);
+  if (count > 0) {
+    pictures.resize(Slot::auxiliary, scale * width_, scale * height_, count);
+    sources.push_back({Slot::auxiliary, deviceAuxiliary_.get()});
   }
   pictures.copy(sources);
 }
 
 bool PreparedNetwork::run(const Upscaler::Progress& progress) {
-  if (isOnDevice()) return EngineAccess::replay(upscaler_, progress);
+  if (isOnDevice()) return recording_->run(progress);
   if (output_.empty()) fillOutput();
   return upscaler_.run(colour_, auxiliary_, output_, progress);
 }
@@ -143,13 +198,13 @@ void PreparedNetwork::fillOutput() {
 }
 
 void PreparedNetwork::showOutput(Pictures& pictures, Slot slot) const {
+  const uint32_t wide = model_.scale() * width_, high = model_.scale() * height_;
   if (!isOnDevice()) {
-    const PixelView view{output_.data(), model_.scale() * width_, model_.scale() * height_};
-    return pictures.upload(slot, view.width, view.height, 4, interleaved({&view, 1}, 4));
+    const PixelView view{output_.data(), wide, high};
+    return pictures.upload(slot, wide, high, 1, inPlanes({&view, 1}));
   }
-  const DeviceFrame frame = EngineAccess::frame(upscaler_);
-  pictures.resize(slot, frame.output.width, frame.output.height, frame.output.channels);
-  const PictureSource source{slot, frame.buffer->handles().buffer, frame.output.byteOffset};
+  pictures.resize(slot, wide, high, 1);
+  const PictureSource source{slot, deviceOutput_.get()};
   pictures.copy({&source, 1});
 }
 
@@ -161,13 +216,26 @@ void PreparedNetwork::showSkipMap(Pictures& pictures) const {
     const std::array<float, 4> tint = skipTint(window);
     tints.insert(tints.end(), tint.begin(), tint.end());
   }
-  pictures.upload(Slot::skipMap, map.columns, map.rows, 4, tints);
+  pictures.upload(Slot::skipMap, map.columns, map.rows, 1, tints);
+}
+
+std::vector<Upscaler::ProfileRow> PreparedNetwork::profile() const {
+  return isOnDevice() ? recording_->profile() : upscaler_.profile();
+}
+
+float PreparedNetwork::exposure() const { return isOnDevice() ? recording_->exposure() : upscaler_.exposure(); }
+
+uint64_t PreparedNetwork::deviceBytes() const {
+  uint64_t sum = upscaler_.deviceBytes();
+  for (const auto* buffer : {&deviceColour_, &deviceAuxiliary_, &deviceOutput_})
+    if (*buffer) sum += (*buffer)->byteSize();
+  return sum;
 }
 
 uint64_t PreparedNetwork::paceFor(double runMilliseconds) const {
   constexpr double kSubmissionMilliseconds = 10;
   double multiplyAdds = 0, microseconds = 0;
-  for (const Upscaler::ProfileRow& row : upscaler_.profile()) {
+  for (const Upscaler::ProfileRow& row : profile()) {
     multiplyAdds += static_cast<double>(row.multiplyAdds);
     microseconds += row.microseconds;
   }
@@ -178,10 +246,12 @@ uint64_t PreparedNetwork::paceFor(double runMilliseconds) const {
 
 Image PreparedNetwork::download() const {
   Image image(static_cast<int>(model_.scale() * width_), static_cast<int>(model_.scale() * height_), 3);
-  if (isOnDevice())
-    EngineAccess::download(upscaler_, image.pixels);
-  else
+  if (!isOnDevice()) {
     image.pixels = output_;
+    return image;
+  }
+  const std::vector<float> texels = downloaded(*deviceOutput_, 4 * image.pixelCount());
+  for (size_t p = 0; p < image.pixelCount(); ++p) std::copy_n(&texels[4 * p], 3, &image.pixels[3 * p]);
   return image;
 }
 

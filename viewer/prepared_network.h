@@ -5,7 +5,7 @@
 
 #include "viewer/frame_files.h"
 #include "viewer/pictures.h"
-#include "xrds/engine_access.h"
+#include "viewer/vulkan/buffer.h"
 
 namespace xrds {
 
@@ -36,22 +36,23 @@ class PreparedNetwork {
  public:
   /// Throws Failure if the model does not fit the frame, Error if the device cannot hold it, Cancelled if `onTuning`
   /// says so.
-  PreparedNetwork(Device& device, std::string name, Model model, const FrameSize& frame, const NetworkOptions& options);
+  PreparedNetwork(VulkanDevice& vulkan, Device& device, std::string name, Model model, const FrameSize& frame,
+                  const NetworkOptions& options);
 
   const std::string& name() const { return name_; }
   const NetworkOptions& options() const { return options_; }
   const Model& model() const { return model_; }
   bool fits(const FrameSize& frame) const;
   const Upscaler& upscaler() const { return upscaler_; }
-  bool isOnDevice() const { return EngineAccess::isWhole(upscaler_); }
+  bool isOnDevice() const { return recording_.has_value(); }
   uint32_t tileCount() const { return upscaler_.tiling().columns * upscaler_.tiling().rows; }
 
   /// Gives it the frame's images: from the host, where they stay in use until another frame is given; or from buffers
-  /// on the device that hold [height, width, 4] floats of colour and [scale height, scale width, 8] of albedo and
+  /// on the device that hold [height, width, 4] floats of colour and [scale height, 2, scale width, 4] of albedo and
   /// normal.
   void take(const LoadedFrame& frame);
-  void take(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary);
-  /// Makes the inputs pictures to look at; call it before run(), which may overwrite them.
+  void take(const DeviceBuffer& colour, const DeviceBuffer& auxiliary);
+  /// Makes the inputs pictures to look at.
   void showInputs(Pictures& pictures) const;
   /// Returns false if `progress` stopped it.
   bool run(const Upscaler::Progress& progress);
@@ -60,20 +61,29 @@ class PreparedNetwork {
   void showSkipMap(Pictures& pictures) const;
   /// A copy of the output for the host.
   Image download() const;
+  /// Of the last run.
+  std::vector<Upscaler::ProfileRow> profile() const;
+  float exposure() const;
+  uint64_t deviceBytes() const;
   /// How large submissions should be, by the time that the last run took, for each to take about 10 ms.
   uint64_t paceFor(double runMilliseconds) const;
 
  private:
-  void copyOnDevice(Gpu& gpu, const Buffer& colour, const Buffer& auxiliary);
+  void record();
   void fillOutput();
 
+  VulkanDevice& vulkan_;
   std::string name_;
   Model model_;
   NetworkOptions options_;
   uint32_t width_, height_;
   Upscaler upscaler_;
+  // Of a frame that stays on the device: its images there, those beside the colour as planes of one.
+  std::unique_ptr<DeviceBuffer> deviceColour_, deviceAuxiliary_, deviceOutput_;
+  std::optional<FrameRecording> recording_;
   // Of a frame that passes through the host.
-  std::vector<float> copiedColour_, copiedAuxiliary_, output_;
+  std::vector<float> copiedColour_, output_;
+  std::vector<std::vector<float>> copiedAuxiliary_;
   PixelView colour_;
   std::vector<PixelView> auxiliary_;
 };

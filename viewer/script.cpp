@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 
-#include "engine/check.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -33,7 +33,9 @@ Script::Script(std::vector<ScriptLine> lines, const std::vector<ScriptVerb>& ver
     until_ =
         std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(seconds);
   };
-  for (const ScriptVerb& verb : verbs) XRDS_CHECK(actions_.contains(verb.word));
+  for (const ScriptVerb& verb : verbs)
+    if (!actions_.contains(verb.word))
+      throw std::logic_error(std::string("The step '") + verb.word + "' has no action.");
   for (ScriptLine& line : lines_) {
     const std::string word = line.verb.starts_with('!') ? line.verb.substr(1) : line.verb;
     const std::string where = "Line " + std::to_string(line.number) + " of the script ";

@@ -6,33 +6,18 @@
 #include <algorithm>
 #include <mutex>
 
-#include "engine/handles.h"
-#include "engine/vulkan_result.h"
 #include "xrds/error.h"
-
-// GLFW hides its Vulkan functions from programs that have no Vulkan prototypes.
-extern "C" {
-GLFWvkproc glfwGetInstanceProcAddress(VkInstance instance, const char* name);
-VkResult glfwCreateWindowSurface(VkInstance instance, GLFWwindow* window, const VkAllocationCallbacks* allocator,
-                                 VkSurfaceKHR* surface);
-}
 
 namespace xrds {
 namespace {
 
-// Surfaces belong to the instance, whose functions the engine does not load for us.
-template <class Function>
-Function instanceFunction(const Gpu::Handles& gpu, const char* name) {
-  return reinterpret_cast<Function>(glfwGetInstanceProcAddress(gpu.instance->instance, name));
-}
-#define XRDS_INSTANCE_FUNCTION(gpu, name) instanceFunction<PFN_##name>(gpu, #name)
-
-VkSurfaceFormatKHR chooseFormat(const Gpu::Handles& gpu, VkSurfaceKHR surface) {
-  const auto list = XRDS_INSTANCE_FUNCTION(gpu, vkGetPhysicalDeviceSurfaceFormatsKHR);
+VkSurfaceFormatKHR chooseFormat(const VulkanDevice& gpu, VkSurfaceKHR surface) {
   uint32_t count = 0;
-  checkResult(list(gpu.physicalDevice, surface, &count, nullptr), "vkGetPhysicalDeviceSurfaceFormatsKHR");
+  checkVulkan(vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physicalDevice, surface, &count, nullptr),
+              "vkGetPhysicalDeviceSurfaceFormatsKHR");
   std::vector<VkSurfaceFormatKHR> formats(count);
-  checkResult(list(gpu.physicalDevice, surface, &count, formats.data()), "vkGetPhysicalDeviceSurfaceFormatsKHR");
+  checkVulkan(vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physicalDevice, surface, &count, formats.data()),
+              "vkGetPhysicalDeviceSurfaceFormatsKHR");
   // The shaders apply the sRGB curve, so the images must not.
   for (const VkFormat wanted : {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM})
     for (const VkSurfaceFormatKHR& format : formats)
@@ -40,26 +25,26 @@ VkSurfaceFormatKHR chooseFormat(const Gpu::Handles& gpu, VkSurfaceKHR surface) {
   throw Error("The desktop offers no 8-bit sRGB images to draw on.");
 }
 
-VkSemaphore makeSemaphore(const Gpu::Handles& gpu) {
+VkSemaphore makeSemaphore(const VulkanDevice& gpu) {
   const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
   VkSemaphore semaphore = VK_NULL_HANDLE;
-  checkResult(gpu.vk.vkCreateSemaphore(gpu.device, &info, nullptr, &semaphore), "vkCreateSemaphore");
+  checkVulkan(vkCreateSemaphore(gpu.device, &info, nullptr, &semaphore), "vkCreateSemaphore");
   return semaphore;
 }
 
-void memoryBarrier(const Gpu::Handles& gpu, VkCommandBuffer commands, VkPipelineStageFlags before,
-                   VkAccessFlags written, VkPipelineStageFlags after, VkAccessFlags used) {
+void memoryBarrier(VkCommandBuffer commands, VkPipelineStageFlags before, VkAccessFlags written,
+                   VkPipelineStageFlags after, VkAccessFlags used) {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = written;
   barrier.dstAccessMask = used;
-  gpu.vk.vkCmdPipelineBarrier(commands, before, after, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+  vkCmdPipelineBarrier(commands, before, after, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
 bool lost(VkResult result) { return result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_ERROR_SURFACE_LOST_KHR; }
 
 }  // namespace
 
-Swapchain::Swapchain(Gpu& gpu, const Display& display) : gpu_(gpu.handles()), display_(display) {
+Swapchain::Swapchain(VulkanDevice& gpu, const Display& display) : gpu_(gpu), display_(display) {
   makeSurface();
   makeRenderPass();
   makeCommandObjects();
@@ -69,23 +54,22 @@ Swapchain::Swapchain(Gpu& gpu, const Display& display) : gpu_(gpu.handles()), di
 Swapchain::~Swapchain() {
   wait();
   destroyImages();
-  gpu_.vk.vkDestroySwapchainKHR(gpu_.device, swapchain_, nullptr);
-  gpu_.vk.vkDestroySemaphore(gpu_.device, acquired_, nullptr);
-  gpu_.vk.vkDestroyFence(gpu_.device, finished_, nullptr);
-  gpu_.vk.vkDestroyCommandPool(gpu_.device, commandPool_, nullptr);
-  gpu_.vk.vkDestroyRenderPass(gpu_.device, renderPass_, nullptr);
-  XRDS_INSTANCE_FUNCTION(gpu_, vkDestroySurfaceKHR)(gpu_.instance->instance, surface_, nullptr);
+  vkDestroySwapchainKHR(gpu_.device, swapchain_, nullptr);
+  vkDestroySemaphore(gpu_.device, acquired_, nullptr);
+  vkDestroyFence(gpu_.device, finished_, nullptr);
+  vkDestroyCommandPool(gpu_.device, commandPool_, nullptr);
+  vkDestroyRenderPass(gpu_.device, renderPass_, nullptr);
+  vkDestroySurfaceKHR(gpu_.instance, surface_, nullptr);
 }
 
 void Swapchain::makeSurface() {
-  checkResult(glfwCreateWindowSurface(gpu_.instance->instance, display_.window(), nullptr, &surface_),
-              "glfwCreateWindowSurface");
+  checkVulkan(glfwCreateWindowSurface(gpu_.instance, display_.window(), nullptr, &surface_), "glfwCreateWindowSurface");
   VkBool32 supported = VK_FALSE;
-  checkResult(XRDS_INSTANCE_FUNCTION(gpu_, vkGetPhysicalDeviceSurfaceSupportKHR)(gpu_.physicalDevice, gpu_.queueFamily,
-                                                                                 surface_, &supported),
+  checkVulkan(vkGetPhysicalDeviceSurfaceSupportKHR(gpu_.physicalDevice, gpu_.queueFamily, surface_, &supported),
               "vkGetPhysicalDeviceSurfaceSupportKHR");
   if (!supported)
-    throw Error(gpu_.description.name + " cannot draw on this desktop: choose another device with --device.");
+    throw Error(std::string(gpu_.properties.deviceName) +
+                " cannot draw on this desktop: choose another device with --device.");
   format_ = chooseFormat(gpu_, surface_);
 }
 
@@ -116,21 +100,21 @@ void Swapchain::makeRenderPass() {
   info.pSubpasses = &subpass;
   info.dependencyCount = 2;
   info.pDependencies = dependencies;
-  checkResult(gpu_.vk.vkCreateRenderPass(gpu_.device, &info, nullptr, &renderPass_), "vkCreateRenderPass");
+  checkVulkan(vkCreateRenderPass(gpu_.device, &info, nullptr, &renderPass_), "vkCreateRenderPass");
 }
 
 void Swapchain::makeCommandObjects() {
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = gpu_.queueFamily;
-  checkResult(gpu_.vk.vkCreateCommandPool(gpu_.device, &pool, nullptr, &commandPool_), "vkCreateCommandPool");
+  checkVulkan(vkCreateCommandPool(gpu_.device, &pool, nullptr, &commandPool_), "vkCreateCommandPool");
   VkCommandBufferAllocateInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   commands.commandPool = commandPool_;
   commands.commandBufferCount = 1;
-  checkResult(gpu_.vk.vkAllocateCommandBuffers(gpu_.device, &commands, &commands_), "vkAllocateCommandBuffers");
+  checkVulkan(vkAllocateCommandBuffers(gpu_.device, &commands, &commands_), "vkAllocateCommandBuffers");
   VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
-  checkResult(gpu_.vk.vkCreateFence(gpu_.device, &fence, nullptr, &finished_), "vkCreateFence");
+  checkVulkan(vkCreateFence(gpu_.device, &fence, nullptr, &finished_), "vkCreateFence");
   acquired_ = makeSemaphore(gpu_);
 }
 
@@ -139,9 +123,8 @@ void Swapchain::makeImages() {
   destroyImages();
   stale_ = false;
   VkSurfaceCapabilitiesKHR surface;
-  checkResult(
-      XRDS_INSTANCE_FUNCTION(gpu_, vkGetPhysicalDeviceSurfaceCapabilitiesKHR)(gpu_.physicalDevice, surface_, &surface),
-      "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+  checkVulkan(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu_.physicalDevice, surface_, &surface),
+              "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
   int width = 0, height = 0;
   glfwGetFramebufferSize(display_.window(), &width, &height);
   extent_ = surface.currentExtent;
@@ -166,16 +149,15 @@ void Swapchain::makeImages() {
   info.clipped = VK_TRUE;
   info.oldSwapchain = swapchain_;
   const VkSwapchainKHR old = swapchain_;
-  const VkResult made = gpu_.vk.vkCreateSwapchainKHR(gpu_.device, &info, nullptr, &swapchain_);
-  gpu_.vk.vkDestroySwapchainKHR(gpu_.device, old, nullptr);
+  const VkResult made = vkCreateSwapchainKHR(gpu_.device, &info, nullptr, &swapchain_);
+  vkDestroySwapchainKHR(gpu_.device, old, nullptr);
   if (made != VK_SUCCESS) swapchain_ = VK_NULL_HANDLE;
-  checkResult(made, "vkCreateSwapchainKHR");
+  checkVulkan(made, "vkCreateSwapchainKHR");
 
   uint32_t count = 0;
-  checkResult(gpu_.vk.vkGetSwapchainImagesKHR(gpu_.device, swapchain_, &count, nullptr), "vkGetSwapchainImagesKHR");
+  checkVulkan(vkGetSwapchainImagesKHR(gpu_.device, swapchain_, &count, nullptr), "vkGetSwapchainImagesKHR");
   std::vector<VkImage> images(count);
-  checkResult(gpu_.vk.vkGetSwapchainImagesKHR(gpu_.device, swapchain_, &count, images.data()),
-              "vkGetSwapchainImagesKHR");
+  checkVulkan(vkGetSwapchainImagesKHR(gpu_.device, swapchain_, &count, images.data()), "vkGetSwapchainImagesKHR");
   for (const VkImage image : images) makeImage(images_.emplace_back(Image{image}));
   ++timesMade_;
 }
@@ -186,7 +168,7 @@ void Swapchain::makeImage(Image& image) const {
   view.viewType = VK_IMAGE_VIEW_TYPE_2D;
   view.format = format_.format;
   view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  checkResult(gpu_.vk.vkCreateImageView(gpu_.device, &view, nullptr, &image.view), "vkCreateImageView");
+  checkVulkan(vkCreateImageView(gpu_.device, &view, nullptr, &image.view), "vkCreateImageView");
   VkFramebufferCreateInfo framebuffer{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
   framebuffer.renderPass = renderPass_;
   framebuffer.attachmentCount = 1;
@@ -194,16 +176,15 @@ void Swapchain::makeImage(Image& image) const {
   framebuffer.width = extent_.width;
   framebuffer.height = extent_.height;
   framebuffer.layers = 1;
-  checkResult(gpu_.vk.vkCreateFramebuffer(gpu_.device, &framebuffer, nullptr, &image.framebuffer),
-              "vkCreateFramebuffer");
+  checkVulkan(vkCreateFramebuffer(gpu_.device, &framebuffer, nullptr, &image.framebuffer), "vkCreateFramebuffer");
   image.drawn = makeSemaphore(gpu_);
 }
 
 void Swapchain::destroyImages() {
   for (const Image& image : images_) {
-    gpu_.vk.vkDestroyFramebuffer(gpu_.device, image.framebuffer, nullptr);
-    gpu_.vk.vkDestroyImageView(gpu_.device, image.view, nullptr);
-    gpu_.vk.vkDestroySemaphore(gpu_.device, image.drawn, nullptr);
+    vkDestroyFramebuffer(gpu_.device, image.framebuffer, nullptr);
+    vkDestroyImageView(gpu_.device, image.view, nullptr);
+    vkDestroySemaphore(gpu_.device, image.drawn, nullptr);
   }
   images_.clear();
 }
@@ -213,15 +194,15 @@ void Swapchain::lose(bool surfaceToo) {
   if (!surfaceToo) return;
   wait();
   destroyImages();
-  gpu_.vk.vkDestroySwapchainKHR(gpu_.device, swapchain_, nullptr);
+  vkDestroySwapchainKHR(gpu_.device, swapchain_, nullptr);
   swapchain_ = VK_NULL_HANDLE;
-  XRDS_INSTANCE_FUNCTION(gpu_, vkDestroySurfaceKHR)(gpu_.instance->instance, surface_, nullptr);
+  vkDestroySurfaceKHR(gpu_.instance, surface_, nullptr);
   surface_ = VK_NULL_HANDLE;
   makeSurface();
 }
 
 void Swapchain::wait() {
-  checkResult(gpu_.vk.vkWaitForFences(gpu_.device, 1, &finished_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  checkVulkan(vkWaitForFences(gpu_.device, 1, &finished_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
 }
 
 bool Swapchain::acquire(uint32_t& index) {
@@ -229,10 +210,10 @@ bool Swapchain::acquire(uint32_t& index) {
     if (stale_ || images_.empty()) makeImages();
     if (images_.empty()) return false;
     const VkResult result =
-        gpu_.vk.vkAcquireNextImageKHR(gpu_.device, swapchain_, UINT64_MAX, acquired_, VK_NULL_HANDLE, &index);
+        vkAcquireNextImageKHR(gpu_.device, swapchain_, UINT64_MAX, acquired_, VK_NULL_HANDLE, &index);
     if (result == VK_SUBOPTIMAL_KHR) stale_ = true;
     if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) return true;
-    if (!lost(result)) checkResult(result, "vkAcquireNextImageKHR");
+    if (!lost(result)) checkVulkan(result, "vkAcquireNextImageKHR");
     lose(result == VK_ERROR_SURFACE_LOST_KHR);
   }
   return false;
@@ -252,10 +233,10 @@ bool Swapchain::draw(const Record& before, const Record& inside) {
 void Swapchain::record(const Image& image, const Record& before, const Record& inside) {
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  checkResult(gpu_.vk.vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer");
+  checkVulkan(vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer");
   constexpr VkPipelineStageFlags kNetwork = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   constexpr VkPipelineStageFlags kDrawing = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
-  memoryBarrier(gpu_, commands_, kNetwork, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT, kDrawing,
+  memoryBarrier(commands_, kNetwork, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT, kDrawing,
                 VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT);
   before(commands_);
   constexpr VkClearValue kBackground{{{0.11F, 0.11F, 0.11F, 1}}};
@@ -265,18 +246,18 @@ void Swapchain::record(const Image& image, const Record& before, const Record& i
   pass.renderArea.extent = extent_;
   pass.clearValueCount = 1;
   pass.pClearValues = &kBackground;
-  gpu_.vk.vkCmdBeginRenderPass(commands_, &pass, VK_SUBPASS_CONTENTS_INLINE);
+  vkCmdBeginRenderPass(commands_, &pass, VK_SUBPASS_CONTENTS_INLINE);
   const VkViewport viewport{0, 0, static_cast<float>(extent_.width), static_cast<float>(extent_.height), 0, 1};
   const VkRect2D scissor{{}, extent_};
-  gpu_.vk.vkCmdSetViewport(commands_, 0, 1, &viewport);
-  gpu_.vk.vkCmdSetScissor(commands_, 0, 1, &scissor);
+  vkCmdSetViewport(commands_, 0, 1, &viewport);
+  vkCmdSetScissor(commands_, 0, 1, &scissor);
   inside(commands_);
-  gpu_.vk.vkCmdEndRenderPass(commands_);
+  vkCmdEndRenderPass(commands_);
   if (capturing_ && canCapture_) recordCapture(image.image);
   // What comes next on the queue may overwrite the pictures, and the host reads copies.
-  memoryBarrier(gpu_, commands_, kDrawing, VK_ACCESS_TRANSFER_WRITE_BIT, kNetwork | VK_PIPELINE_STAGE_HOST_BIT,
+  memoryBarrier(commands_, kDrawing, VK_ACCESS_TRANSFER_WRITE_BIT, kNetwork | VK_PIPELINE_STAGE_HOST_BIT,
                 VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_HOST_READ_BIT);
-  checkResult(gpu_.vk.vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
+  checkVulkan(vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
 }
 
 void Swapchain::recordCapture(VkImage image) {
@@ -291,7 +272,7 @@ void Swapchain::recordCapture(VkImage image) {
     barrier.newLayout = to;
     barrier.srcAccessMask = written;
     barrier.dstAccessMask = used;
-    gpu_.vk.vkCmdPipelineBarrier(commands_, stages, after, 0, 0, nullptr, 0, nullptr, 1, &barrier);
+    vkCmdPipelineBarrier(commands_, stages, after, 0, 0, nullptr, 0, nullptr, 1, &barrier);
   };
   change(VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
          VK_ACCESS_TRANSFER_READ_BIT, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
@@ -299,7 +280,7 @@ void Swapchain::recordCapture(VkImage image) {
   VkBufferImageCopy copy{};
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   copy.imageExtent = {extent_.width, extent_.height, 1};
-  gpu_.vk.vkCmdCopyImageToBuffer(commands_, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, capture_->buffer(), 1, &copy);
+  vkCmdCopyImageToBuffer(commands_, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, capture_->buffer(), 1, &copy);
   change(VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_ACCESS_TRANSFER_READ_BIT, 0,
          VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT);
 }
@@ -326,8 +307,8 @@ void Swapchain::submit(const Image& image) {
   info.pCommandBuffers = &commands_;
   info.signalSemaphoreCount = 1;
   info.pSignalSemaphores = &image.drawn;
-  checkResult(gpu_.vk.vkResetFences(gpu_.device, 1, &finished_), "vkResetFences");
-  submitToQueue(gpu_, info, finished_);
+  checkVulkan(vkResetFences(gpu_.device, 1, &finished_), "vkResetFences");
+  gpu_.submit(info, finished_);
 }
 
 void Swapchain::present(uint32_t index) {
@@ -340,12 +321,12 @@ void Swapchain::present(uint32_t index) {
   VkResult result = VK_SUCCESS;
   {
     const std::lock_guard lock(gpu_.queueAccess);
-    result = gpu_.vk.vkQueuePresentKHR(gpu_.queue, &info);
+    result = vkQueuePresentKHR(gpu_.queue, &info);
   }
   if (result == VK_SUBOPTIMAL_KHR || lost(result))
     stale_ = true;  // a lost surface is found out when the next image is acquired
   else
-    checkResult(result, "vkQueuePresentKHR");
+    checkVulkan(result, "vkQueuePresentKHR");
 }
 
 }  // namespace xrds

@@ -1,14 +1,11 @@
 #pragma once
 
-#include <volk.h>
-
 #include <functional>
 #include <memory>
 #include <vector>
 
-#include "engine/device.h"
 #include "viewer/display.h"
-#include "viewer/host_buffer.h"
+#include "viewer/vulkan/buffer.h"
 
 namespace xrds {
 
@@ -23,7 +20,7 @@ struct Screenshot {
 class Swapchain {
  public:
   /// Throws Error if the device cannot draw on the display. All must outlive the swapchain.
-  Swapchain(Gpu& gpu, const Display& display);
+  Swapchain(VulkanDevice& gpu, const Display& display);
   ~Swapchain();
   Swapchain(const Swapchain&) = delete;
   Swapchain& operator=(const Swapchain&) = delete;
@@ -65,7 +62,7 @@ class Swapchain {
   void submit(const Image& image);
   void present(uint32_t index);
 
-  Gpu::Handles& gpu_;
+  VulkanDevice& gpu_;
   const Display& display_;
   VkSurfaceKHR surface_ = VK_NULL_HANDLE;
   VkSurfaceFormatKHR format_{};

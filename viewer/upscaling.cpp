@@ -13,8 +13,8 @@ constexpr auto kPollPeriod = std::chrono::milliseconds(50);
 
 }  // namespace
 
-Upscaling::Upscaling(Device& device, Pictures& pictures, std::function<void()> changed)
-    : device_(device), pictures_(pictures), changed_(std::move(changed)) {
+Upscaling::Upscaling(VulkanDevice& vulkan, Device& device, Pictures& pictures, std::function<void()> changed)
+    : vulkan_(vulkan), device_(device), pictures_(pictures), changed_(std::move(changed)) {
   report_.device = device.description().name;
   report_.settled = true;
   thread_ = std::thread([this] { loop(); });

@@ -53,9 +53,9 @@ struct Report {
 /// Upscales on a thread of its own and leaves the results in pictures, on the device.
 class Upscaling {
  public:
-  /// `changed` is called on the worker's thread whenever there is something new to show. Device, pictures and what the
-  /// callback needs must outlive this.
-  Upscaling(Device& device, Pictures& pictures, std::function<void()> changed);
+  /// `changed` is called on the worker's thread whenever there is something new to show. The Vulkan device, the same
+  /// one as xrds shares it, pictures and what the callback needs must outlive this.
+  Upscaling(VulkanDevice& vulkan, Device& device, Pictures& pictures, std::function<void()> changed);
   ~Upscaling();
   Upscaling(const Upscaling&) = delete;
   Upscaling& operator=(const Upscaling&) = delete;
@@ -98,6 +98,7 @@ class Upscaling {
   bool outdated() const;
   std::string wantedModel(const Wanted& wanted) const;
 
+  VulkanDevice& vulkan_;
   Device& device_;
   Pictures& pictures_;
   std::function<void()> changed_;

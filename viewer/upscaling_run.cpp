@@ -59,7 +59,7 @@ void Upscaling::prepare(const Wanted& wanted) {
     tell([&](Report& report) { report.waiting = "Finding the fastest kernels of this device: " + percent + " %"; });
     return !outdated();
   };
-  network_ = std::make_unique<PreparedNetwork>(device_, name, std::move(model), size_, options);
+  network_ = std::make_unique<PreparedNetwork>(vulkan_, device_, name, std::move(model), size_, options);
   clock_.end("preparing");
 }
 
@@ -77,7 +77,7 @@ void Upscaling::keepPace() {
   NetworkOptions options = network_->options();
   options.multiplyAddsAtOnce = pace_;
   network_.reset();
-  network_ = std::make_unique<PreparedNetwork>(device_, name, Model(resolveModel(name)), size_, options);
+  network_ = std::make_unique<PreparedNetwork>(vulkan_, device_, name, Model(resolveModel(name)), size_, options);
   clock_.end("preparing");
 }
 
@@ -152,7 +152,7 @@ void Upscaling::upscale() {
 }
 
 void Upscaling::tellPicture() {
-  std::vector<StageTime> stages = stageTimes(clock_.steps(), network_->upscaler().profile());
+  std::vector<StageTime> stages = stageTimes(clock_.steps(), network_->profile());
   const double period = millisecondsSince(lastPicture_) / 1000;
   lastPicture_ = Clock::now();
   tell([&](Report& report) {
@@ -163,8 +163,8 @@ void Upscaling::tellPicture() {
     report.interpolated = map.share(SkipMap::Window::interpolated);
     report.kept = map.share(SkipMap::Window::kept);
     report.windowSide = map.side;
-    report.exposure = network_->upscaler().exposure();
-    report.deviceBytes = network_->upscaler().deviceBytes() + pictures_.byteSize();
+    report.exposure = network_->exposure();
+    report.deviceBytes = network_->deviceBytes() + pictures_.byteSize();
     report.stages = std::move(stages);
     const double rate = period > 0 ? 1 / period : 0;
     report.picturesPerSecond = period > 2 ? rate : 0.7 * report.picturesPerSecond + 0.3 * rate;
@@ -181,7 +181,7 @@ void Upscaling::makeBase(Slot slot) {
     Model model = Model::untrained(scale, baseName(slot));
     for (const std::string& input : model.auxiliaryInputs())
       if (!size_.has(input)) return;
-    base = std::make_unique<PreparedNetwork>(device_, baseName(slot), std::move(model), size_, options);
+    base = std::make_unique<PreparedNetwork>(vulkan_, device_, baseName(slot), std::move(model), size_, options);
   }
   giveInputs(*base);
   if (!base->run([&](double) { return !stopping(); })) return;

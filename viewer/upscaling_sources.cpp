@@ -26,7 +26,7 @@ void Upscaling::trace(const Wanted& wanted) {
     tell([&](Report& report) { report.waiting = "Preparing the scene " + wanted.live.scene + " ..."; });
     live_.reset();
     frame_.reset();
-    live_ = std::make_unique<LiveScene>(EngineAccess::gpu(device_), wanted.live, kScale);
+    live_ = std::make_unique<LiveScene>(vulkan_, wanted.live, kScale);
     clock_.end("preparing");
     size_ = {wanted.live.width, wanted.live.height, kScale, {"albedo", "normal"}};
     upscaled_ = false;
@@ -85,7 +85,7 @@ void Upscaling::takeFrame(LoadedFrame frame) {
   std::vector<float> pixels(reference.pixelCount() * 4);
   for (size_t p = 0; p < reference.pixelCount(); ++p)
     std::copy_n(&reference.pixels[p * static_cast<size_t>(reference.channels)], 3, &pixels[4 * p]);
-  pictures_.upload(Slot::reference, static_cast<uint32_t>(reference.width), static_cast<uint32_t>(reference.height), 4,
+  pictures_.upload(Slot::reference, static_cast<uint32_t>(reference.width), static_cast<uint32_t>(reference.height), 1,
                    pixels);
 }
 

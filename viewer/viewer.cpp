@@ -66,33 +66,33 @@ Wanted wantedOf(const ViewerOptions& options) {
   return wanted;
 }
 
-Device Viewer::openDevice() {
-  Device::Options options{.select = options_.device, .validation = options_.validation};
+VulkanOptions Viewer::vulkanOptions() {
+  VulkanOptions options{.select = options_.device, .validation = options_.validation};
   options.onMessage = [this](std::string_view message) {
     ++complaints_;
     std::fprintf(stderr, "xrds: validation: %.*s\n", static_cast<int>(message.size()), message.data());
   };
   options.instanceExtensions = desktop_.instanceExtensions();
-  options.deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
-  return Device(options);
+  return options;
 }
 
 Viewer::Viewer(const ViewerOptions& options)
     : options_(options),
       wanted_(wantedOf(options)),
-      device_(openDevice()),
+      vulkan_(vulkanOptions()),
+      device_(vulkan_.shared()),
       display_(desktop_, "xrds", placementOf(options), events_),
-      swapchain_(EngineAccess::gpu(device_), display_),
-      pictures_(EngineAccess::gpu(device_)),
-      canvas_(EngineAccess::gpu(device_), pictures_, swapchain_.renderPass()),
-      panel_(EngineAccess::gpu(device_), display_, swapchain_),
-      probeBuffer_(EngineAccess::gpu(device_).handles(), 3 * kProbeRowBytes),
+      swapchain_(vulkan_, display_),
+      pictures_(vulkan_),
+      canvas_(vulkan_, pictures_, swapchain_.renderPass()),
+      panel_(vulkan_, display_, swapchain_),
+      probeBuffer_(vulkan_, 3 * kProbeRowBytes),
       models_(shippedModels()) {
   playback_.framesPerSecond = static_cast<float>(options.framesPerSecond);
   if (!options.model.empty() && std::find(models_.begin(), models_.end(), options.model) == models_.end())
     models_.push_back(options.model);
   listen();
-  upscaling_ = std::make_unique<Upscaling>(device_, pictures_, [this] {
+  upscaling_ = std::make_unique<Upscaling>(vulkan_, device_, pictures_, [this] {
     changed_ = true;
     Display::wake();
   });

@@ -62,7 +62,7 @@ class Viewer {
     uint64_t drawings = 0;
     double turns = 0, longestTurn = 0;  // since then, in seconds
   };
-  Device openDevice();
+  VulkanOptions vulkanOptions();
   Script::Actions scriptActions();
   void addInputActions(Script::Actions& actions);
   void addWindowActions(Script::Actions& actions);
@@ -108,6 +108,7 @@ class Viewer {
   std::atomic<int> complaints_ = 0;  // of the validation layers
   Desktop desktop_;
   DisplayEvents events_;
+  VulkanDevice vulkan_;
   Device device_;
   Display display_;
   Swapchain swapchain_;

@@ -19,23 +19,23 @@ void Viewer::recordProbe(VkCommandBuffer commands) {
   if (view_.wiping && view_.left != view_.right) views.insert(views.begin(), view_.left);
   if (pictures_.at(Slot::reference).valid && std::find(views.begin(), views.end(), View::reference) == views.end())
     views.push_back(View::reference);
-  const Gpu::Handles& gpu = EngineAccess::gpu(device_).handles();
+  constexpr uint64_t kTexelBytes = 4 * sizeof(float);
   for (const View view : views) {
     if (canvas_.shownFor(view) != view) continue;
     const Canvas::Choice choice = Canvas::choiceOf(view);
     const PictureView picture = pictures_.at(choice.slot);
     const auto x = static_cast<uint64_t>(probe_.x * picture.width / viewport.pictureWidth);
     const auto y = static_cast<uint64_t>(probe_.y * picture.height / viewport.pictureHeight);
-    const uint64_t pixel = std::min<uint64_t>(y, picture.height - 1) * picture.width + x;
+    const uint64_t row = std::min<uint64_t>(y, picture.height - 1) * picture.planes + choice.plane();
     const uint64_t place = kProbeRowBytes * probe_.rows.size();
-    const VkBufferCopy region{4 * (pixel * picture.channels + choice.channel()), place, 12};
-    gpu.vk.vkCmdCopyBuffer(commands, picture.buffer, probeBuffer_.buffer(), 1, &region);
+    const VkBufferCopy region{kTexelBytes * (row * picture.width + x), place, 12};
+    vkCmdCopyBuffer(commands, picture.buffer, probeBuffer_.buffer(), 1, &region);
     probe_.rows.push_back({.name = nameOf(view), .isError = view == View::error});
     if (view != View::error) continue;
     const PictureView expected = pictures_.at(choice.other);
     const uint64_t at = uint64_t{static_cast<uint32_t>(probe_.y)} * expected.width + static_cast<uint32_t>(probe_.x);
-    const VkBufferCopy second{4 * at * expected.channels, place + kProbeRowBytes / 2, 12};
-    gpu.vk.vkCmdCopyBuffer(commands, expected.buffer, probeBuffer_.buffer(), 1, &second);
+    const VkBufferCopy second{kTexelBytes * at, place + kProbeRowBytes / 2, 12};
+    vkCmdCopyBuffer(commands, expected.buffer, probeBuffer_.buffer(), 1, &second);
   }
 }
 

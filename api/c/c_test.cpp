@@ -1,7 +1,9 @@
 // The C API: the same pictures as the C++ one, in any layout of pixels, and a sentence for whatever cannot be.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <thread>
@@ -181,6 +183,35 @@ TEST_F(CApi, RefusesWhatCannotBe) {
   refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "structSize of 4");
   EXPECT_EQ(made, nullptr);
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();  // nothing of it did any harm
+}
+
+// What a header of an older version did not have is behind the structure, which is the caller's own memory.
+TEST_F(CApi, TakesStructuresOfOlderHeaders) {
+  XrdsUpscalerOptions options;
+  std::memset(&options, 0x5A, sizeof options);
+  options.structSize = offsetof(XrdsUpscalerOptions, exposure);
+  options.fp16 = 0;
+  xrdsDestroyUpscaler(upscaler);
+  upscaler = nullptr;
+  ASSERT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, &options, &upscaler), XRDS_OK) << xrdsGetMessage();
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(outputPixels, expected());
+
+  XrdsDeviceDescription description;
+  std::memset(&description, 0x5A, sizeof description);
+  constexpr size_t kOlder = offsetof(XrdsDeviceDescription, kernelFamily) + 3;  // 600, a multiple of 4
+  description.structSize = kOlder;
+  ASSERT_EQ(xrdsDescribeOpenDevice(device, &description), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(description.structSize, kOlder);
+  EXPECT_STREQ(description.uuid, Device().description().uuid.c_str());
+  const auto* bytes = reinterpret_cast<const unsigned char*>(&description);
+  EXPECT_TRUE(std::all_of(bytes + kOlder, bytes + sizeof description, [](unsigned char byte) { return byte == 0x5A; }));
+
+  options = xrdsUpscalerOptionsDefault();
+  options.structSize += 8;  // of a later header
+  XrdsUpscaler* made = nullptr;
+  EXPECT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, &options, &made), XRDS_ERROR_ARGUMENT);
+  EXPECT_NE(std::string(xrdsGetMessage()).find("structSize of 48"), std::string::npos) << xrdsGetMessage();
 }
 
 TEST_F(CApi, RefusesHandlesThatAreNotOpen) {

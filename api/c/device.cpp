@@ -17,7 +17,8 @@ void setText(char (&field)[N], const std::string& text) {
   field[length] = 0;
 }
 
-void describe(const xrds::Device::Description& found, XrdsDeviceDescription& out) {
+void describe(const xrds::Device::Description& found, XrdsDeviceDescription& description) {
+  XrdsDeviceDescription out{};
   setText(out.name, found.name);
   setText(out.kind, found.kind);
   setText(out.uuid, found.uuid);
@@ -25,6 +26,7 @@ void describe(const xrds::Device::Description& found, XrdsDeviceDescription& out
   setText(out.apiVersion, found.apiVersion);
   setText(out.kernelFamily, found.kernelFamily);
   out.memoryBytes = found.memoryBytes;
+  give(out, description);
 }
 
 }  // namespace
@@ -55,7 +57,7 @@ XrdsResult xrdsCountDevices(uint32_t* count) {
 
 XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* description) {
   return guarded([&] {
-    checkSize(required(description, "description"));
+    checkedSize(required(description, "description"));
     const auto devices = xrds::Device::list();
     if (index >= devices.size())
       throw xrds::InvalidArgument("There is no device " + std::to_string(index) + ": there are " +
@@ -68,7 +70,7 @@ XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* description
 XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device) {
   return guarded([&] {
     XrdsDevice*& out = required(device, "device");
-    const XrdsDeviceOptions given = options ? checkSize(*options) : xrdsDeviceOptionsDefault();
+    const XrdsDeviceOptions usual = xrdsDeviceOptionsDefault(), given = options ? taken(*options, usual) : usual;
     out = Devices::open().add(
         std::make_shared<XrdsDevice>(xrds::Device(optionsOf(given)), given.preparation, given.preparationUser));
     return XRDS_OK;
@@ -77,7 +79,7 @@ XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device)
 
 XrdsResult xrdsDescribeOpenDevice(XrdsDevice* device, XrdsDeviceDescription* description) {
   return guarded([&] {
-    checkSize(required(description, "description"));
+    checkedSize(required(description, "description"));
     const auto found = Devices::open().opened(device, "device");
     const std::lock_guard lock(found->access);
     describe(found->device.description(), *description);

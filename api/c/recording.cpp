@@ -1,134 +1,29 @@
 // Frames of an upscaler in command buffers and on a queue of the caller's.
-#include <list>
-
-#include "api/arguments.h"
 #include "api/c/handles.h"
 #include "api/c/result.h"
-#include "api/c/sized.h"
-#include "engine/host_device.h"
-#include "engine/host_recording.h"
-#include "frames/host_frame.h"
-#include "xrds/engine_access.h"
-#include "xrds/xrds_vulkan.h"
+#include "xrds/xrds_vulkan.hpp"
 
 using namespace xrds::c;
 
 struct XrdsRecording {
-  XrdsRecording(std::shared_ptr<XrdsUpscaler> of, const XrdsVulkanFrame& given);
-  ~XrdsRecording();
+  XrdsRecording(std::shared_ptr<XrdsUpscaler> of, const XrdsVulkanFrame& given) : upscaler(std::move(of)) {
+    const std::lock_guard lock(upscaler->device->access);
+    frame.emplace(*upscaler->upscaler, given);
+  }
+  ~XrdsRecording() {
+    const std::lock_guard lock(upscaler->device->access);
+    frame.reset();
+  }
 
   const std::shared_ptr<XrdsUpscaler> upscaler;
-  std::list<xrds::Buffer> buffers;
-  std::list<xrds::HostImage> images;
-  std::optional<xrds::HostFrame> frame;
-  std::optional<xrds::HostRecording> recording;
+  std::optional<xrds::FrameRecording> frame;
 };
 
 namespace {
 
 using Recordings = Handles<XrdsRecording>;
 
-void checkSizes(const XrdsVulkanImage& image, const std::string& what, uint32_t width, uint32_t height) {
-  if (image.width != width || image.height != height)
-    throw xrds::InvalidArgument("The " + what + " image is " + xrds::sizeText(image.width, image.height) +
-                                " pixels, expected " + xrds::sizeText(width, height) + ".");
-  if (const int format = numberOf(image.format); format != XRDS_FLOAT && format != XRDS_HALF)
-    throw xrds::InvalidArgument("The " + what + " image has the format " + std::to_string(format) +
-                                ", expected XRDS_FLOAT or XRDS_HALF.");
-  if ((image.buffer == VK_NULL_HANDLE) == (image.image == VK_NULL_HANDLE))
-    throw xrds::InvalidArgument("The " + what + " image has " + (image.buffer ? "both" : "neither") +
-                                " a buffer and an image: give one of them.");
-}
-
-xrds::HostPixels pixelsOf(const XrdsVulkanImage& image, const std::string& what) {
-  const uint32_t channels = image.image ? 4 : image.channelCount;
-  const auto refused = [&](const std::string& found, const std::string& expected) {
-    return xrds::InvalidArgument("The " + what + " image has " + found + ", expected " + expected + ".");
-  };
-  if (channels != 3 && channels != 4) throw refused(std::to_string(channels) + " channels", "3 or 4");
-  xrds::HostPixels pixels{.width = image.width, .height = image.height, .channels = channels};
-  if (image.format == XRDS_HALF) pixels.type = xrds::DataType::f16;
-  const uint64_t row = uint64_t{image.width} * channels * xrds::byteSize(pixels.type);
-  pixels.rowBytes = image.image || image.rowPitch == 0 ? row : image.rowPitch;
-  if (image.image) return pixels;
-  pixels.byteOffset = image.offset;
-  if (pixels.rowBytes < row || pixels.rowBytes % 4 != 0 || pixels.rowBytes > uint32_t{1} << 30)
-    throw refused("a row pitch of " + std::to_string(pixels.rowBytes) + " bytes",
-                  "a multiple of 4, at least " + std::to_string(row));
-  if (image.offset % 4 != 0) throw refused("an offset of " + std::to_string(image.offset), "a multiple of 4");
-  return pixels;
-}
-
-xrds::HostPicture pictureOf(XrdsRecording& recording, const XrdsVulkanImage& image, const std::string& what,
-                            uint32_t scale) {
-  checkSize(image);
-  const XrdsUpscaler& upscaler = *recording.upscaler;
-  checkSizes(image, what, scale * upscaler.width, scale * upscaler.height);
-  xrds::HostPicture picture{.pixels = pixelsOf(image, what)};
-  if (image.image) {
-    if (image.layout == VK_IMAGE_LAYOUT_UNDEFINED || image.layout == VK_IMAGE_LAYOUT_PREINITIALIZED)
-      throw xrds::InvalidArgument("The " + what + " image is in no layout: name the one that it has before and after.");
-    picture.image =
-        &recording.images.emplace_back(xrds::HostImage{image.image, image.layout, image.width, image.height});
-    return picture;
-  }
-  xrds::Gpu& gpu = xrds::EngineAccess::gpu(upscaler.device->device);
-  const uint64_t end = xrds::alignUp(image.offset + picture.pixels.byteSize(), uint64_t{4});
-  picture.buffer = &recording.buffers.emplace_back(xrds::hostBuffer(gpu, image.buffer, end));
-  return picture;
-}
-
-void takeExposure(XrdsRecording& recording, const XrdsVulkanFrame& given, xrds::HostPictures& pictures) {
-  pictures.exposure = xrds::EngineAccess::exposureOf(*recording.upscaler->upscaler);
-  if (!given.exposure) return;
-  if (!pictures.exposure)
-    throw xrds::InvalidArgument(
-        "An exposure was given to an upscaler that computes its own: create it with the option exposure 1.");
-  if (given.exposureOffset % 4 != 0)
-    throw xrds::InvalidArgument("The exposure lies at byte " + std::to_string(given.exposureOffset) +
-                                ", expected a multiple of 4.");
-  xrds::Gpu& gpu = xrds::EngineAccess::gpu(recording.upscaler->device->device);
-  pictures.exposureBuffer =
-      &recording.buffers.emplace_back(xrds::hostBuffer(gpu, given.exposure, given.exposureOffset + sizeof(float)));
-  pictures.exposureOffset = given.exposureOffset;
-}
-
-void checkShared(const XrdsUpscaler& upscaler) {
-  if (!xrds::EngineAccess::gpu(upscaler.device->device).isShared())
-    throw xrds::InvalidArgument(
-        "The upscaler is on a device of the library's own, which no command buffer of yours belongs to: open yours "
-        "with "
-        "xrdsOpenVulkanDevice().");
-}
-
 }  // namespace
-
-XrdsRecording::XrdsRecording(std::shared_ptr<XrdsUpscaler> of, const XrdsVulkanFrame& given) : upscaler(std::move(of)) {
-  const std::lock_guard lock(upscaler->device->access);
-  checkShared(*upscaler);
-  const xrds::Model& model = upscaler->model->model;
-  const auto& inputs = model.auxiliaryInputs();
-  if (given.auxiliaryCount != inputs.size())
-    throw xrds::InvalidArgument("The model takes " + std::to_string(inputs.size()) + " auxiliary images, found " +
-                                std::to_string(given.auxiliaryCount) + ".");
-  xrds::HostPictures pictures;
-  pictures.colour = pictureOf(*this, given.colour, "colour", 1);
-  for (uint32_t i = 0; i < given.auxiliaryCount; ++i)
-    pictures.auxiliary.push_back(
-        pictureOf(*this, (&required(given.auxiliary, "auxiliary"))[i], inputs[i], model.scale()));
-  pictures.output = pictureOf(*this, given.output, "output", model.scale());
-  takeExposure(*this, given, pictures);
-  xrds::Gpu& gpu = xrds::EngineAccess::gpu(upscaler->device->device);
-  const auto parts = xrds::EngineAccess::parts(*upscaler->upscaler);
-  frame.emplace(gpu, parts, pictures);
-  recording.emplace(gpu, frame->dispatches());
-}
-
-XrdsRecording::~XrdsRecording() {
-  const std::lock_guard lock(upscaler->device->access);
-  recording.reset();
-  frame.reset();
-}
 
 XrdsVulkanImage xrdsBufferImage(VkBuffer buffer, XrdsFormat format, uint32_t channelCount, uint32_t width,
                                 uint32_t height) {
@@ -154,7 +49,7 @@ XrdsVulkanFrame xrdsVulkanFrameDefault() { return {.structSize = sizeof(XrdsVulk
 XrdsResult xrdsCreateRecording(XrdsUpscaler* upscaler, const XrdsVulkanFrame* frame, XrdsRecording** recording) {
   return guarded([&] {
     XrdsRecording*& out = required(recording, "recording");
-    const XrdsVulkanFrame& given = checkSize(required(frame, "frame"));
+    const XrdsVulkanFrame& given = required(frame, "frame");
     const auto of = Upscalers::open().opened(upscaler, "upscaler");
     out = Recordings::open().add(std::make_shared<XrdsRecording>(of, given));
     return XRDS_OK;
@@ -171,8 +66,7 @@ void xrdsDestroyRecording(XrdsRecording* recording) {
 XrdsResult xrdsRecord(XrdsRecording* recording, VkCommandBuffer commandBuffer) {
   return guarded([&] {
     const auto found = Recordings::open().opened(recording, "recording");
-    required(commandBuffer, "commandBuffer");
-    found->recording->recordInto(commandBuffer);
+    found->frame->record(commandBuffer);
     return XRDS_OK;
   });
 }
@@ -181,17 +75,33 @@ XrdsResult xrdsSubmit(XrdsRecording* recording, const XrdsTimelinePoint* waits, 
                       const XrdsTimelinePoint* signals, uint32_t signalCount) {
   return guarded([&] {
     const auto found = Recordings::open().opened(recording, "recording");
-    const auto points = [](const XrdsTimelinePoint* given, uint32_t count, const char* name) {
-      std::vector<xrds::TimelinePoint> read;
-      for (uint32_t i = 0; i < count; ++i) {
-        const XrdsTimelinePoint& point = (&required(given, name))[i];
-        if (!point.semaphore)
-          throw xrds::InvalidArgument("Semaphore " + std::to_string(i) + " of '" + name + "' is a null handle.");
-        read.push_back({point.semaphore, point.value});
-      }
-      return read;
-    };
-    found->recording->submit(points(waits, waitCount, "waits"), points(signals, signalCount, "signals"));
+    if (waitCount > 0) required(waits, "waits");
+    if (signalCount > 0) required(signals, "signals");
+    found->frame->submit({waits, waitCount}, {signals, signalCount});
     return XRDS_OK;
   });
+}
+
+XrdsResult xrdsRun(XrdsRecording* recording, XrdsProgress progress, void* user) {
+  return guarded([&] {
+    const auto found = Recordings::open().opened(recording, "recording");
+    const std::unique_lock use(found->upscaler->use, std::try_to_lock);
+    if (!use) return failed(XRDS_ERROR_BUSY, "The upscaler is in use on another thread: create one for each thread.");
+    xrds::Upscaler::Progress hear;
+    if (progress) hear = [&](double share) { return progress(user, share) != 0; };
+    const std::lock_guard lock(found->upscaler->device->access);
+    return found->frame->run(hear) ? XRDS_OK : failed(XRDS_CANCELLED, "The frame was cancelled.");
+  });
+}
+
+float xrdsGetRecordingExposure(const XrdsRecording* recording) {
+  float exposure = 0;
+  guarded([&] {
+    const auto found = Recordings::open().find(recording);
+    if (!found) return XRDS_OK;
+    const std::lock_guard lock(found->upscaler->device->access);
+    exposure = found->frame->exposure();
+    return XRDS_OK;
+  });
+  return exposure;
 }

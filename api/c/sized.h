@@ -7,14 +7,41 @@
 
 namespace xrds::c {
 
-/// The structure, whose structSize is that of this version. Throws InvalidArgument if it is not: the caller forgot it,
-/// or was built with the header of another version.
+/// The size that the caller has of a structure. Throws InvalidArgument if there was none of that size: the caller
+/// forgot it, or was built with the header of a later version.
+template <class T>
+size_t checkedSize(const T& structure) {
+  const size_t size = structure.structSize;
+  if (size <= sizeof(structure.structSize) || size > sizeof(T) || size % sizeof(structure.structSize) != 0)
+    throw InvalidArgument("A structure has a structSize of " + std::to_string(size) + ", expected " +
+                          std::to_string(sizeof(T)) +
+                          " or, of an older header, less: set it to its sizeof, or take the library of that header.");
+  return size;
+}
+
+/// What a caller has filled, at the size of this version: fields that its header did not have yet are those of
+/// `defaults`. Throws as checkedSize() does.
+template <class T>
+T taken(const T& given, T defaults = {}) {
+  std::memcpy(&defaults, &given, checkedSize(given));
+  defaults.structSize = sizeof(T);
+  return defaults;
+}
+
+/// Fills the fields that the caller has. Throws as checkedSize() does.
+template <class T>
+void give(const T& found, T& caller) {
+  const auto size = static_cast<uint32_t>(checkedSize(caller));
+  std::memcpy(&caller, &found, size);
+  caller.structSize = size;
+}
+
+/// A structure that is part of others, so that its size never changes. Throws InvalidArgument if it has another one.
 template <class T>
 const T& checkSize(const T& structure) {
   if (structure.structSize != sizeof(T))
     throw InvalidArgument("A structure has a structSize of " + std::to_string(structure.structSize) + ", expected " +
-                          std::to_string(sizeof(T)) +
-                          ": set it to its sizeof, or build with the header of this version.");
+                          std::to_string(sizeof(T)) + ": set it to its sizeof.");
   return structure;
 }
 

@@ -119,7 +119,8 @@ XrdsResult xrdsCreateUpscaler(XrdsDevice* device, const XrdsModel* model, uint32
                               const XrdsUpscalerOptions* options, XrdsUpscaler** upscaler) {
   return guarded([&] {
     XrdsUpscaler*& out = required(upscaler, "upscaler");
-    auto given = optionsOf(options ? checkSize(*options) : xrdsUpscalerOptionsDefault());
+    const XrdsUpscalerOptions usual = xrdsUpscalerOptionsDefault();
+    auto given = optionsOf(options ? taken(*options, usual) : usual);
     const auto on = Devices::open().opened(device, "device");
     if (on->preparation)
       given.onTuning = [&on](double share) {

@@ -2,9 +2,11 @@
 #include "api/c/handles.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
+#include "api/engine_access.h"
+#include "checks/matrix_proof.h"
+#include "engine/environment.h"
 #include "engine/host_device.h"
-#include "xrds/engine_access.h"
-#include "xrds/xrds_vulkan.h"
+#include "shaders/programs.h"
 
 using namespace xrds::c;
 
@@ -27,7 +29,7 @@ xrds::HostDevice hostOf(const XrdsVulkanDevice& given) {
                         .device = given.device,
                         .queueFamily = given.queueFamily,
                         .queue = given.queue};
-  if (given.enabled) host.enabled = featuresOf(checkSize(*given.enabled));
+  if (given.enabled) host.enabled = featuresOf(taken(*given.enabled));
   if ((given.lockQueue == nullptr) != (given.unlockQueue == nullptr))
     throw xrds::InvalidArgument("Of lockQueue and unlockQueue one is a null pointer: give both or neither.");
   if (given.lockQueue) {
@@ -53,25 +55,56 @@ const std::vector<const char*>& extensionNames(const xrds::HostFeatures& feature
 
 }  // namespace
 
+xrds::Device xrds::openVulkanDevice(const XrdsVulkanDevice& vulkan, const Device::Options& options) {
+  const HostDevice host = hostOf(taken(vulkan));
+  if (!options.select.empty())
+    throw InvalidArgument("A device was given and one is to be selected: leave the option select NULL.");
+  Gpu gpu({.cacheFolder = options.cacheFolder,
+           .kernelFamily = options.kernelFamily,
+           .onPreparation = options.onPreparation,
+           .programs = embeddedProgram},
+          host);
+  proveAskedKernels(gpu, options.kernelFamily.empty() ? wantedKernelFamily() : options.kernelFamily);
+  return EngineAccess::open(std::move(gpu));
+}
+
+XrdsResult xrdsPrepareVulkan(const char* cacheFolder, int draws) {
+  return guarded([&] {
+    xrds::prepareDrivers(cacheFolder ? cacheFolder : "", draws != 0);
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsSelectVulkanDevice(PFN_vkGetInstanceProcAddr loader, VkInstance instance, const char* select,
+                                  VkPhysicalDevice* physicalDevice) {
+  return guarded([&] {
+    VkPhysicalDevice& out = required(physicalDevice, "physicalDevice");
+    required(instance, "instance");
+    out = xrds::selectPhysicalDevice({.loader = loader, .instance = instance}, select ? select : "");
+    return XRDS_OK;
+  });
+}
+
 XrdsResult xrdsGetVulkanFeatures(PFN_vkGetInstanceProcAddr loader, VkInstance instance, VkPhysicalDevice physicalDevice,
                                  XrdsVulkanFeatures* features) {
   return guarded([&] {
     XrdsVulkanFeatures& out = required(features, "features");
-    checkSize(out);
+    checkedSize(out);
     const xrds::HostFeatures useful =
         xrds::usefulFeatures({.loader = loader, .instance = instance, .physicalDevice = physicalDevice});
     const auto& extensions = extensionNames(useful);
-    out = {.structSize = sizeof out,
-           .shaderInt64 = useful.shaderInt64,
-           .shaderSubgroupExtendedTypes = useful.shaderInt64,
-           .shaderFloat16 = useful.shaderFloat16,
-           .vulkanMemoryModel = useful.vulkanMemoryModel,
-           .subgroupSizeControl = useful.subgroupSizeControl,
-           .computeFullSubgroups = useful.computeFullSubgroups,
-           .cooperativeMatrixKhr = useful.cooperativeMatrixKhr,
-           .cooperativeMatrixNv = useful.cooperativeMatrixNv,
-           .extensions = extensions.data(),
-           .extensionCount = static_cast<uint32_t>(extensions.size())};
+    give<XrdsVulkanFeatures>({.structSize = sizeof out,
+                              .shaderInt64 = useful.shaderInt64,
+                              .shaderSubgroupExtendedTypes = useful.shaderInt64,
+                              .shaderFloat16 = useful.shaderFloat16,
+                              .vulkanMemoryModel = useful.vulkanMemoryModel,
+                              .subgroupSizeControl = useful.subgroupSizeControl,
+                              .computeFullSubgroups = useful.computeFullSubgroups,
+                              .cooperativeMatrixKhr = useful.cooperativeMatrixKhr,
+                              .cooperativeMatrixNv = useful.cooperativeMatrixNv,
+                              .extensions = extensions.data(),
+                              .extensionCount = static_cast<uint32_t>(extensions.size())},
+                             out);
     return XRDS_OK;
   });
 }
@@ -79,13 +112,10 @@ XrdsResult xrdsGetVulkanFeatures(PFN_vkGetInstanceProcAddr loader, VkInstance in
 XrdsResult xrdsOpenVulkanDevice(const XrdsVulkanDevice* vulkan, const XrdsDeviceOptions* options, XrdsDevice** device) {
   return guarded([&] {
     XrdsDevice*& out = required(device, "device");
-    const xrds::HostDevice host = hostOf(checkSize(required(vulkan, "vulkan")));
-    const XrdsDeviceOptions given = options ? checkSize(*options) : xrdsDeviceOptionsDefault();
-    const auto asked = optionsOf(given);
-    if (!asked.select.empty())
-      throw xrds::InvalidArgument("A device was given and one is to be selected: leave the option select NULL.");
-    out = Devices::open().add(std::make_shared<XrdsDevice>(xrds::EngineAccess::shared(host, asked), given.preparation,
-                                                           given.preparationUser));
+    const XrdsVulkanDevice& host = required(vulkan, "vulkan");
+    const XrdsDeviceOptions usual = xrdsDeviceOptionsDefault(), given = options ? taken(*options, usual) : usual;
+    out = Devices::open().add(std::make_shared<XrdsDevice>(xrds::openVulkanDevice(host, optionsOf(given)),
+                                                           given.preparation, given.preparationUser));
     return XRDS_OK;
   });
 }

@@ -29,8 +29,8 @@ TEST_F(EmbeddedDoors, RefuseDevicesThatCannotBe) {
   XrdsVulkanDevice wrong = host->vulkan();
   refused(xrdsOpenVulkanDevice(nullptr, nullptr, &made), "'vulkan' is a null pointer");
   refused(xrdsOpenVulkanDevice(&wrong, nullptr, nullptr), "'device' is a null pointer");
-  wrong.structSize = 8;
-  refused(open(wrong), "structSize of 8");
+  wrong.structSize = 4;
+  refused(open(wrong), "structSize of 4");
   wrong = host->vulkan(), wrong.instance = VK_NULL_HANDLE;
   refused(open(wrong), "instance or the physical device is a null handle");
   wrong = host->vulkan(), wrong.device = VK_NULL_HANDLE;
@@ -42,9 +42,9 @@ TEST_F(EmbeddedDoors, RefuseDevicesThatCannotBe) {
   wrong = host->vulkan(), wrong.lockQueue = [](void*) {};
   refused(open(wrong), "one is a null pointer: give both or neither");
   XrdsVulkanFeatures small = host->features;
-  small.structSize = 12;
+  small.structSize = sizeof small + 8;
   wrong = host->vulkan(), wrong.enabled = &small;
-  refused(open(wrong), "structSize of 12");
+  refused(open(wrong), "structSize of 64");
   VulkanHost other;  // another program's device
   wrong = host->vulkan(), wrong.physicalDevice = other.physicalDevice;
   refused(open(wrong), "none of the instance's");

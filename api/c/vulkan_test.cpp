@@ -1,7 +1,10 @@
 // xrds in a program with a Vulkan device of its own: the same pictures as xrdsUpscale() gives, in its buffers.
+#include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "tests/embedded.h"
+#include "tests/heap_count.h"
 
 namespace xrds {
 namespace {
@@ -22,7 +25,13 @@ TEST_F(Embedded, RecordsOnceAndReplaysWithoutAllocatingOrSubmittingOrCopying) {
   prepare(mine);
   const VkCommandBuffer commands = host->begin();
   test::VulkanHost::takeCalls();
-  ASSERT_EQ(xrdsRecord(mine.recording, commands), XRDS_OK);
+  {
+    const test::HeapCount heap;
+    ASSERT_EQ(xrdsRecord(mine.recording, commands), XRDS_OK);
+    EXPECT_EQ(heap.allocations(), 0u);
+    ::operator delete(::operator new(4));
+    EXPECT_EQ(heap.allocations(), 1u);  // it does count
+  }
   const std::vector<std::pair<std::string, int>> calls = test::VulkanHost::takeCalls();
   EXPECT_EQ(calls, (std::vector<std::pair<std::string, int>>{{"vkCmdExecuteCommands", 1}}));
   host->end(commands);
@@ -35,6 +44,42 @@ TEST_F(Embedded, RecordsOnceAndReplaysWithoutAllocatingOrSubmittingOrCopying) {
     EXPECT_EQ(get(mine.output), expected()) << seed;
     test::VulkanHost::takeCalls();
   }
+}
+
+// Piece by piece, so that others get the queue in between.
+TEST_F(Embedded, RunsAndWaits) {
+  Frame mine = frame();
+  prepare(mine);
+  std::vector<double> shares;
+  const auto hear = [](void* user, double share) {
+    static_cast<std::vector<double>*>(user)->push_back(share);
+    return 1;
+  };
+  ASSERT_EQ(xrdsRun(mine.recording, hear, &shares), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> found = get(mine.output);
+  const float exposure = xrdsGetRecordingExposure(mine.recording);
+  EXPECT_EQ(found, expected());
+  EXPECT_EQ(exposure, xrdsGetExposure(upscaler));
+  ASSERT_FALSE(shares.empty());
+  EXPECT_EQ(shares.back(), 1);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(xrdsRun(mine.recording, nullptr, nullptr), XRDS_OK);
+  const auto stop = [](void*, double) { return 0; };
+  EXPECT_EQ(xrdsRun(mine.recording, stop, nullptr), XRDS_CANCELLED);
+  EXPECT_EQ(xrdsRun(nullptr, nullptr, nullptr), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsGetRecordingExposure(nullptr), 0);
+}
+
+TEST_F(Embedded, KnowsDevicesAsTheSelectionDoes) {
+  VkPhysicalDevice found = VK_NULL_HANDLE;
+  ASSERT_EQ(xrdsSelectVulkanDevice(nullptr, host->instance, "0", &found), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(found, host->physicalDevice);
+  found = VK_NULL_HANDLE;
+  EXPECT_EQ(xrdsSelectVulkanDevice(nullptr, host->instance, "no such device", &found), XRDS_ERROR_FAILED);
+  EXPECT_NE(std::string(xrdsGetMessage()).find("no such device"), std::string::npos) << xrdsGetMessage();
+  EXPECT_EQ(found, VkPhysicalDevice{});
+  EXPECT_EQ(xrdsSelectVulkanDevice(nullptr, host->instance, "0", nullptr), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsSelectVulkanDevice(nullptr, nullptr, "0", &found), XRDS_ERROR_ARGUMENT);
 }
 
 TEST_F(Embedded, KeepsSeveralFramesInFlight) {

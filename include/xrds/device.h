@@ -39,8 +39,6 @@ class XRDS_API Device {
     std::function<void(std::string_view)> onMessage{};
     /// Hears how far the device is while programs are made: when it is opened, and when an Upscaler is.
     PreparationProgress onPreparation{};
-    /// Vulkan extensions to enable, for a program that draws on the same device (xrds/engine_access.h).
-    std::vector<std::string> instanceExtensions{}, deviceExtensions{};
   };
 
   /// All devices; the index is what Options::select takes. Throws Error if there is no Vulkan loader, or if

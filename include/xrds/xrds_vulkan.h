@@ -25,6 +25,18 @@ typedef struct XrdsRecording XrdsRecording;
 
 /* ------------------------------------------------------------------------------------------------------- The device */
 
+/* Call it before the first instance of the process is made, while no other thread reads the environment: sets the
+ * variables with which Mesa's driver for CPUs (lavapipe) takes the widest vectors that are fast and keeps what it has
+ * compiled in the cache folder. What the user has set stays. cacheFolder: NULL: the user's cache folder. draws: 1 if
+ * the program draws triangles, too; then the width stays that of the driver, since old versions crash with others. Of
+ * other drivers nothing changes. */
+XRDS_API XrdsResult xrdsPrepareVulkan(const char* cacheFolder, int draws);
+
+/* The device of the instance that xrdsOpenDevice() would open for XrdsDeviceOptions.select. Fails, naming those there
+ * are, if none of Vulkan 1.2 with a compute queue fits or several do. */
+XRDS_API XrdsResult xrdsSelectVulkanDevice(PFN_vkGetInstanceProcAddr loader, VkInstance instance, const char* select,
+                                           VkPhysicalDevice* physicalDevice);
+
 /* Features of Vulkan under their names there, 1 each: what would speed up the kernels, or what is enabled. None is
  * needed: slower kernels do without. The extensions are those that the features belong to. */
 typedef struct XrdsVulkanFeatures {
@@ -131,6 +143,13 @@ typedef struct XrdsTimelinePoint {
  * the `signals`. Does not wait. */
 XRDS_API XrdsResult xrdsSubmit(XrdsRecording* recording, const XrdsTimelinePoint* waits, uint32_t waitCount,
                                const XrdsTimelinePoint* signals, uint32_t signalCount);
+
+/* Submits the frame piece by piece and waits for each: others get the queue in between. progress may be NULL; after
+ * XRDS_CANCELLED the output holds anything. */
+XRDS_API XrdsResult xrdsRun(XrdsRecording* recording, XrdsProgress progress, void* user);
+
+/* Of the last frame that ran, which must have ended; 0 of a handle that is not open. */
+XRDS_API float xrdsGetRecordingExposure(const XrdsRecording* recording);
 
 #ifdef __cplusplus
 }

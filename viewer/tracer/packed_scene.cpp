@@ -1,14 +1,17 @@
 #include "viewer/tracer/packed_scene.h"
 
+#include <half.h>
+
 #include <algorithm>
 #include <bit>
 
-#include "engine/half.h"
 #include "viewer/tracer/bvh.h"
 #include "viewer/tracer/lights.h"
 
 namespace xrds {
 namespace {
+
+uint16_t halfBits(float value) { return Imath::half(value).bits(); }
 
 Texel texel(Vec3 v, float w) { return {v.x, v.y, v.z, w}; }
 
@@ -86,7 +89,7 @@ std::vector<Vec3> packTextures(std::vector<Texture> textures, PackedScene& packe
     places.push_back({static_cast<float>(packed.textures.size()), static_cast<float>(texture.width),
                       static_cast<float>(texture.height)});
     for (const Vec3& rgb : texture.pixels)
-      packed.textures.push_back({toHalf(rgb.x), toHalf(rgb.y), toHalf(rgb.z), toHalf(1)});
+      packed.textures.push_back({halfBits(rgb.x), halfBits(rgb.y), halfBits(rgb.z), halfBits(1)});
   }
   if (packed.textures.empty()) packed.textures.push_back({});
   return places;

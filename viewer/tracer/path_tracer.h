@@ -2,17 +2,11 @@
 
 #include <functional>
 #include <memory>
-#include <span>
-#include <string_view>
 
-#include "engine/buffer.h"
 #include "viewer/tracer/scene.h"
+#include "viewer/vulkan/buffer.h"
 
 namespace xrds {
-
-/// The SPIR-V of the tracer's programs by name; empty if there is none. The device must find them: give it to
-/// Gpu::addPrograms() once, before the first PathTracer.
-std::span<const uint32_t> tracerProgram(std::string_view name);
 
 struct TraceOptions {
   uint32_t seed = 1;
@@ -32,7 +26,7 @@ class PathTracer {
  public:
   /// width x height: of the colour; the auxiliary image is `scale` times that. Uploads the scene, which may then go.
   /// Throws Error if the device cannot hold it. The device must outlive the tracer and is used by one thread at a time.
-  PathTracer(Gpu& gpu, const TraceScene& scene, uint32_t width, uint32_t height, uint32_t scale,
+  PathTracer(VulkanDevice& gpu, const TraceScene& scene, uint32_t width, uint32_t height, uint32_t scale,
              const TraceOptions& options = {});
   ~PathTracer();
   PathTracer(PathTracer&&) noexcept;
@@ -51,12 +45,12 @@ class PathTracer {
   /// Whole passes since the last reset.
   SampleCounts samples() const;
 
-  /// [height, width, 4] f32: mean linear radiance and 0.
-  const Buffer& colour() const;
-  /// [scale height, scale width, 8] f32: albedo; normal in camera space (x right, y up, z away from the camera), facing
-  /// it; 0, 0. As Cycles' denoising data: smooth metal and glass show what they reflect, tinted; light sources and sky
-  /// have their radiance for an albedo; the sky has no normal (0, 0, 0).
-  const Buffer& auxiliary() const;
+  /// [height, width, 4] floats: mean linear radiance and 0.
+  const DeviceBuffer& colour() const;
+  /// [scale height, 2, scale width, 4] floats: of each row first albedo and 0, then normals in camera space (x right, y
+  /// up, z away from the camera), facing it, and 0. As Cycles' denoising data: smooth metal and glass show what they
+  /// reflect, tinted; light sources and sky have their radiance for an albedo; the sky has no normal (0, 0, 0).
+  const DeviceBuffer& auxiliary() const;
 
  private:
   struct State;

@@ -1,6 +1,4 @@
-#include <cstdint>
-
-#include "viewer/tracer/path_tracer.h"
+#include "viewer/tracer/programs.h"
 
 namespace xrds {
 namespace {

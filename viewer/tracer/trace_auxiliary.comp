@@ -1,5 +1,5 @@
-// picture = mean albedo and camera-space normal of all samples so far, sums = their sums and number: [height, width,
-// 8]. One pixel an invocation. The rule is that of Cycles' denoising passes: a path goes on through glass and smooth
+// picture = mean albedo and camera-space normal of all samples so far, sums = their sums and number: [height, 2, width,
+// 4]. One pixel an invocation. The rule is that of Cycles' denoising passes: a path goes on through glass and smooth
 // metal, tinted, to the first rough surface, whose albedo and normal count; light that it meets counts as albedo.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -45,19 +45,19 @@ Features traceFeatures(Ray ray) {
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, p.rowBegin);
   if (at.x >= p.width || at.y >= p.rowEnd) return;
-  const int place = 2 * (at.y * p.width + at.x) - p.storeOrigin;
-  vec4 first = sums[place], second = sums[place + 1];
+  const int albedo = 2 * at.y * p.width + at.x - p.storeOrigin, normal = albedo + p.width;
+  vec4 first = sums[albedo], second = sums[normal];
   int left = askedSamples();
   while (left > 0) {
     startRandom(uint(at.y * p.width + at.x), uint(second.w), p.seed + 1u);
     const Features features = traceFeatures(cameraRay(at));
-    first += vec4(features.albedo, features.normal.x);
-    second += vec4(features.normal.yz, 0, 1);
+    first += vec4(features.albedo, 0);
+    second += vec4(features.normal, 1);
     left--;
   }
-  sums[place] = first;
-  sums[place + 1] = second;
+  sums[albedo] = first;
+  sums[normal] = second;
   const float scale = 1.0 / max(second.w, 1.0);
-  picture[place] = first * scale;
-  picture[place + 1] = vec4(second.xy * scale, 0, 0);
+  picture[albedo] = first * scale;
+  picture[normal] = vec4(second.xyz * scale, 0);
 }

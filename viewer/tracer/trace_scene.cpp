@@ -13,24 +13,23 @@
 #include <utility>
 #include <vector>
 
-#include "engine/device.h"
 #include "viewer/tracer/path_tracer.h"
 
 namespace xrds {
 namespace {
 
-// Channels of interleaved pixels; those without a name are left out.
+// Three channels of each plane of [height, planes, width, 4].
 void writeChannels(const std::string& file, uint32_t width, uint32_t height, std::vector<const char*> names,
-                   const Buffer& pixels) {
+                   const DeviceBuffer& pixels) {
   std::vector<float> values(pixels.byteSize() / sizeof(float));
   pixels.download(0, std::as_writable_bytes(std::span(values)));
   Imf::Header header(static_cast<int>(width), static_cast<int>(height));
   Imf::FrameBuffer frame;
-  const size_t stride = names.size() * sizeof(float);
+  const size_t pixel = 4 * sizeof(float), row = names.size() / 3 * pixel * width;
   for (size_t c = 0; c < names.size(); ++c) {
-    if (!*names[c]) continue;
     header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
-    frame.insert(names[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(&values[c]), stride, stride * width));
+    char* const first = reinterpret_cast<char*>(&values[c / 3 * 4 * width + c % 3]);
+    frame.insert(names[c], Imf::Slice(Imf::FLOAT, first, pixel, row));
   }
   Imf::OutputFile output(file.c_str(), header);
   output.setFrameBuffer(frame);
@@ -49,7 +48,7 @@ void render(const std::string& name, const std::string& prefix, uint32_t width, 
   const auto& known = builtInSceneNames();
   const bool isBuiltIn = std::find(known.begin(), known.end(), name) != known.end();
   std::printf("scene %.3f s, ", secondsOf([&] { scene = isBuiltIn ? builtInScene(name) : loadScene(name); }));
-  Gpu gpu({.programs = tracerProgram});
+  VulkanDevice gpu({});
   std::unique_ptr<PathTracer> tracer;
   std::printf("%zu triangles, tracer %.3f s, ", scene.triangles.size(),
               secondsOf([&] { tracer = std::make_unique<PathTracer>(gpu, scene, width, height, scale); }));
@@ -66,9 +65,9 @@ void render(const std::string& name, const std::string& prefix, uint32_t width, 
   const double colour = secondsOf([&] { tracer->render({counts.colour, 0}, progress); });
   std::printf("%.1f ms an auxiliary sample, %.1f ms a colour sample, longest submission %.1f ms\n",
               1000 * auxiliary / counts.auxiliary, 1000 * colour / counts.colour, 1000 * longest);
-  writeChannels(prefix + "_colour.exr", width, height, {"R", "G", "B", ""}, tracer->colour());
+  writeChannels(prefix + "_colour.exr", width, height, {"R", "G", "B"}, tracer->colour());
   writeChannels(prefix + "_aux.exr", scale * width, scale * height,
-                {"albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z", "", ""}, tracer->auxiliary());
+                {"albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z"}, tracer->auxiliary());
 }
 
 }  // namespace

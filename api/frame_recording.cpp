@@ -1,0 +1,169 @@
+// Frames of an upscaler in command buffers and on a queue of another program.
+#include <list>
+
+#include "api/arguments.h"
+#include "api/c/result.h"
+#include "api/c/sized.h"
+#include "api/engine_access.h"
+#include "engine/host_device.h"
+#include "engine/host_recording.h"
+#include "frames/frame_runner.h"
+#include "network/oidn.h"
+
+namespace xrds {
+
+using c::checkSize, c::numberOf, c::required, c::taken;
+
+struct FrameRecording::State {
+  State(Upscaler& upscaler, const XrdsVulkanFrame& given);
+  HostPicture pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale);
+  void takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures);
+
+  Gpu& gpu;
+  const Upscaler::Options& options;
+  const NetworkConfig& config;
+  const FrameShape shape;
+  std::list<Buffer> buffers;
+  std::list<HostImage> images;
+  std::vector<FramePart> parts;
+  std::optional<HostFrame> frame;
+  std::optional<HostRecording> recording;
+  std::optional<Recording> ownRuns;  // made by the first run()
+};
+
+namespace {
+
+void checkSizes(const XrdsVulkanImage& image, const std::string& what, uint32_t width, uint32_t height) {
+  if (image.width != width || image.height != height)
+    throw InvalidArgument("The " + what + " image is " + sizeText(image.width, image.height) + " pixels, expected " +
+                          sizeText(width, height) + ".");
+  if (const int format = numberOf(image.format); format != XRDS_FLOAT && format != XRDS_HALF)
+    throw InvalidArgument("The " + what + " image has the format " + std::to_string(format) +
+                          ", expected XRDS_FLOAT or XRDS_HALF.");
+  if ((image.buffer == VK_NULL_HANDLE) == (image.image == VK_NULL_HANDLE))
+    throw InvalidArgument("The " + what + " image has " + (image.buffer ? "both" : "neither") +
+                          " a buffer and an image: give one of them.");
+}
+
+HostPixels pixelsOf(const XrdsVulkanImage& image, const std::string& what) {
+  const uint32_t channels = image.image ? 4 : image.channelCount;
+  const auto refused = [&](const std::string& found, const std::string& expected) {
+    return InvalidArgument("The " + what + " image has " + found + ", expected " + expected + ".");
+  };
+  if (channels != 3 && channels != 4) throw refused(std::to_string(channels) + " channels", "3 or 4");
+  HostPixels pixels{.width = image.width, .height = image.height, .channels = channels};
+  if (image.format == XRDS_HALF) pixels.type = DataType::f16;
+  const uint64_t row = uint64_t{image.width} * channels * byteSize(pixels.type);
+  pixels.rowBytes = image.image || image.rowPitch == 0 ? row : image.rowPitch;
+  if (image.image) return pixels;
+  pixels.byteOffset = image.offset;
+  if (pixels.rowBytes < row || pixels.rowBytes % 4 != 0 || pixels.rowBytes > uint32_t{1} << 30)
+    throw refused("a row pitch of " + std::to_string(pixels.rowBytes) + " bytes",
+                  "a multiple of 4, at least " + std::to_string(row));
+  if (image.offset % 4 != 0) throw refused("an offset of " + std::to_string(image.offset), "a multiple of 4");
+  return pixels;
+}
+
+Gpu& sharedDevice(const Upscaler& upscaler) {
+  Gpu& gpu = EngineAccess::gpu(upscaler);
+  if (!gpu.isShared())
+    throw InvalidArgument(
+        "The upscaler is on a device of the library's own, which no command buffer of yours belongs to: open yours "
+        "with xrdsOpenVulkanDevice().");
+  return gpu;
+}
+
+std::vector<TimelinePoint> pointsOf(std::span<const XrdsTimelinePoint> given, const char* name) {
+  std::vector<TimelinePoint> points;
+  for (const XrdsTimelinePoint& point : given) {
+    if (!point.semaphore)
+      throw InvalidArgument("Semaphore " + std::to_string(points.size()) + " of '" + name + "' is a null handle.");
+    points.push_back({point.semaphore, point.value});
+  }
+  return points;
+}
+
+}  // namespace
+
+HostPicture FrameRecording::State::pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale) {
+  checkSize(image);
+  checkSizes(image, what, scale * shape.width, scale * shape.height);
+  HostPicture picture{.pixels = pixelsOf(image, what)};
+  if (image.image) {
+    if (image.layout == VK_IMAGE_LAYOUT_UNDEFINED || image.layout == VK_IMAGE_LAYOUT_PREINITIALIZED)
+      throw InvalidArgument("The " + what + " image is in no layout: name the one that it has before and after.");
+    picture.image = &images.emplace_back(HostImage{image.image, image.layout, image.width, image.height});
+    return picture;
+  }
+  const uint64_t end = alignUp(image.offset + picture.pixels.byteSize(), uint64_t{4});
+  picture.buffer = &buffers.emplace_back(hostBuffer(gpu, image.buffer, end));
+  return picture;
+}
+
+void FrameRecording::State::takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures) {
+  pictures.exposure = options.exposure;
+  if (!given.exposure) return;
+  if (!pictures.exposure)
+    throw InvalidArgument(
+        "An exposure was given to an upscaler that computes its own: create it with the option exposure 1.");
+  if (given.exposureOffset % 4 != 0)
+    throw InvalidArgument("The exposure lies at byte " + std::to_string(given.exposureOffset) +
+                          ", expected a multiple of 4.");
+  pictures.exposureBuffer =
+      &buffers.emplace_back(hostBuffer(gpu, given.exposure, given.exposureOffset + sizeof(float)));
+  pictures.exposureOffset = given.exposureOffset;
+}
+
+FrameRecording::State::State(Upscaler& upscaler, const XrdsVulkanFrame& given)
+    : gpu(sharedDevice(upscaler)),
+      options(EngineAccess::options(upscaler)),
+      config(EngineAccess::config(upscaler)),
+      shape(EngineAccess::shape(upscaler)) {
+  const auto& inputs = config.auxInputs;
+  if (given.auxiliaryCount != inputs.size())
+    throw InvalidArgument("The model takes " + std::to_string(inputs.size()) + " auxiliary images, found " +
+                          std::to_string(given.auxiliaryCount) + ".");
+  HostPictures pictures;
+  pictures.colour = pictureOf(given.colour, "colour", 1);
+  for (uint32_t i = 0; i < given.auxiliaryCount; ++i)
+    pictures.auxiliary.push_back(pictureOf((&required(given.auxiliary, "auxiliary"))[i], inputs[i], config.scale));
+  pictures.output = pictureOf(given.output, "output", config.scale);
+  takeExposure(given, pictures);
+  if (!pictures.exposure && takesBinnedExposure(config))
+    throw InvalidArgument(
+        "The exposure of this network is computed on the host: create the upscaler with the option exposure.");
+  parts = EngineAccess::parts(upscaler);
+  frame.emplace(gpu, parts, pictures);
+  recording.emplace(gpu, frame->dispatches());
+}
+
+FrameRecording::FrameRecording(Upscaler& upscaler, const XrdsVulkanFrame& frame)
+    : state_(std::make_unique<State>(upscaler, taken(frame, xrdsVulkanFrameDefault()))) {}
+FrameRecording::~FrameRecording() = default;
+FrameRecording::FrameRecording(FrameRecording&&) noexcept = default;
+FrameRecording& FrameRecording::operator=(FrameRecording&&) noexcept = default;
+
+void FrameRecording::record(VkCommandBuffer commands) const {
+  state_->recording->recordInto(&required(commands, "commandBuffer"));
+}
+
+void FrameRecording::submit(std::span<const XrdsTimelinePoint> waits, std::span<const XrdsTimelinePoint> signals) {
+  state_->recording->submit(pointsOf(waits, "waits"), pointsOf(signals, "signals"));
+}
+
+bool FrameRecording::run(const Upscaler::Progress& progress) {
+  const RecordingOptions asked{.timestamps = state_->options.profile,
+                               .multiplyAddsPerSubmission = state_->options.multiplyAddsPerSubmission,
+                               .measuresPace = true};
+  if (!state_->ownRuns) state_->ownRuns.emplace(state_->gpu, state_->frame->dispatches(), asked);
+  return state_->ownRuns->run(countingShare(progress));
+}
+
+float FrameRecording::exposure() const { return state_->parts.front().session->exposure(); }
+
+std::vector<Upscaler::ProfileRow> FrameRecording::profile() const {
+  if (!state_->ownRuns) return {};
+  return profileRows(timesOf(state_->frame->dispatches(), state_->ownRuns->gpuMicroseconds()));
+}
+
+}  // namespace xrds

@@ -1,0 +1,45 @@
+#include "tests/heap_count.h"
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+thread_local bool counting = false;
+thread_local int uncounted = 0;
+thread_local size_t allocations = 0;
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  if (counting && uncounted == 0) ++allocations;
+  void* const memory = alignment > alignof(std::max_align_t)
+                           ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
+                           : std::malloc(size > 0 ? size : 1);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+// All other forms come down to these.
+void* operator new(std::size_t size) { return allocate(size, 1); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace xrds::test {
+
+HeapCount::HeapCount() {
+  ::allocations = 0;
+  counting = true;
+}
+HeapCount::~HeapCount() { counting = false; }
+size_t HeapCount::allocations() const { return ::allocations; }
+
+Uncounted::Uncounted() { ++uncounted; }
+Uncounted::~Uncounted() { --uncounted; }
+
+}  // namespace xrds::test
