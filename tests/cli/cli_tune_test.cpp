@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "tests/cli/faults.h"
 #include "tests/cli/frames.h"
 #include "tests/cli/process.h"
 
@@ -94,23 +93,6 @@ TEST_F(CliTune, KeepsWhatItFoundWhichDoctorAndUpscaleUse) {
   ASSERT_EQ(upscaled(tuned, "").exitCode, 0);
   ASSERT_EQ(upscaled(plain, "plain").exitCode, 0);
   EXPECT_EQ(run({"compare", tuned, plain, "--min-psnr", "90"}).exitCode, 0) << "the winners give another picture";
-}
-
-// The layer stands for a driver whose pipelines choose; what it is asked for it notes.
-TEST_F(CliTune, TriesSubgroupsOfEachSizeThatPipelinesMayChoose) {
-  const fs::path log = folder_ / "log";
-  StartOptions options = withFaults("subgroups:1:0:0", log);
-  options.environment.merge(start().environment);
-  const std::string json = (folder_ / "tune.json").string();
-  const Ended ended =
-      runXrds({"tune", "xrds-x4-nano", "--size", "64x64", "--precision", "fp32", "--json", json}, options);
-  ASSERT_EQ(ended.exitCode, 0) << ended.error;
-  const std::string noted = readBytes(log);
-  if (noted.empty()) GTEST_SKIP() << "the device's subgroups have one size, whatever the layer says";
-  EXPECT_TRUE(contains(noted, "subgroups of ")) << noted;
-  std::ifstream in(json);
-  for (const auto& shape : nlohmann::json::parse(in).at("tuned").at(0).at("operators"))
-    EXPECT_TRUE(shape.at("wrong").empty()) << shape;
 }
 
 TEST_F(CliTune, AKilledTuningGoesOnWhereItStopped) {

@@ -28,7 +28,6 @@ struct NextOfInstance {
   PFN_vkGetInstanceProcAddr function = nullptr;
   PFN_vkCreateDevice createDevice = nullptr;
   PFN_vkGetPhysicalDeviceFeatures2 features = nullptr;
-  PFN_vkGetPhysicalDeviceProperties2 properties = nullptr;
   PFN_vkEnumerateDeviceExtensionProperties extensions = nullptr;
 };
 
@@ -91,42 +90,6 @@ VKAPI_ATTR void VKAPI_CALL featuresOrFewer(VkPhysicalDevice device, VkPhysicalDe
   if (faultOf("vkGetPhysicalDeviceFeatures2")) features->features.shaderInt64 = VK_FALSE;
 }
 
-// The structure of that type in the chain; null: there is none.
-template <class Structure>
-Structure* chained(void* chain, VkStructureType type) {
-  auto* structure = static_cast<VkBaseOutStructure*>(chain);
-  while (structure && structure->sType != type) structure = structure->pNext;
-  return reinterpret_cast<Structure*>(structure);
-}
-
-// By the rule `subgroups` a pipeline has the choice of subgroups of half the size: the device is not asked for them, as
-// programs that do without subgroups cannot tell.
-VKAPI_ATTR void VKAPI_CALL propertiesOrTwoSizes(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
-  nextOfInstance(device).properties(device, properties);
-  auto* sizes = chained<VkPhysicalDeviceSubgroupSizeControlProperties>(
-      properties->pNext, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES);
-  if (!sizes || !faultOf("subgroups")) return;
-  sizes->minSubgroupSize = sizes->maxSubgroupSize / 2;
-  sizes->requiredSubgroupSizeStages = VK_SHADER_STAGE_COMPUTE_BIT;
-}
-
-VKAPI_ATTR VkResult VKAPI_CALL createInOwnSize(VkDevice device, VkPipelineCache cache, uint32_t count,
-                                               const VkComputePipelineCreateInfo* infos,
-                                               const VkAllocationCallbacks* allocator, VkPipeline* pipelines) {
-  if (const auto fault = faultOf("vkCreateComputePipelines")) return *fault;
-  std::vector<VkComputePipelineCreateInfo> passed(infos, infos + count);
-  for (VkComputePipelineCreateInfo& info : passed) {
-    const auto* asked = chained<const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo>(
-        const_cast<void*>(info.stage.pNext),
-        VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO);
-    if (!asked || !faultOf("subgroups")) continue;
-    note("subgroups of " + std::to_string(asked->requiredSubgroupSize));
-    info.stage.pNext = nullptr;
-  }
-  return nextOfDevice<PFN_vkCreateComputePipelines>(device, "vkCreateComputePipelines")(
-      device, cache, count, passed.data(), allocator, pipelines);
-}
-
 constexpr const char* kPortability = "VK_KHR_portability_subset";
 
 // By the rule `portability` a device stands for one of MoltenVK: it lists the extension that must then be enabled.
@@ -179,7 +142,6 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   instances[keyOf(*instance)] = {
       next, reinterpret_cast<PFN_vkCreateDevice>(next(*instance, "vkCreateDevice")),
       reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(next(*instance, "vkGetPhysicalDeviceFeatures2")),
-      reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(next(*instance, "vkGetPhysicalDeviceProperties2")),
       reinterpret_cast<PFN_vkEnumerateDeviceExtensionProperties>(
           next(*instance, "vkEnumerateDeviceExtensionProperties"))};
   return result;
@@ -211,8 +173,6 @@ PFN_vkVoidFunction ownFunction(const char* name) {
       {"vkCreateInstance", reinterpret_cast<PFN_vkVoidFunction>(&createInstance)},
       {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(&createDevice)},
       {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(&featuresOrFewer)},
-      {"vkGetPhysicalDeviceProperties2", reinterpret_cast<PFN_vkVoidFunction>(&propertiesOrTwoSizes)},
-      {"vkCreateComputePipelines", reinterpret_cast<PFN_vkVoidFunction>(&createInOwnSize)},
       {"vkEnumerateDeviceExtensionProperties", reinterpret_cast<PFN_vkVoidFunction>(&extensionsOrOneMore)},
       {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(&waitAndFail)},
       {"vkCmdDispatch", reinterpret_cast<PFN_vkVoidFunction>(&dispatchOrDrop)},
@@ -233,7 +193,8 @@ PFN_vkVoidFunction ownFunction(const char* name) {
       XRDS_FAULTY(vkCreateDescriptorSetLayout),
       XRDS_FAULTY(vkCreatePipelineLayout),
       XRDS_FAULTY(vkCreatePipelineCache),
-      XRDS_FAULTY(vkCreateShaderModule)};
+      XRDS_FAULTY(vkCreateShaderModule),
+      XRDS_FAULTY(vkCreateComputePipelines)};
   const auto found = kOwn.find(name);
   return found == kOwn.end() ? nullptr : found->second;
 }

@@ -32,18 +32,18 @@ std::vector<Rule> parseRules() {
   return rules;
 }
 
-}  // namespace
-
-void note(std::string_view line) {
-  if (const char* path = std::getenv("XRDS_FAULTS_LOG")) std::ofstream(path, std::ios::app) << line << '\n';
+void note(std::string_view function) {
+  if (const char* path = std::getenv("XRDS_FAULTS_LOG")) std::ofstream(path, std::ios::app) << function << '\n';
 }
+
+}  // namespace
 
 std::optional<VkResult> faultOf(std::string_view function) {
   static std::mutex mutex;
   static std::vector<Rule> rules = parseRules();
   const std::lock_guard lock(mutex);
-  const bool hasResult = function != "vkCmdDispatch" && function != "vkGetPhysicalDeviceFeatures2" &&
-                         function != "portability" && function != "subgroups";
+  const bool hasResult =
+      function != "vkCmdDispatch" && function != "vkGetPhysicalDeviceFeatures2" && function != "portability";
   for (Rule& rule : rules) {
     if (rule.function != function && !(rule.function == "any" && hasResult)) continue;
     const unsigned call = ++rule.calls;
