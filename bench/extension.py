@@ -1,6 +1,6 @@
-"""What the extension for Blender costs and gains: three scenes of samples/, beside full renders of as much processor time.
+"""What the extension for Blender costs and gains: two scenes of samples/, beside full renders of as much processor time.
 
-    for scene in interior outdoor glossy; do
+    for scene in interior glossy; do
       blender -b --factory-startup -noaudio -P bench/extension.py -- --scene $scene --out WORK --package build/release/python
     done
     python3 bench/extension.py --report WORK --xrds build/release/cli/xrds
