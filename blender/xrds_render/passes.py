@@ -44,6 +44,8 @@ def _configure(scene, width, height, samples, path, put, keep):
     render, cycles = scene.render, scene.cycles
     keep(render.image_settings)
     settings = render.image_settings
+    if hasattr(settings, "linear_colorspace_settings"):
+        keep(settings.linear_colorspace_settings)
     if hasattr(settings, "media_type"):  # Blender 5
         put(settings, "media_type", "MULTI_LAYER_IMAGE")
     put(settings, "file_format", "OPEN_EXR_MULTILAYER")
