@@ -1,6 +1,6 @@
 """The networks that Hou & Liu 2023 compare with, as PyTorch modules: EDSR, RCAN, SwinIR and MSSPL.
 
-Parameter names are those of the official repositories (EDSR-PyTorch, RCAN, SwinIR) and those in the model file, but for the mean
+Parameter names are those of the official repositories (EDSR-PyTorch, RCAN, SwinIR), but for the mean
 that the first two keep in two convolutions and SwinIR in its code: here it is the parameter `mean` [3], in units of the image.
 Each module takes colour [batch, 3, h, w] (MSSPL auxiliary images [batch, A, s h, s w] too), h and w multiples of `window`, and
 returns [batch, 3, s h, s w]. `mean` is subtracted and `range` multiplied before the network and undone behind it.
@@ -18,7 +18,7 @@ DIV2K_MEAN = (0.4488, 0.4371, 0.4040)
 
 @dataclasses.dataclass(frozen=True)
 class Config:
-    """The metadata fields of the model file. `groups`: RCAN's residual groups, SwinIR's RSTB, MSSPL's RDG; `blocks`: of each of
+    """The sizes of a network. `groups`: RCAN's residual groups, SwinIR's RSTB, MSSPL's RDG; `blocks`: of each of
     them, or EDSR's. `window`: the multiple to which frames are padded. What an architecture does not have is at its default."""
     architecture: str
     scale: int = 4
@@ -52,16 +52,6 @@ PAPER = {   # the sizes of the papers, at scale 4
     "swinir_light": Config("swinir", channels=60, groups=4, blocks=6, window=8, head_channels=10, upsampler="pixelshuffledirect"),
     "msspl": Config("msspl", channels=64, groups=3, blocks=5, aux_inputs=("albedo", "normal")),
 }
-
-
-def metadata_of(config):
-    """The fields of the model file that its architecture has."""
-    own = {"edsr": ("blocks", "residual_divisor", "range"), "rcan": ("groups", "blocks", "reduction", "range"),
-           "swinir": ("groups", "blocks", "window", "head_channels", "mlp_ratio", "upsampler", "range"),
-           "msspl": ("groups", "blocks", "aux_inputs")}[config.architecture]
-    fields = dataclasses.asdict(config) | {"aux_inputs": ",".join(config.aux_inputs)}
-    names = ("architecture", "scale", "channels", "transfer", *own)
-    return {"format": "xrds", "version": "1", **{name: str(fields[name]) for name in names}}
 
 
 class Normed(nn.Module):
