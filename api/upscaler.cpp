@@ -4,6 +4,9 @@
 
 #include "api/arguments.h"
 #include "api/engine_access.h"
+#include "api/finite_image.h"
+#include "api/layer_frame.h"
+#include "api/state.h"
 #include "checks/reference.h"
 #include "checks/stress/stress.h"
 #include "frames/ensemble.h"
@@ -11,47 +14,12 @@
 #include "frames/frame_runner.h"
 #include "frames/quiet_windows.h"
 #include "frames/tile_choice.h"
-#include "image/repair.h"
 #include "network/halo.h"
 #include "network/oidn.h"
 #include "tuning/tuner.h"
 
 namespace xrds {
 namespace {
-
-Image imageOf(const PixelView& view) {
-  Image image;
-  image.width = static_cast<int>(view.width);
-  image.height = static_cast<int>(view.height);
-  image.channels = 3;
-  image.pixels = packed(view);
-  return image;
-}
-
-/// An image of the caller, or a repaired copy if it has pixels that are not finite.
-class FiniteImage {
- public:
-  /// Adds the number of those pixels to `repaired`.
-  FiniteImage(const PixelView& given, uint64_t& repaired) : view_(given) {
-    const size_t pixels = size_t{given.width} * given.height;
-    const auto isFinite = [&](size_t p) {
-      const float* rgb = given.pixels + p * given.stride;
-      return std::isfinite(rgb[0]) && std::isfinite(rgb[1]) && std::isfinite(rgb[2]);
-    };
-    size_t p = 0;
-    while (p < pixels && isFinite(p)) ++p;
-    if (p == pixels) return;
-    copy_ = imageOf(given);
-    repaired += repairNonFinite(copy_).nonFinitePixels;
-    view_ = {copy_.pixels.data(), given.width, given.height};
-  }
-  FiniteImage(FiniteImage&&) = default;  // the pixels of the copy stay where they are
-  const PixelView& view() const { return view_; }
-
- private:
-  PixelView view_;
-  Image copy_;
-};
 
 FrameInput inputOf(const NetworkConfig& config, const PixelView& colour, std::span<const PixelView> auxiliary,
                    const Upscaler::Options& options) {
@@ -123,28 +91,33 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 }  // namespace
 
 struct Upscaler::State {
-  State(Gpu& on, const NetworkModel& model, FrameShape shape, const Options& given)
-      : gpu(on), config(model.config()), frame(shape), options(given) {
+  State(Gpu& device, const NetworkModel& weights, FrameShape shape, const Options& given)
+      : gpu(device), model(weights), config(model.config()), frame(shape), options(given) {
     if (options.ensemble == 8 && frame.width != frame.height) {
       options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
       Options once = options;
       once.ensemble = 1;
       turned = std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once);
     }
+    prepareAsFits();
+  }
+
+  void prepareAsFits() {
     try {
-      prepare(model, memoryOf(gpu, options.tiles));
+      prepare(memoryOf(gpu, options.tiles));
     } catch (const OutOfMemory&) {
-      prepareSmaller(model, std::current_exception());
+      prepareSmaller(std::current_exception());
     }
   }
 
-  void prepare(const NetworkModel& model, uint64_t memory) {
+  void prepare(uint64_t memory) {
     SessionOptions of = sessionOptions(gpu, model, frame, options);
     of.memoryBytes = memory;
+    of.layers = layerCount;
     DeviceTraits traits = gpu.traits();
     traits.family = *of.family;
     traits.memoryBytes = std::min(traits.memoryBytes, memory);
-    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels});
+    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels, of.layers});
     const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
     if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
       runner = wholeRunner(gpu, model, frame, of);
@@ -156,11 +129,11 @@ struct Upscaler::State {
   }
 
   // The device has less memory than it says, for other programs use it: tiles of half as much, again and again.
-  void prepareSmaller(const NetworkModel& model, const std::exception_ptr& first) {
+  void prepareSmaller(const std::exception_ptr& first) {
     while (true) {
       runner.reset();
       try {
-        return prepare(model, (tiling.arenaBytes + tiling.weightBytes) / 2);
+        return prepare((tiling.arenaBytes + tiling.weightBytes) / 2);
       } catch (const OutOfMemory&) {
       } catch (const Cancelled&) {
         throw;
@@ -170,33 +143,60 @@ struct Upscaler::State {
     }
   }
 
-  bool runFinite(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
-                 const Progress& progress) {
-    return runner->run(inputOf(config, colour, auxiliary, options), output, progress);
+  // Plans anew where the last plan was for another number of layers.
+  void planLayers(uint32_t count) {
+    if (count == layerCount && runner) return;
+    if (count > 0 && (options.skip.bound > 0 || options.skip.keepUnchanged))
+      throw InvalidArgument(
+          "Layers are made of every pixel of the frame: an upscaler that leaves out windows cannot make them.");
+    if (isRecorded)
+      throw InvalidArgument("The upscaler is part of a recording, which layers would change: create another one.");
+    if (turned) turned->planLayers(count);
+    runner.reset();
+    layerCount = count;
+    try {
+      prepareAsFits();
+    } catch (const Error&) {
+      runner.reset();
+      layerCount = 0;
+      prepareAsFits();
+      throw;
+    }
   }
 
-  bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
-           const Progress& progress) {
-    if (options.ensemble > 1) return runEnsemble(colour, auxiliary, output, progress);
-    if (!runFinite(colour, auxiliary, output, progress)) return false;
+  bool runFinite(const PixelView& colour, std::span<const PixelView> auxiliary, std::vector<LayerImage> layers,
+                 std::span<float> output, const Progress& progress) {
+    FrameInput input = inputOf(config, colour, auxiliary, options);
+    input.layers = std::move(layers);
+    return runner->run(input, output, progress);
+  }
+
+  bool run(const PixelView& colour, std::span<const PixelView> auxiliary, const std::vector<LayerImage>& layers,
+           std::span<float> output, const Progress& progress) {
+    if (options.ensemble > 1) return runEnsemble(colour, auxiliary, layers, output, progress);
+    if (!runFinite(colour, auxiliary, layers, output, progress)) return false;
     repairs.output = runner->lostPixels().size();
     return true;
   }
 
-  bool runEnsemble(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
-                   const Progress& progress) {
+  bool runEnsemble(const PixelView& colour, std::span<const PixelView> auxiliary, const std::vector<LayerImage>& layers,
+                   std::span<float> output, const Progress& progress) {
     const auto mirrors = mirrorsOf(options.ensemble);
     const uint32_t width = config.scale * frame.width, height = config.scale * frame.height;
     const double share = 1.0 / static_cast<double>(mirrors.size());
     EnsembleMean mean(width, height, config.transfer);
     std::vector<uint64_t> lost;
+    for (const LayerImage& layer : layers) std::fill(layer.mean.begin(), layer.mean.end(), 0.F);
     for (size_t pass = 0; pass < mirrors.size(); ++pass) {
       const MirroredFrame images(colour, auxiliary, config.auxInputs, mirrors[pass]);
+      MirroredLayers turnedLayers(layers, mirrors[pass], config.scale);
       State& state = turned && mirrors[pass].transposed ? *turned : *this;
       const auto report = [&](double done) { return progress((static_cast<double>(pass) + done) * share); };
-      if (!state.runFinite(images.colour(), images.auxiliary(), output, progress ? Progress(report) : Progress()))
+      if (!state.runFinite(images.colour(), images.auxiliary(), turnedLayers.images(), output,
+                           progress ? Progress(report) : Progress()))
         return false;
       mean.add(output, mirrors[pass], state.runner->exposure());
+      turnedLayers.add(layers, static_cast<float>(share));
       const bool across = mirrors[pass].transposed;
       for (const uint64_t pixel : state.runner->lostPixels())
         lost.push_back(mirroredPixel(pixel, across ? height : width, across ? width : height, mirrors[pass]));
@@ -208,9 +208,13 @@ struct Upscaler::State {
   }
 
   Gpu& gpu;
+  const NetworkModel& model;
   NetworkConfig config;
   FrameShape frame;
   Options options;
+  uint32_t layerCount = 0;                // images beside the colour that the runner filters
+  bool isRecorded = false;                // in a command buffer of the caller, who relies on the runner
+  std::vector<LayerReport> layerReports;  // of the last run
   Tiling tiling;
   std::unique_ptr<FrameRunner> runner;
   std::unique_ptr<State> turned;  // an ensemble's, of frames that are not square, on their diagonal
@@ -238,8 +242,19 @@ bool Upscaler::paysToTune(const Device& device, const Model& model, uint32_t wid
 
 bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
                    const Progress& progress) {
+  return run(colour, auxiliary, output, std::span<const LayerSet>(), progress);
+}
+
+bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                   std::span<const LayerSet> layers, const Progress& progress) {
   checkImages(state_->config, state_->frame, colour, auxiliary);
   checkOutput(state_->config, state_->frame, output);
+  uint32_t layerImages = 0;
+  for (const LayerSet& set : layers) {
+    checkLayers(state_->config, state_->frame, set);
+    layerImages += layerImageCount(state_->config, set);
+  }
+  state_->planLayers(layerImages);
   Repairs repairs;
   const FiniteImage finiteColour(colour, repairs.colour);
   std::vector<FiniteImage> finiteImages;
@@ -247,11 +262,22 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
   views.reserve(auxiliary.size());
   for (const PixelView& image : auxiliary) finiteImages.emplace_back(image, repairs.auxiliary);
   for (const FiniteImage& image : finiteImages) views.push_back(image.view());
-  if (!state_->run(finiteColour.view(), views, output, progress)) return false;
+  std::vector<LayerFrame> sets;
+  sets.reserve(layers.size());
+  std::vector<LayerImage> filtered;
+  for (const LayerSet& set : layers) {
+    const auto images = sets.emplace_back(state_->config, state_->frame, set, finiteColour.view(), views).images();
+    filtered.insert(filtered.end(), images.begin(), images.end());
+  }
+  if (!state_->run(finiteColour.view(), views, filtered, output, progress)) return false;
+  state_->layerReports.clear();
+  for (LayerFrame& set : sets) state_->layerReports.push_back(set.share(output));
   state_->repairs.colour = repairs.colour;
   state_->repairs.auxiliary = repairs.auxiliary;
   return true;
 }
+
+const std::vector<LayerReport>& Upscaler::layerReports() const { return state_->layerReports; }
 
 Upscaler::Repairs Upscaler::repairs() const { return state_->repairs; }
 
@@ -317,6 +343,7 @@ std::vector<FramePart> EngineAccess::parts(const Upscaler& upscaler) {
         "An upscaler that leaves out windows cannot be recorded, as their pixels decide: create it without skipBound "
         "and "
         "keepUnchanged.");
+  upscaler.state_->isRecorded = true;
   return parts;
 }
 

@@ -67,6 +67,7 @@ void Frame::fit(const std::string& input) {
 
 ExrOutput Frame::output(int scale) const {
   ExrOutput output = scaledOutput(colourPart(), scale);
+  if (const ExrPart* full = auxiliaryPart(); full && layers_) output.layerAttributes = full->attributes;
   if (fit_) output.displayWindow = fit_->displayWindow;
   return output;
 }
@@ -149,6 +150,15 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
   merged_->share = estimatedFullShare(viewOf(colour_), viewOf(full));
 }
 
+void Frame::loadLayers(const LayerRequest& request) {
+  FrameLayers::Files files{colorFile_, auxFile_, aovs_.color, {}, colourPart().dataWindow};
+  if (fit_) {
+    files.fullPart = layerOf(inputs_.front()).part;
+    files.window = scaledBox(colourPart().dataWindow, fit_->scale);
+  }
+  layers_.emplace(files, request, merged_ ? std::optional(merged_->share) : std::nullopt);
+}
+
 void Frame::denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes) {
   Image *albedo = imageOf(kAlbedo.name), *normal = imageOf(kNormal.name), *full = imageOf(kFullColour.name);
   if (albedo && !cleanGuides) *albedo = denoiser.denoisedAlbedo(*albedo);
@@ -164,6 +174,7 @@ void Frame::denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes)
   if (albedo) lowAlbedo = boxMean(*albedo, scale());
   if (normal) lowNormal = boxMean(*normal, scale());
   colour_ = denoiser.denoised(colour_, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr, passes);
+  if (layers_) layers_->denoise(denoiser, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr, passes);
   denoisedBy_ = denoiser.name();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/denoiser.h"
+#include "app/frame_layers.h"
 #include "app/merge_request.h"
 #include "image/aov.h"
 #include "image/exr_write.h"
@@ -45,6 +46,10 @@ class Frame {
   /// Throws Error.
   void load();
 
+  /// After load(): finds and reads the layers of light that are to be upscaled as well, and those to copy. Throws
+  /// Error.
+  void loadLayers(const LayerRequest& request);
+
   /// After load(): takes the noise out of albedo and normal, unless they have none; out of the colour, merged or not,
   /// with their means; and out of the full-resolution light that the model takes, its colour brought to the level of
   /// the merged one before (levelledColour()). `passes`: of each colour, as Denoiser::denoised(). Throws Error.
@@ -56,6 +61,8 @@ class Frame {
   /// "Open Image Denoise 2.5.1", if denoise() was called; else empty.
   const std::string& denoisedBy() const { return denoisedBy_; }
   const std::optional<Image>& alpha() const { return alpha_; }
+  /// What loadLayers() found; nothing if it was not called.
+  const std::optional<FrameLayers>& layers() const { return layers_; }
   /// One for each of inputs(), of three channels; of depth the relative depth.
   const std::vector<Image>& auxiliary() const { return auxiliary_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -84,6 +91,7 @@ class Frame {
   std::optional<FrameFit> fit_;
   Image colour_;
   std::optional<MergedColour> merged_;
+  std::optional<FrameLayers> layers_;
   std::string denoisedBy_;
   std::optional<Image> alpha_;
   std::vector<Image> auxiliary_;

@@ -40,6 +40,7 @@ void setInputs(const Graph& graph, const FrameInput& input, HostMemory& memory) 
   set(graph.colour, 0, input.colour);
   for (size_t i = 0; i < input.auxiliary.size(); ++i)
     set(graph.auxiliary, static_cast<uint32_t>(3 * i), input.auxiliary[i]);
+  for (size_t i = 0; i < input.layers.size(); ++i) set(graph.layers[i], 0, input.layers[i].image);
   if (!graph.computesExposure()) {
     auto& exposure = memory.storage(graph.exposure);
     exposure[0] = input.exposure.value_or(FrameExposure{}).value;

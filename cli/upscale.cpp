@@ -38,7 +38,7 @@ Upscaled compute(Device& device, const Model& model, const Frame& frame, const U
     result = upscaledBy(upscaler, model, frame, [&](double share) { return bar.update(share); });
   }
   if (options.profile && !options.quiet) printProfile(result.profile);
-  printWarnings(warningsOf(result, options));
+  printWarnings(warningsOf(result, frame, options));
   return result;
 }
 
@@ -46,7 +46,8 @@ void writeResult(const UpscaleOptions& options, const UpscaleInput& input, const
                  const std::optional<Image>& alpha) {
   failingWith(ExitCode::output, [&] {
     const ExrOutput output = outputOf(options, input.opened, input.frame, result.exposure);
-    writeExr(options.output, alpha ? withAlpha(result.colour, *alpha) : result.colour, output);
+    writePicture(options.output, input.frame, alpha ? withAlpha(result.colour, *alpha) : result.colour, result.layers,
+                 output);
     if (!options.preview.empty()) writePng(options.preview, result.colour);
     if (!options.skipMap.empty()) writeSkipMap(options.skipMap, result.colour, result.skipped);
   });
@@ -92,6 +93,7 @@ void run(UpscaleOptions options) {
   const Timer whole;
   if (options.wrap && options.ensemble == 8)
     throw Failure{ExitCode::usage, "--ensemble 8 and --wrap exclude each other: 4 leaves out the diagonal."};
+  requireLayersPossible(options);
   if (isSequence(options)) return upscaleSequence(options);
   requireOutputs(options);
   sortInputs(options);

@@ -33,7 +33,14 @@ Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, 
   Upscaled result{Image(frame.colour().width * scale, frame.colour().height * scale, 3)};
   const Timer timer;
   const auto auxiliary = inputsOf(model, frame);
-  upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, progress);
+  if (frame.layers()) {
+    result.layers = frame.layers()->room(scale);
+    upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, frame.layers()->sets(result.layers),
+                 progress);
+    result.layers.reports = upscaler.layerReports();
+  } else {
+    upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, progress);
+  }
   stopIfInterrupted();
   result.seconds = timer.seconds();
   result.deviceBytes = upscaler.deviceBytes();
@@ -45,11 +52,22 @@ Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, 
   return result;
 }
 
-std::vector<std::string> warningsOf(const Upscaled& result, const UpscaleOptions& options) {
-  if (result.brokenPixels == 0) return {};
-  return {"the network gave " + std::to_string(result.brokenPixels) +
-          " pixels that were not finite: they show the base image without it" +
-          (options.precision == kFp16 ? "; --precision fp32 has a larger range." : ".")};
+std::vector<std::string> warningsOf(const Upscaled& result, const Frame& frame, const UpscaleOptions& options) {
+  std::vector<std::string> warnings;
+  if (frame.layers()) warnings = frame.layers()->warnings(result.layers);
+  if (result.brokenPixels == 0) return warnings;
+  warnings.push_back("the network gave " + std::to_string(result.brokenPixels) +
+                     " pixels that were not finite: they show the base image without it" +
+                     (options.precision == kFp16 ? "; --precision fp32 has a larger range." : "."));
+  return warnings;
+}
+
+void writePicture(const std::filesystem::path& path, const Frame& frame, const Image& image,
+                  const UpscaledLayers& layers, const ExrOutput& output) {
+  if (frame.layers())
+    writeExr(path, frame.layers()->planes(image, layers, output.pixelType), output);
+  else
+    writeExr(path, image, output);
 }
 
 ExrOutput outputOf(const UpscaleOptions& options, const OpenedModel& opened, const Frame& frame, float factor) {

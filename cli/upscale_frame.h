@@ -17,10 +17,14 @@ void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& 
 /// One frame through an upscaler of its size and the model. Throws Error, and Failure when interrupted.
 Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, const Upscaler::Progress& progress);
 
-/// What is to be said of a result: pixels that the network could not make.
-std::vector<std::string> warningsOf(const Upscaled& result, const UpscaleOptions& options);
+/// What is to be said of a result: pixels that the network could not make, layers that do not add up.
+std::vector<std::string> warningsOf(const Upscaled& result, const Frame& frame, const UpscaleOptions& options);
 
 /// What the file of a result says beside its pixels. Throws Error if the windows do not fit in 32 bits.
 ExrOutput outputOf(const UpscaleOptions& options, const OpenedModel& opened, const Frame& frame, float exposure);
+
+/// Writes the colour, with alpha if it has four channels, and what layers the frame has. Throws Error.
+void writePicture(const std::filesystem::path& path, const Frame& frame, const Image& image,
+                  const UpscaledLayers& layers, const ExrOutput& output);
 
 }  // namespace xrds

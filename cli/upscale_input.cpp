@@ -151,6 +151,8 @@ void leaveUnmergedOut(const UpscaleOptions& options, OpenedModel& opened, Frame&
 void prepare(const UpscaleOptions& options, const OpenedModel& opened, Frame& frame) {
   failingWith(ExitCode::input, [&] { (void)inputsOf(opened.model, frame); });  // throws if one is not there
   requireSkippable(options, opened);
+  if (const LayerRequest request = layerRequest(options.lights); request.any())
+    failingWith(ExitCode::input, [&] { frame.loadLayers(request); });
   if (options.denoiseFirst)
     failingWith(ExitCode::device, [&] { frame.denoise(Denoiser(), options.cleanGuides, options.ensemble); });
 }
@@ -162,6 +164,13 @@ void sortInputs(UpscaleOptions& options) {
   const FrameFiles files = failingWith(ExitCode::input, [&] { return sortPair(options.color, options.aux); });
   options.color = files.colour.string();
   options.aux = files.auxiliary.string();
+}
+
+void requireLayersPossible(const UpscaleOptions& options) {
+  if (options.lights.empty()) return;
+  constexpr const char* kWhy = "--layers needs every pixel of each frame: it cannot go with ";
+  if (parseSkip(options.skip) > 0) throw Failure{ExitCode::usage, std::string(kWhy) + "--skip."};
+  if (options.keepUnchanged) throw Failure{ExitCode::usage, std::string(kWhy) + "--keep-unchanged."};
 }
 
 UpscaleInput openInput(const UpscaleOptions& options) {

@@ -25,6 +25,9 @@ struct UpscaleInput {
 /// Puts COLOR and AUX in their order, whichever they were given in. Throws Failure if one cannot be read.
 void sortInputs(UpscaleOptions& options);
 
+/// Throws Failure where --layers is given beside options with which no layers can be made.
+void requireLayersPossible(const UpscaleOptions& options);
+
 /// Opens model and frame, and reads the frame. Warnings about the choice of the model are printed. Throws Failure.
 UpscaleInput openInput(const UpscaleOptions& options);
 

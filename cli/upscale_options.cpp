@@ -92,6 +92,12 @@ void addParts(CLI::App& verb, UpscaleOptions& options) {
 void addLayers(CLI::App& verb, UpscaleOptions& options) {
   addLayerOptions(verb, options.layers);
   verb.add_option(
+          "--layers", options.lights,
+          "Layers of light to upscale as well, so that they still add up to the result: all (those that Cycles\n"
+          "names, light groups too), or names with commas. Every other layer of AUX, such as depth, ids and\n"
+          "Cryptomatte, is copied bit for bit")
+      ->type_name("all|NAME,NAME");
+  verb.add_option(
           "--aux-colour", options.auxColour,
           "Colour of the full-resolution render, which is merged into the low-resolution colour: auto (where the\n"
           "auxiliary file has one of the same light), never, or a layer")

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/listed.h"
 #include "app/skip_bound.h"
 #include "cli/json_text.h"
 #include "cli/metric_columns.h"
@@ -55,6 +56,17 @@ Json jsonOf(const std::optional<MergedColour>& merged) {
   return json;
 }
 
+Json jsonOf(const std::optional<FrameLayers>& layers, const UpscaledLayers& upscaled) {
+  if (!layers) return {};
+  const LayerList& list = layers->list();
+  Json json{{"upscaled", list.upscaled}, {"copied", list.copied}, {"leftOut", list.leftOut}, {"merged", list.merged}};
+  json["sets"] = Json::array();
+  for (const LayerReport& set : upscaled.reports)
+    json["sets"].push_back(
+        {{"share", set.share}, {"raisedColours", set.raisedColours}, {"unsharedPixels", set.unshared}});
+  return json;
+}
+
 Json jsonOf(const MeasuredImage& measured) {
   Json json{{"name", measured.name}};
   json.update(jsonOf(measured.metrics));
@@ -70,6 +82,14 @@ Json listOf(const std::vector<Row>& rows) {
 
 }  // namespace
 
+std::string layersText(const LayerList& layers) {
+  std::string text = "Layers upscaled" + std::string(layers.merged ? ", merged with those of AUX" : "") + ": " +
+                     listed(layers.upscaled) + ".\n";
+  if (!layers.copied.empty()) text += "Copied: " + listed(layers.copied) + ".\n";
+  if (!layers.leftOut.empty()) text += "Left out: " + listed(layers.leftOut) + ".\n";
+  return text;
+}
+
 std::string upscaleText(const UpscaleOptions& options, const UpscaleInput& input, const Device::Description& device,
                         const Upscaled& result) {
   return options.output + ": " + std::to_string(result.colour.width) + " x " + std::to_string(result.colour.height) +
@@ -79,7 +99,8 @@ std::string upscaleText(const UpscaleOptions& options, const UpscaleInput& input
          text("%.1f MB of device memory, ", static_cast<double>(result.deviceBytes) / 1e6) +
          text("%.2f s in all", result.secondsInAll) + "\n" +
          (input.frame.merged() ? describe(*input.frame.merged()) + "\n" : "") +
-         (input.frame.denoisedBy().empty() ? "" : "Denoised first, by " + input.frame.denoisedBy() + ".\n");
+         (input.frame.denoisedBy().empty() ? "" : "Denoised first, by " + input.frame.denoisedBy() + ".\n") +
+         (input.frame.layers() ? layersText(input.frame.layers()->list()) : "");
 }
 
 std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input, const Device::Description& device,
@@ -103,6 +124,7 @@ std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input
                   {"share", result.skipped.share(SkipMap::Window::interpolated)},
                   {"work", result.skipped.work}};
   json["repairedPixels"] = {{"input", input.frame.repairedPixels()}, {"output", result.brokenPixels}};
+  json["layers"] = jsonOf(input.frame.layers(), result.layers);
   json["methods"] = listOf(result.measured);
   json["checks"] = listOf(result.checks);
   json["profile"] = listOf(result.profile);

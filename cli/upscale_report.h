@@ -17,10 +17,14 @@ struct Upscaled {
   uint64_t deviceBytes = 0, brokenPixels = 0;
   Tiling tiling{};
   SkipMap skipped{};
+  UpscaledLayers layers{};
   std::vector<Upscaler::ProfileRow> profile;
   std::vector<Upscaler::CheckRow> checks;
   std::vector<MeasuredImage> measured;
 };
+
+/// What was made of layers, as lines for a terminal.
+std::string layersText(const LayerList& layers);
 
 /// One line for a terminal: the file, its size, what made it and how long that took.
 std::string upscaleText(const UpscaleOptions& options, const UpscaleInput& input, const Device::Description& device,

@@ -14,6 +14,7 @@
 #include "cli/sequence_plan.h"
 #include "cli/sequence_report.h"
 #include "cli/upscale_frame.h"
+#include "cli/upscale_report.h"
 #include "cli/warnings.h"
 #include "sequence/file_pattern.h"
 
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 /// A result on its way to its file.
 struct MadeFrame {
   Image image;
+  std::vector<ExrPlane> planes;  // all channels of the file, where it has layers
   ExrOutput output;
   std::vector<std::string> warnings;
 };
@@ -48,10 +50,11 @@ class Worker {
     withDevice([&] {
       prepareFor(frame);
       Upscaled result = upscaledBy(*upscaler_, opened_.model, frame, [](double) { return !interrupted(); });
-      made.warnings = warningsOf(result, options_);
+      made.warnings = warningsOf(result, frame, options_);
       made.output = outputOf(options_, opened_, frame, result.exposure);
       made.image = frame.alpha() ? withAlpha(result.colour, upscaleAlpha(*alpha_, *frame.alpha(), scale()))
                                  : std::move(result.colour);
+      if (frame.layers()) made.planes = frame.layers()->planes(made.image, result.layers, made.output.pixelType);
     });
     return made;
   }
@@ -136,6 +139,7 @@ void runSequence(const UpscaleOptions& options, const SequencePlan& plan) {
   for (Worker& worker : workers) worker.open(first);
 
   const LineThreads threads = threadsFor(workers.size(), std::thread::hardware_concurrency());
+  if (first.frame.layers() && !options.quiet) std::fputs(layersText(first.frame.layers()->list()).c_str(), stdout);
   SequenceReport report(options, plan, threads);
   std::mutex warning;
   const auto warn = [&](size_t index, const std::vector<std::string>& warnings) {
@@ -153,7 +157,13 @@ void runSequence(const UpscaleOptions& options, const SequencePlan& plan) {
       .compute = [&](const Frame& frame, size_t worker) { return workers[worker].compute(frame); },
       .write =
           [&](MadeFrame made, size_t index) {
-            failingWith(ExitCode::output, [&] { writeExr(plan.frames[index].output, made.image, made.output); });
+            failingWith(ExitCode::output, [&] {
+              const fs::path& file = plan.frames[index].output;
+              if (made.planes.empty())
+                writeExr(file, made.image, made.output);
+              else
+                writeExr(file, made.planes, made.output);
+            });
             warn(index, made.warnings);
           }};
   runLine<Frame, MadeFrame>(plan.frames.size(), threads, stages,

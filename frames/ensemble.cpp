@@ -26,6 +26,30 @@ MirroredFrame::MirroredFrame(const PixelView& colour, std::span<const PixelView>
   for (size_t i = 0; i < auxiliary.size(); ++i) add(auxiliary[i], isDirection(inputs[i]));
 }
 
+MirroredLayers::MirroredLayers(std::span<const LayerImage> layers, Mirror mirror, uint32_t scale)
+    : mirror_(mirror), scale_(scale) {
+  for (const LayerImage& layer : layers) {
+    width_ = mirror.transposed ? layer.image.height : layer.image.width;
+    height_ = mirror.transposed ? layer.image.width : layer.image.height;
+    pixels_.push_back(mirrored(layer.image, mirror, false));
+    means_.emplace_back(layer.mean.size());
+  }
+}
+
+std::vector<LayerImage> MirroredLayers::images() {
+  std::vector<LayerImage> images;
+  for (size_t i = 0; i < pixels_.size(); ++i) images.push_back({{pixels_[i].data(), width_, height_}, means_[i]});
+  return images;
+}
+
+void MirroredLayers::add(std::span<const LayerImage> layers, float share) const {
+  for (size_t i = 0; i < layers.size(); ++i)
+    for (uint64_t p = 0; p < means_[i].size() / 3; ++p) {
+      float* to = &layers[i].mean[3 * mirroredPixel(p, scale_ * width_, scale_ * height_, mirror_)];
+      for (uint32_t c = 0; c < 3; ++c) to[c] += share * means_[i][3 * p + c];
+    }
+}
+
 EnsembleMean::EnsembleMean(uint32_t width, uint32_t height, Transfer transfer)
     : width_(width), height_(height), transfer_(transfer), sum_(size_t{3} * width * height) {}
 

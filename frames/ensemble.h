@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "frames/frame_input.h"
 #include "shaders/common/transfer.h"
 #include "xrds/mirror.h"
 #include "xrds/pixel_view.h"
@@ -23,6 +24,20 @@ class MirroredFrame {
  private:
   std::vector<std::vector<float>> pixels_;
   std::vector<PixelView> views_;
+};
+
+/// Layers mirrored as a frame is, and what a pass makes of them.
+class MirroredLayers {
+ public:
+  MirroredLayers(std::span<const LayerImage> layers, Mirror mirror, uint32_t scale);
+  std::vector<LayerImage> images();
+  /// Adds `share` of what the pass made to the means of the layers as they were given.
+  void add(std::span<const LayerImage> layers, float share) const;
+
+ private:
+  Mirror mirror_;
+  std::vector<std::vector<float>> pixels_, means_;
+  uint32_t scale_, width_ = 0, height_ = 0;  // of a mirrored layer
 };
 
 /// The mean of the results of all passes, in the domain of the network: T^-1(mean T(e I)) / e, so that a pixel far too

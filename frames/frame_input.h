@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "xrds/pixel_view.h"
@@ -15,11 +16,18 @@ struct FrameExposure {
   FrameExposure(float value, float inverse) : value(value), inverse(inverse) {}
 };
 
+/// An image beside the colour that the kernels of the base image are applied to, and where that goes.
+struct LayerImage {
+  PixelView image;        // [h, w]
+  std::span<float> mean;  // [s h, s w, 3]
+};
+
 /// One frame on the host, pixels of the caller.
 struct FrameInput {
   PixelView colour;                         // [h, w], linear radiance
   std::vector<PixelView> auxiliary{};       // [s h, s w] each, in the model's order
   std::optional<FrameExposure> exposure{};  // empty: computed over the whole frame
+  std::vector<LayerImage> layers{};         // as many as the session was made for
 };
 
 /// Copies `width` pixels of row y, from column x on, three floats each, to every `stride`th float of `to`. Columns are

@@ -112,7 +112,8 @@ Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionO
                         fastOn(traitsFor(gpu, options), {.precision = options.precision,
                                                          .autoExposure = options.autoExposure,
                                                          .bandRows = options.bandRows,
-                                                         .kernels = options.kernels}))),
+                                                         .kernels = options.kernels,
+                                                         .layers = options.layers}))),
       storage_(options.aliasing ? inPlaceStorage(graph_) : ownStorage(graph_)) {
   const DeviceTraits traits = traitsFor(gpu, options);
   checkBindings(graph_, traits);
@@ -150,12 +151,18 @@ bool Session::run(const FrameInput& input, std::span<float> output,
   upload(input);
   if (!replay(progress)) return false;
   download(output);
+  for (size_t i = 0; i < input.layers.size(); ++i)
+    downloadLayerRows(i, [&](uint32_t row, std::span<const float> pixels) {
+      const uint64_t width = graph_.output.width;
+      for (uint64_t x = 0; x < width; ++x) std::copy_n(&pixels[4 * x], 3, &input.layers[i].mean[3 * (row * width + x)]);
+    });
   return true;
 }
 
 void Session::upload(const FrameInput& input) {
   checkSize("colour", input.colour, graph_.colour);
   for (const PixelView& image : input.auxiliary) checkSize("auxiliary", image, graph_.auxiliary);
+  for (const LayerImage& layer : input.layers) checkSize("layer", layer.image, graph_.colour);
   uploadPart(input, 0, 0);
 }
 
@@ -183,6 +190,8 @@ void Session::uploadPart(const FrameInput& frame, int64_t x, uint32_t y) {
     const uint32_t scale = graph_.output.width / graph_.colour.width;
     write(graph_.auxiliary, frame.auxiliary, x * scale, y * scale);
   }
+  XRDS_CHECK_EQ(frame.layers.size(), graph_.layers.size());
+  for (size_t i = 0; i < frame.layers.size(); ++i) write(graph_.layers[i], {&frame.layers[i].image, 1}, x, y);
   if (!graph_.computesExposure()) {
     const FrameExposure exposure = frame.exposure.value_or(FrameExposure{});
     const float numbers[4] = {exposure.value, exposure.inverse, 0, 0};
@@ -191,7 +200,15 @@ void Session::uploadPart(const FrameInput& frame, int64_t x, uint32_t y) {
 }
 
 void Session::downloadRows(const std::function<void(uint32_t, std::span<const float>)>& read) const {
-  const TensorView& view = graph_.output;
+  readRows(graph_.output, read);
+}
+
+void Session::downloadLayerRows(size_t layer, const std::function<void(uint32_t, std::span<const float>)>& read) const {
+  readRows(graph_.layerMeans[layer], read);
+}
+
+void Session::readRows(const TensorView& view,
+                       const std::function<void(uint32_t, std::span<const float>)>& read) const {
   XRDS_CHECK_EQ(byteSize(view.type), sizeof(float));
   const size_t count = size_t{view.width} * view.channels;
   arena_->downloadRows(placeOf(view), count * sizeof(float), view.height,

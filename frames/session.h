@@ -38,6 +38,7 @@ struct SessionOptions {
   std::optional<KernelFamily> family{};  // in place of the device's
   uint64_t memoryBytes = 0;              // that a GPU's bands may reckon with; 0: all that the device has
   KernelTable kernels{};                 // as in GraphOptions
+  uint32_t layers = 0;                   // as in GraphOptions
   bool aliasing = true;                  // off: every value keeps its bytes, so that each can be looked at
   /// A session of the same model that must outlive this one. Reuses its weights and, if it is large enough, its arena:
   /// never run both at once.
@@ -83,6 +84,9 @@ class Session {
   /// Hands over the rows of the last run's output: four floats a pixel, the last one not 0 where the network's share
   /// was not finite and is missing.
   void downloadRows(const std::function<void(uint32_t row, std::span<const float> pixels)>& read) const;
+  /// Hands over the rows of what the kernels of the base made of a layer, four floats a pixel.
+  void downloadLayerRows(size_t layer,
+                         const std::function<void(uint32_t row, std::span<const float> pixels)>& read) const;
   /// Byte offset of an input or the output of the graph in arena().
   uint64_t placeOf(const TensorView& view) const { return plan_.offsets[storage_[view.value]]; }
   const Buffer& arena() const { return *arena_; }
@@ -109,6 +113,8 @@ class Session {
   float exposure() const;
 
  private:
+  void readRows(const TensorView& view, const std::function<void(uint32_t, std::span<const float>)>& read) const;
+
   Graph graph_;
   std::vector<ValueId> storage_;
   MemoryPlan plan_;

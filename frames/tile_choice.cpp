@@ -69,7 +69,7 @@ struct Needs {
 class TilePlanner {
  public:
   TilePlanner(const NetworkModel& model, Precision precision, const MemoryLimits& limits)
-      : model_(model), precision_(precision), traits_(limits.traits), kernels_(limits.kernels) {
+      : model_(model), precision_(precision), traits_(limits.traits), kernels_(limits.kernels), layers_(limits.layers) {
     const uint32_t window = model.config().window;
     weightByteSize = memoryNeeds(graphOf({window, window}), traits_).weights;
     room_ = std::min(limits.byteSize - std::min(limits.byteSize, weightByteSize), traits_.maxAllocationBytes);
@@ -92,14 +92,16 @@ class TilePlanner {
 
  private:
   Graph graphOf(FrameShape crop) const {
-    return buildGraph(model_.config(), crop, model_.lookup(),
-                      fastOn(traits_, {.precision = precision_, .autoExposure = false, .kernels = kernels_}));
+    return buildGraph(
+        model_.config(), crop, model_.lookup(),
+        fastOn(traits_, {.precision = precision_, .autoExposure = false, .kernels = kernels_, .layers = layers_}));
   }
 
   const NetworkModel& model_;
   Precision precision_;
   DeviceTraits traits_;
   KernelTable kernels_;
+  uint32_t layers_ = 0;
   uint64_t room_ = 0;
 };
 

@@ -12,6 +12,7 @@ struct MemoryLimits {
   uint64_t byteSize = 0;  // arena and weights together
   DeviceTraits traits{};
   KernelTable kernels{};  // as in GraphOptions
+  uint32_t layers = 0;    // the same
 };
 
 /// A grid of tiles, and the device memory that it takes.

@@ -61,27 +61,35 @@ bool TileRunner::run(const FrameInput& frame, std::span<const Tile> tiles, std::
     Session& session = sessionOf(tile.crop);
     session.uploadPart(exposed, tile.crop.x, tile.crop.y);
     if (!session.replay(progress ? std::function<bool(size_t, size_t)>(report) : nullptr)) return false;
-    store(session, tile, size_t{frame.colour.width} * model_.config().scale, output);
+    store(session, tile, frame, output);
     addTimes(session);
     done += share;
   }
   return true;
 }
 
-// Writes the inner part of a tile to the output, whose rows are `width` pixels.
-void TileRunner::store(const Session& session, const Tile& tile, size_t width, std::span<float> output) {
-  const size_t s = model_.config().scale;
+// Writes the inner part of a tile to the output and to the means of the layers.
+void TileRunner::store(const Session& session, const Tile& tile, const FrameInput& frame, std::span<float> output) {
+  const size_t s = model_.config().scale, width = frame.colour.width * s;
   const size_t left = static_cast<size_t>(tile.inner.x - tile.crop.x) * s, top = (tile.inner.y - tile.crop.y) * s;
   const size_t columns = tile.inner.width * s, rows = tile.inner.height * s;
-  session.downloadRows([&](uint32_t row, std::span<const float> pixels) {
+  // Hears of each row of the tile which pixel of the output it begins at.
+  const auto storeRow = [&](uint32_t row, std::span<const float> pixels, std::span<float> to, auto&& first) {
     if (row < top || row >= top + rows) return;
-    const size_t first = (tile.inner.y * s + row - top) * width + static_cast<size_t>(tile.inner.x) * s;
-    for (size_t x = 0; x < columns; ++x) {
-      const float* pixel = &pixels[4 * (left + x)];
-      std::copy_n(pixel, 3, &output[3 * (first + x)]);
-      if (pixel[3] != 0) lostPixels_.push_back(first + x);
-    }
+    const size_t begin = (tile.inner.y * s + row - top) * width + static_cast<size_t>(tile.inner.x) * s;
+    for (size_t x = 0; x < columns; ++x) std::copy_n(&pixels[4 * (left + x)], 3, &to[3 * (begin + x)]);
+    first(begin);
+  };
+  session.downloadRows([&](uint32_t row, std::span<const float> pixels) {
+    storeRow(row, pixels, output, [&](size_t begin) {
+      for (size_t x = 0; x < columns; ++x)
+        if (pixels[4 * (left + x) + 3] != 0) lostPixels_.push_back(begin + x);
+    });
   });
+  for (size_t i = 0; i < frame.layers.size(); ++i)
+    session.downloadLayerRows(i, [&](uint32_t row, std::span<const float> pixels) {
+      storeRow(row, pixels, frame.layers[i].mean, [](size_t) {});
+    });
 }
 
 void TileRunner::addTimes(const Session& session) {

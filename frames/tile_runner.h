@@ -40,7 +40,7 @@ class TileRunner {
 
  private:
   using Size = std::pair<uint32_t, uint32_t>;  // height and width of a crop
-  void store(const Session& session, const Tile& tile, size_t width, std::span<float> output);
+  void store(const Session& session, const Tile& tile, const FrameInput& frame, std::span<float> output);
   void addTimes(const Session& session);
 
   Gpu& gpu_;

@@ -119,6 +119,7 @@ bool Graph::computesExposure() const {
 std::vector<TensorView> Graph::inputs() const {
   std::vector<TensorView> views{colour};
   if (auxiliary.exists()) views.push_back(auxiliary);
+  views.insert(views.end(), layers.begin(), layers.end());
   if (!computesExposure()) views.push_back(exposure);
   return views;
 }
@@ -235,6 +236,7 @@ std::vector<Lifetime> lifetimes(const Graph& graph, const std::vector<ValueId>& 
       if (binding.value != kWeights) touch(binding.value, n + 1);
   const auto end = static_cast<uint32_t>(graph.nodes.size() + 1);
   touch(graph.output.value, end);
+  for (const TensorView& view : graph.layerMeans) touch(view.value, end);
   for (ValueId value = 0; value < lives.size(); ++value) {
     if (storage[value] == value) lives[value].byteSize = graph.values[value].byteSize();
     if (lives[value].firstUse == kUnused) lives[value].firstUse = 0;

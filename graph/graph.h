@@ -43,7 +43,9 @@ struct Graph {
   TensorView exposure;   // input or computed [1, 1, 4] f32: (e, 1/e, count, 0)
   TensorView network;    // the network's raw output, padded; absent without a network or where bands of it are made
   TensorView output;     // [s h, s w, 4] f32: linear radiance; 4th channel 1 where the network's share was left out
-  std::vector<Promotion> promoted;                                     // what fp16 does not store
+  std::vector<TensorView> layers;      // inputs, [h, w, 4] f32 each: what the base's kernels are applied to as well
+  std::vector<TensorView> layerMeans;  // [s h, s w, 4] f32: what they make of each
+  std::vector<Promotion> promoted;     // what fp16 does not store
   std::vector<std::shared_ptr<const std::vector<float>>> madeWeights;  // that operators refer to, shared with copies
 
   /// Adds a value and returns the view of all of it.

@@ -62,6 +62,10 @@ bool describesPicture(std::string_view attributeName) {
          !attributeName.starts_with("cryptomatte/");
 }
 
+bool describesLayers(std::string_view attributeName) {
+  return attributeName.starts_with("cryptomatte/") || attributeName == "BlenderMultiChannel";
+}
+
 ExrAttributes attributesOf(const Imf::Header& header) {
   return ExrAttributes(std::make_unique<ExrAttributes::Stored>(ExrAttributes::Stored{header}));
 }

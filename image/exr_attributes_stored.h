@@ -19,6 +19,9 @@ struct ExrAttributes::Stored {
 /// do not travel with it (Cryptomatte's tables, Blender's mark of a multi-layer file).
 bool describesPicture(std::string_view attributeName);
 
+/// Whether an attribute speaks of layers and goes where they are copied to: Cryptomatte's tables, and Blender's mark.
+bool describesLayers(std::string_view attributeName);
+
 /// The attributes of a header that was read from a file.
 ExrAttributes attributesOf(const Imf::Header& header);
 

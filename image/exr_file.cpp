@@ -12,6 +12,7 @@
 
 #include "image/exr_attributes_stored.h"
 #include "image/exr_open.h"
+#include "image/exr_pixel_type.h"
 
 namespace xrds {
 namespace {
@@ -20,17 +21,6 @@ constexpr int64_t kMaxBlockByteSize = int64_t{1} << 30;
 // What a block may take whatever the file's size, and per byte of the file: no deflated byte becomes more than 1032.
 constexpr int64_t kAnyBlockByteSize = int64_t{1} << 26;
 constexpr int64_t kBytesPerFileByte = 1032;
-
-ExrPixelType pixelTypeOf(Imf::PixelType type) {
-  switch (type) {
-    case Imf::HALF:
-      return ExrPixelType::kHalf;
-    case Imf::FLOAT:
-      return ExrPixelType::kFloat;
-    default:
-      return ExrPixelType::kUint;
-  }
-}
 
 Box boxOf(const Imath::Box2i& box) { return {box.min.x, box.min.y, box.max.x, box.max.y}; }
 

@@ -10,10 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
 #include "image/exr_attributes_stored.h"
+#include "image/exr_pixel_type.h"
 #include "image/pending_file.h"
 #include "xrds/error.h"
 
@@ -71,7 +73,8 @@ std::vector<std::string> channelNamesFor(const Image& image) {
 
 Imath::Box2i imathBoxOf(const Box& box) { return {Imath::V2i(box.minX, box.minY), Imath::V2i(box.maxX, box.maxY)}; }
 
-Imf::Header headerFor(const Image& image, const ExrOutput& output) {
+// Without channels.
+Imf::Header headerFor(const ExrOutput& output) {
   Imf::Header header(imathBoxOf(output.displayWindow), imathBoxOf(output.dataWindow));
   const Imf::Header& source = output.attributes.stored().header;
   for (auto entry = source.begin(); entry != source.end(); ++entry) {
@@ -84,10 +87,55 @@ Imf::Header headerFor(const Image& image, const ExrOutput& output) {
   }
   header.compression() = Imf::ZIP_COMPRESSION;
   header.lineOrder() = Imf::INCREASING_Y;
+  return header;
+}
+
+Imf::Header headerFor(const Image& image, const ExrOutput& output) {
+  Imf::Header header = headerFor(output);
   for (const std::string& name : channelNamesFor(image)) {
     header.channels().insert(name, Imf::Channel(output.pixelType == ExrPixelType::kHalf ? Imf::HALF : Imf::FLOAT));
   }
   return header;
+}
+
+Imf::Header headerFor(std::span<const ExrPlane> planes, const ExrOutput& output) {
+  Imf::Header header = headerFor(output);
+  const Imf::Header& source = output.layerAttributes.stored().header;
+  for (auto entry = source.begin(); entry != source.end(); ++entry)
+    if (describesLayers(entry.name())) header.insert(entry.name(), entry.attribute());
+  for (const ExrPlane& plane : planes) header.channels().insert(plane.name, Imf::Channel(imfTypeOf(plane.type)));
+  return header;
+}
+
+void writePlanes(Imf::OutputFile& file, std::span<const ExrPlane> planes, const Box& box) {
+  Imf::FrameBuffer buffer;
+  for (const ExrPlane& plane : planes)
+    buffer.insert(
+        plane.name,
+        Imf::Slice::Make(imfTypeOf(plane.type), plane.bytes.data(), Imath::V2i(box.minX, box.minY), box.width(),
+                         box.height(), byteSize(plane.type), byteSize(plane.type) * static_cast<size_t>(box.width())));
+  file.setFrameBuffer(buffer);
+  file.writePixels(static_cast<int>(box.height()));
+}
+
+// Writes a file as a whole or not at all.
+template <class Write>
+void writeWhole(const std::filesystem::path& path, const Imf::Header& header, const Write& write) {
+  PendingFile pending(path);
+  try {
+    StrictStream stream(pending.temporaryPath());
+    {
+      Imf::OutputFile file(stream, header);
+      write(file);
+    }
+    stream.finish();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& reason) {
+    throw Error("Cannot write '" + path.string() + "': " + reason.what() +
+                "; check the folder's permissions and the free space of its disk.");
+  }
+  pending.commit();
 }
 
 // Converts band by band: half precision needs no second image, and every band has blocks enough for all threads.
@@ -149,26 +197,29 @@ ExrOutput scaledOutput(const ExrPart& source, int scale) {
 
 void writeExr(const std::filesystem::path& path, const Image& image, const ExrOutput& output) {
   checkFits(path, image, output);
-  PendingFile pending(path);
-  try {
-    StrictStream stream(pending.temporaryPath());
-    {
-      Imf::OutputFile file(stream, headerFor(image, output));
-      const std::vector<std::string> names = channelNamesFor(image);
-      if (output.pixelType == ExrPixelType::kHalf) {
-        writeHalfRows(file, image, output.dataWindow, names);
-      } else {
-        writeFloatRows(file, image, output.dataWindow, names);
-      }
+  writeWhole(path, headerFor(image, output), [&](Imf::OutputFile& file) {
+    const std::vector<std::string> names = channelNamesFor(image);
+    if (output.pixelType == ExrPixelType::kHalf) {
+      writeHalfRows(file, image, output.dataWindow, names);
+    } else {
+      writeFloatRows(file, image, output.dataWindow, names);
     }
-    stream.finish();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& reason) {
-    throw Error("Cannot write '" + path.string() + "': " + reason.what() +
-                "; check the folder's permissions and the free space of its disk.");
+  });
+}
+
+void writeExr(const std::filesystem::path& path, std::span<const ExrPlane> planes, const ExrOutput& output) {
+  const size_t pixels =
+      static_cast<size_t>(output.dataWindow.width()) * static_cast<size_t>(output.dataWindow.height());
+  std::set<std::string> names;
+  for (const ExrPlane& plane : planes) {
+    if (plane.bytes.size() != pixels * byteSize(plane.type))
+      throw Error("Cannot write '" + path.string() + "': channel '" + printable(plane.name) +
+                  "' does not fill the data window " + toString(output.dataWindow) + ".");
+    if (!names.insert(plane.name).second)
+      throw Error("Cannot write '" + path.string() + "': two channels have the name '" + printable(plane.name) + "'.");
   }
-  pending.commit();
+  writeWhole(path, headerFor(planes, output),
+             [&](Imf::OutputFile& file) { writePlanes(file, planes, output.dataWindow); });
 }
 
 }  // namespace xrds

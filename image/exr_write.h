@@ -2,11 +2,12 @@
 
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 
 #include "image/box.h"
 #include "image/exr_attributes.h"
-#include "image/exr_file.h"
+#include "image/exr_planes.h"
 #include "image/image.h"
 
 namespace xrds {
@@ -16,6 +17,7 @@ struct ExrOutput {
   Box dataWindow;
   Box displayWindow;
   ExrAttributes attributes;                       ///< Passed on from the file that the image was made of.
+  ExrAttributes layerAttributes{};                ///< Of the file that layers are copied from: what speaks of them.
   std::map<std::string, std::string> texts;       ///< Further string attributes, such as "xrds:version".
   ExrPixelType pixelType = ExrPixelType::kFloat;  ///< kFloat or kHalf.
 };
@@ -29,5 +31,9 @@ ExrOutput scaledOutput(const ExrPart& source, int scale);
 /// With kHalf, finite values beyond the range of half become its largest number. Throws Error when the image does not
 /// fill the data window, the pixel type is kUint, the folder cannot be written or the disk is full.
 void writeExr(const std::filesystem::path& path, const Image& image, const ExrOutput& output);
+
+/// Writes planes as the channels of one flat scan-line part, each in its own type, in the same way. Throws Error also
+/// when two planes have one name, or one does not fill the data window.
+void writeExr(const std::filesystem::path& path, std::span<const ExrPlane> planes, const ExrOutput& output);
 
 }  // namespace xrds

@@ -32,26 +32,32 @@ uint32_t lightChannels(const NetworkConfig& config) {
   return channels;
 }
 
-TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
-                    RowRange rows) {
-  if (config.base == BaseImage::none) return {};
-  const TensorView base = graph.createRows("base", DataType::f32, graph.output.shape(), rows);
+// The linear filter of the base image, applied to one image: learned or joint bilateral kernels, or bicubic weights.
+void filterRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
+                const TensorView& input, const TensorView& output, const std::string& name, RowRange rows) {
   if (config.base != BaseImage::guided) {
-    graph.nodes.push_back(
-        {"bicubic", Bicubic{.input = prepared.x, .output = base, .scale = config.scale, .rows = rows}});
-    return base;
+    graph.nodes.push_back({name, Bicubic{.input = input, .output = output, .scale = config.scale, .rows = rows}});
+    return;
   }
   JointBilateral op;
-  op.input = prepared.x;
+  op.input = input;
   op.aux = prepared.aux;
   op.auxMean = prepared.auxMean;
   if (config.kernels > 0) op.network = network;
-  op.output = base;
+  op.output = output;
   op.albedoOffset = config.auxOffset(kAlbedo.name);
   op.normalOffset = config.auxOffset(kNormal.name);
   op.scale = config.scale;
   op.rows = rows;
-  graph.nodes.push_back({"joint_bilateral", op});
+  graph.nodes.push_back({name, op});
+}
+
+TensorView baseRows(const NetworkConfig& config, Graph& graph, const Prepared& prepared, const TensorView& network,
+                    RowRange rows) {
+  if (config.base == BaseImage::none) return {};
+  const TensorView base = graph.createRows("base", DataType::f32, graph.output.shape(), rows);
+  filterRows(config, graph, prepared, network, prepared.x, base,
+             config.base == BaseImage::guided ? "joint_bilateral" : "bicubic", rows);
   return base;
 }
 
@@ -71,6 +77,11 @@ Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const Grap
   const uint32_t height = alignUp(frame.height, config.window), width = alignUp(frame.width, config.window);
   const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
   graph.colour = graph.create("colour", DataType::f32, {frame.height, frame.width, 4});
+  for (uint32_t i = 0; i < options.layers; ++i) {
+    graph.layers.push_back(graph.create("layer." + std::to_string(i), DataType::f32, graph.colour.shape()));
+    graph.layerMeans.push_back(
+        graph.create("layer_mean." + std::to_string(i), DataType::f32, {s * frame.height, s * frame.width, 4}));
+  }
   graph.exposure = graph.create("exposure", DataType::f32, {1, 1, 4});
   if (options.autoExposure) graph.nodes.push_back({"exposure", Exposure{graph.colour, graph.exposure}});
   Prepared prepared;
@@ -169,6 +180,8 @@ void decodeRows(const NetworkConfig& config, Graph& graph, const Decoded& decode
     decode.albedoOffset = config.auxOffset(kAlbedo.name);
   }
   graph.nodes.push_back({"decode_radiance", decode});
+  for (size_t i = 0; i < graph.layers.size(); ++i)
+    filterRows(config, graph, decoded.base, network, graph.layers[i], graph.layerMeans[i], "layers", rows);
 }
 
 }  // namespace xrds

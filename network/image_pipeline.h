@@ -38,7 +38,7 @@ TensorView prefilteredColour(const NetworkConfig& config, Graph& graph, const Pr
                              const TensorView& logits);
 
 /// Computes rows of the result: the base image of these rows, which is kept no longer, with its share of the
-/// full-resolution colour, plus the network's raw output, decoded. `network` need not exist.
+/// full-resolution colour, plus the network's raw output, decoded; and of Graph::layerMeans. `network` need not exist.
 void decodeRows(const NetworkConfig& config, Graph& graph, const Decoded& decoded, const TensorView& network,
                 RowRange rows);
 

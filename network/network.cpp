@@ -44,6 +44,8 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
         findPromotions(buildGraph(config, {1, 1}, weights, {.autoExposure = false, .mapsJoined = options.mapsJoined}));
   Layers layers(config, weights, graph, options);
   architectureOf(config).forward(layers, frame);
+  if (graph.layers.size() != options.layers)
+    throw Error("Layers cannot be upscaled by this model: its architecture has no base image whose kernels they take.");
   chooseKernels(graph, options.kernels);
   return graph;
 }

@@ -35,6 +35,7 @@ struct GraphOptions {
   /// The device on which Swin layers that fit() it are made by one kernel each, in fp16; none: nowhere.
   std::optional<DeviceTraits> layersFusedOn{};
   KernelTable kernels{};  // what tuning found; empty: the fixed choice of the device's family
+  uint32_t layers = 0;    // images beside the colour that the base's kernels are applied to: Graph::layers
 };
 
 /// The network as its definition is written, in one piece: what papers count, and what references are made of.

@@ -1,5 +1,6 @@
 #include "api/c/handles.h"
 #include "api/c/images.h"
+#include "api/c/layers.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
 #include "xrds/auxiliary_input.h"
@@ -67,36 +68,69 @@ void writeAlpha(XrdsUpscaler& upscaler, const XrdsImage& colour, const XrdsImage
 }
 
 bool runInto(XrdsUpscaler& upscaler, const ReadImage& colour, const std::vector<xrds::PixelView>& auxiliary,
-             const XrdsImage& output, const xrds::Upscaler::Progress& progress) {
+             const XrdsImage& output, std::span<const xrds::LayerSet> layers,
+             const xrds::Upscaler::Progress& progress) {
   const size_t numbers = size_t{3} * output.width * output.height;
   if (isPacked(output))
-    return upscaler.upscaler->run(colour.view(), auxiliary, {static_cast<float*>(output.channels[0]), numbers},
+    return upscaler.upscaler->run(colour.view(), auxiliary, {static_cast<float*>(output.channels[0]), numbers}, layers,
                                   progress);
   std::vector<float> pixels(numbers);
-  if (!upscaler.upscaler->run(colour.view(), auxiliary, pixels, progress)) return false;
+  if (!upscaler.upscaler->run(colour.view(), auxiliary, pixels, layers, progress)) return false;
   for (uint32_t c = 0; c < 3; ++c) writeChannel(output, c, &pixels[c], 3);
   return true;
 }
 
-XrdsResult upscale(XrdsUpscaler& upscaler, const XrdsImage& colour, const XrdsImage* auxiliary, uint32_t count,
-                   const XrdsImage& output, const xrds::Upscaler::Progress& progress) {
+/// What a call is given beside the colour and the output.
+struct Frame {
+  const XrdsImage* auxiliary = nullptr;
+  uint32_t count = 0;
+  const XrdsLayerSet* sets = nullptr;
+  uint32_t setCount = 0;
+  XrdsLayerReport* reports = nullptr;  // may be null
+};
+
+XrdsResult upscale(XrdsUpscaler& upscaler, const XrdsImage& colour, const Frame& frame, const XrdsImage& output,
+                   const xrds::Upscaler::Progress& progress) {
   const auto& inputs = upscaler.model->model.auxiliaryInputs();
-  if (count != inputs.size())
+  if (frame.count != inputs.size())
     throw xrds::InvalidArgument("The model takes " + std::to_string(inputs.size()) + " auxiliary images, found " +
-                                std::to_string(count) + ".");
+                                std::to_string(frame.count) + ".");
   checkOutput(upscaler, output);
   const ReadImage low(colour, "colour");
   std::vector<ReadImage> images;
-  images.reserve(count);
-  for (uint32_t i = 0; i < count; ++i)
-    images.push_back(readAuxiliary((&required(auxiliary, "auxiliary"))[i], inputs[i]));
+  images.reserve(frame.count);
+  for (uint32_t i = 0; i < frame.count; ++i)
+    images.push_back(readAuxiliary((&required(frame.auxiliary, "auxiliary"))[i], inputs[i]));
   std::vector<xrds::PixelView> views;
-  views.reserve(count);
+  views.reserve(frame.count);
   for (const ReadImage& image : images) views.push_back(image.view());
+  Layers layers;
+  for (uint32_t i = 0; i < frame.setCount; ++i) {
+    layers.add((&required(frame.sets, "sets"))[i]);
+    if (frame.reports) checkSize(frame.reports[i]);
+  }
   const std::lock_guard lock(upscaler.device->access);
-  if (!runInto(upscaler, low, views, output, progress)) return failed(XRDS_CANCELLED, "The frame was cancelled.");
+  if (!runInto(upscaler, low, views, output, layers.sets(), progress))
+    return failed(XRDS_CANCELLED, "The frame was cancelled.");
   writeAlpha(upscaler, colour, output);
+  layers.write();
+  for (uint32_t i = 0; frame.reports && i < frame.setCount; ++i) {
+    const xrds::LayerReport& report = upscaler.upscaler->layerReports()[i];
+    frame.reports[i] = {sizeof(XrdsLayerReport), report.share, report.raisedColours, report.unshared};
+  }
   return XRDS_OK;
+}
+
+XrdsResult upscaleGuarded(XrdsUpscaler* upscaler, const XrdsImage* colour, const Frame& frame, const XrdsImage* output,
+                          XrdsProgress progress, void* user) {
+  return guarded([&] {
+    const auto found = Upscalers::open().opened(upscaler, "upscaler");
+    const std::unique_lock lock(found->use, std::try_to_lock);
+    if (!lock) return failed(XRDS_ERROR_BUSY, "The upscaler is in use on another thread: create one for each thread.");
+    xrds::Upscaler::Progress hear;
+    if (progress) hear = [&](double share) { return progress(user, share) != 0; };
+    return upscale(*found, required(colour, "colour"), frame, required(output, "output"), hear);
+  });
 }
 
 // What `read` says of an open upscaler; zero of another or of one in use.
@@ -141,14 +175,13 @@ void xrdsDestroyUpscaler(XrdsUpscaler* upscaler) {
 
 XrdsResult xrdsUpscale(XrdsUpscaler* upscaler, const XrdsImage* colour, const XrdsImage* auxiliary,
                        uint32_t auxiliaryCount, const XrdsImage* output, XrdsProgress progress, void* user) {
-  return guarded([&] {
-    const auto found = Upscalers::open().opened(upscaler, "upscaler");
-    const std::unique_lock lock(found->use, std::try_to_lock);
-    if (!lock) return failed(XRDS_ERROR_BUSY, "The upscaler is in use on another thread: create one for each thread.");
-    xrds::Upscaler::Progress hear;
-    if (progress) hear = [&](double share) { return progress(user, share) != 0; };
-    return upscale(*found, required(colour, "colour"), auxiliary, auxiliaryCount, required(output, "output"), hear);
-  });
+  return upscaleGuarded(upscaler, colour, {auxiliary, auxiliaryCount}, output, progress, user);
+}
+
+XrdsResult xrdsUpscaleLayers(XrdsUpscaler* upscaler, const XrdsImage* colour, const XrdsImage* auxiliary,
+                             uint32_t auxiliaryCount, const XrdsImage* output, const XrdsLayerSet* sets,
+                             uint32_t setCount, XrdsLayerReport* reports, XrdsProgress progress, void* user) {
+  return upscaleGuarded(upscaler, colour, {auxiliary, auxiliaryCount, sets, setCount, reports}, output, progress, user);
 }
 
 float xrdsGetExposure(const XrdsUpscaler* upscaler) { return ofUpscaler(upscaler, &xrds::Upscaler::exposure); }

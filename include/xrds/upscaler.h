@@ -10,6 +10,7 @@
 
 #include "xrds/device.h"
 #include "xrds/export.h"
+#include "xrds/layers.h"
 #include "xrds/model.h"
 #include "xrds/pixel_view.h"
 #include "xrds/precision.h"
@@ -87,6 +88,13 @@ class XRDS_API Upscaler {
   /// are then written to the output.
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
            const Progress& progress = {});
+
+  /// The same with light layers, each set of which is upscaled so that it adds up to the output: see LayerSet. Throws
+  /// Error also if a layer does not fit, or the upscaler skips windows. Another number of layers than in the run before
+  /// plans and records anew.
+  bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+           std::span<const LayerSet> layers, const Progress& progress = {});
+  const std::vector<LayerReport>& layerReports() const;  // of the last run, one a set
 
   /// Pixels of the last run that were not finite: of the inputs, filled from their finite neighbours, and of the
   /// network's output, which then was left out, so that the base image shows; of an ensemble, in any pass.

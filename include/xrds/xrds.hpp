@@ -3,6 +3,7 @@
 #include "xrds/auxiliary_input.h"
 #include "xrds/device.h"
 #include "xrds/error.h"
+#include "xrds/layers.h"
 #include "xrds/merged_colour.h"
 #include "xrds/mirror.h"
 #include "xrds/model.h"

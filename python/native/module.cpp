@@ -1,11 +1,14 @@
 // xrds._native: the C API for the package around it, which has the defaults, the names and the documentation.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <array>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "python/native/call.h"
@@ -92,6 +95,10 @@ class Model {
   XrdsModel* handle_ = nullptr;
 };
 
+using Layer = std::tuple<const Image*, const Image*, int, bool>;           // light, output, place of its colour, albedo
+using LayerColour = std::tuple<const Image*, const Image*, const Image*>;  // low, full, output
+using LayerSet = std::pair<std::vector<Layer>, std::vector<LayerColour>>;
+
 struct UpscalerOptions {
   bool fp16 = false, keepUnchanged = false;
   float exposure = 0, skip = 0;
@@ -134,6 +141,39 @@ class Upscaler {
       return xrdsUpscale(handle_, &colour.view(), images.data(), static_cast<uint32_t>(images.size()), &output.view(),
                          Call::hearFrame, &call);
     });
+  }
+  std::vector<std::tuple<double, uint64_t, uint64_t>> runLayers(const Image& colour,
+                                                                const std::vector<const Image*>& auxiliary,
+                                                                const Image& output, const std::vector<LayerSet>& given,
+                                                                const Image& whole, nb::handle progress) {
+    std::vector<XrdsImage> images;
+    for (const Image* image : auxiliary) images.push_back(image->view());
+    std::vector<std::vector<XrdsLayer>> lights(given.size());
+    std::vector<std::vector<XrdsLayerColour>> passes(given.size());
+    std::vector<XrdsLayerSet> sets(given.size(), xrdsLayerSetDefault());
+    for (size_t i = 0; i < given.size(); ++i) {
+      const auto& [layers, colours] = given[i];
+      for (const auto& [light, result, place, followsAlbedo] : layers)
+        lights[i].push_back({sizeof(XrdsLayer), place, light->view(), result->view(), followsAlbedo});
+      for (const auto& [low, full, result] : colours)
+        passes[i].push_back({sizeof(XrdsLayerColour), low->view(), full->view(), result->view()});
+      sets[i].layerCount = static_cast<uint32_t>(lights[i].size());
+      sets[i].colourCount = static_cast<uint32_t>(passes[i].size());
+      sets[i].layers = lights[i].data();
+      sets[i].colours = passes[i].data();
+      sets[i].whole = &whole.view();
+    }
+    std::vector<XrdsLayerReport> reports(given.size(), {.structSize = sizeof(XrdsLayerReport)});
+    Call call(progress);
+    call.run([&] {
+      return xrdsUpscaleLayers(handle_, &colour.view(), images.data(), static_cast<uint32_t>(images.size()),
+                               &output.view(), sets.data(), static_cast<uint32_t>(sets.size()), reports.data(),
+                               Call::hearFrame, &call);
+    });
+    std::vector<std::tuple<double, uint64_t, uint64_t>> found;
+    for (const XrdsLayerReport& report : reports)
+      found.emplace_back(report.share, report.raisedColours, report.unshared);
+    return found;
   }
   float exposure() const { return xrdsGetExposure(handle_); }
   uint64_t deviceBytes() const { return xrdsGetDeviceBytes(handle_); }
@@ -227,6 +267,8 @@ NB_MODULE(_native, module) {
       .def(nb::init<Device&, const Model&, uint32_t, uint32_t, const UpscalerOptions&, nb::handle>(), "device"_a,
            "model"_a, "width"_a, "height"_a, "options"_a, "progress"_a.none())
       .def("run", &Upscaler::run, "colour"_a, "auxiliary"_a, "output"_a, "progress"_a.none())
+      .def("run_layers", &Upscaler::runLayers, "colour"_a, "auxiliary"_a, "output"_a, "sets"_a, "whole"_a,
+           "progress"_a.none())
       .def("close", &Upscaler::close)
       .def_prop_ro("exposure", &Upscaler::exposure)
       .def_prop_ro("device_bytes", &Upscaler::deviceBytes);

@@ -12,6 +12,7 @@ from ._colour import Samples, merge_colour
 from ._devices import Device, DeviceDescription, devices
 from ._errors import ArgumentError, Cancelled, DeviceLost, Error, OutOfMemory
 from ._frame import release, upscale
+from ._layers import Layers
 from ._models import Model, models
 from ._progress import Progress
 from ._upscaler import Upscaler
@@ -25,6 +26,7 @@ __all__ = [
     "DeviceDescription",
     "DeviceLost",
     "Error",
+    "Layers",
     "Model",
     "OutOfMemory",
     "Progress",

@@ -5,19 +5,40 @@ from __future__ import annotations
 import atexit
 import os
 import threading
-from typing import Any, Optional
+from typing import Any, Optional, Union, overload
 
 from . import _native
 from ._arrays import Array, Result, readable
 from ._colour import Samples, merged_or_none
 from ._devices import Device
 from ._errors import ArgumentError, DeviceLost
+from ._layers import LayerRun, Layers
 from ._models import Model
 from ._progress import Progress
 from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given
 
 _lock = threading.Lock()
 _last: Optional[tuple[tuple[Any, ...], Upscaler]] = None
+
+
+@overload
+def upscale(
+    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
+    diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
+    samples: Optional[Samples] = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
+    precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
+    tune: str = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+) -> Result: ...
+
+
+@overload
+def upscale(
+    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
+    diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
+    samples: Optional[Samples] = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
+    precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
+    tune: str = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+) -> tuple[Result, dict[str, Result]]: ...
 
 
 def upscale(
@@ -30,6 +51,7 @@ def upscale(
     glossy: Optional[Array] = None,
     full_colour: Optional[Array] = None,
     samples: Optional[Samples] = None,
+    layers: Optional[Layers] = None,
     model: Optional[AnyModel] = None,
     device: AnyDevice = None,
     precision: str = "fp32",
@@ -40,7 +62,7 @@ def upscale(
     tune: str = "auto",
     out: Optional[Array] = None,
     progress: Optional[Progress] = None,
-) -> Result:
+) -> Union[Result, tuple[Result, dict[str, Result]]]:
     """Upscales a noisy low-resolution render with the help of full-resolution albedo and normals.
 
     colour: [height, width, 3, or 4 with alpha] linear radiance. Images are float16 or float32 of any strides: numpy
@@ -49,6 +71,10 @@ def upscale(
     model takes; normal in the camera's axes; depth also [scale height, scale width] of distances in any unit.
     full_colour: that of the same render, which is merged into the colour, weighted by `samples` a pixel of the two, as
     (64, 16); None: estimated from the noise, and not used, with a warning, where it is of other light.
+    layers: lights that the colour is the sum of, by their names: {"DiffDir": [height, width, 3], ...} of the
+    low-resolution render. "DiffCol", a pair of [height, width, 3] and [scale height, scale width, 3] of the two renders,
+    multiplies DiffDir and DiffInd; so do other stems, and "Diffuse Color" the lights "Diffuse Direct" and "Diffuse
+    Indirect". Emit, Env and volumes do not follow the albedo, others without a colour do. Not with skip.
     model: a Model, the name of a shipped one, or a file; None: what suits the images and samples.
     out: an array for the result, of which no byte is the inputs'; None: a new one.
     progress: hears how far it is, and can end it, see Progress. So does KeyboardInterrupt.
@@ -56,6 +82,10 @@ def upscale(
 
     Returns `out`, or a numpy array [scale height, scale width, channels of colour] of the colour's type: linear
     radiance, finite whatever the inputs. Pixels that are not finite count as their neighbours.
+
+    With layers: that and a dict of the same names, each a new float32 array [scale height, scale width, 3], never
+    negative. They add up to the picture as those given do to the colour; if these are but a part of it, so are they. A
+    colour pass is that of full resolution, raised in pixels where light has no place in it.
 
     What is made ready for a size is kept for the next call with the same size and options, until release(). Safe in any
     thread; threads wait for each other. Raises ArgumentError (a ValueError) for images and options that cannot be,
@@ -76,7 +106,9 @@ def upscale(
     chosen = model if model is not None else _suitable(scale, given, merged is not None, samples)
     upscaler = _kept(low, chosen, device, options, progress)
     try:
-        return upscaler._run(low, merged, given, out, progress)
+        run = LayerRun(layers, low, upscaler.scale) if layers is not None else None
+        picture = upscaler._run(low, merged, given, run, out, progress)
+        return (picture, run.results) if run else picture
     except DeviceLost:
         release()
         raise

@@ -59,6 +59,15 @@ class Upscaler:
         output: Image,
         progress: Optional[Callable[[str, float], object]],
     ) -> None: ...
+    def run_layers(
+        self,
+        colour: Image,
+        auxiliary: list[Image],
+        output: Image,
+        sets: list[tuple[list[tuple[Image, Image, int, bool]], list[tuple[Image, Image, Image]]]],
+        whole: Image,
+        progress: Optional[Callable[[str, float], object]],
+    ) -> list[tuple[float, int, int]]: ...
     def close(self) -> None: ...
     @property
     def exposure(self) -> float: ...

@@ -3,13 +3,14 @@ from __future__ import annotations
 import os
 import threading
 from types import TracebackType
-from typing import Optional, Union
+from typing import Optional, Union, overload
 
 from . import _native
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
 from ._colour import Samples, merged_or_none
 from ._devices import Device
 from ._errors import ArgumentError
+from ._layers import LayerRun, Layers
 from ._models import Model
 from ._progress import Progress
 
@@ -67,6 +68,20 @@ class Upscaler:
             self.device._native, self.model._native, self.width, self.height, options, progress
         )
 
+    @overload
+    def __call__(
+        self, colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
+        diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
+        samples: Optional[Samples] = ..., layers: None = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    ) -> Result: ...
+
+    @overload
+    def __call__(
+        self, colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
+        diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
+        samples: Optional[Samples] = ..., layers: Layers, out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    ) -> tuple[Result, dict[str, Result]]: ...
+
     def __call__(
         self,
         colour: Array,
@@ -78,17 +93,21 @@ class Upscaler:
         glossy: Optional[Array] = None,
         full_colour: Optional[Array] = None,
         samples: Optional[Samples] = None,
+        layers: Optional[Layers] = None,
         out: Optional[Array] = None,
         progress: Optional[Progress] = None,
-    ) -> Result:
+    ) -> Union[Result, tuple[Result, dict[str, Result]]]:
         """Upscales one frame; the images are those of xrds.upscale(), of which the model takes `model.inputs`.
 
-        Returns `out`, or a new numpy array [scale height, scale width, channels of the colour] of the colour's type.
-        Raises ArgumentError for an image that is missing, too many, or of a wrong shape, TypeError for what is no array
-        of floats. After an exception `out` holds anything.
+        Returns `out`, or a new numpy array [scale height, scale width, channels of the colour] of the colour's type;
+        with layers (xrds.upscale() says which) also them. Raises ArgumentError for an image that is missing, too many,
+        or of a wrong shape, TypeError for what is no array of floats. After an exception `out` holds anything.
         """
         given = _given(albedo, normal, depth, diffuse, glossy, full_colour)
-        return self._upscale(readable(colour, "colour"), given, samples, out, progress)
+        low = readable(colour, "colour")
+        run = LayerRun(layers, low, self.scale) if layers is not None else None
+        picture = self._upscale(low, given, samples, run, out, progress)
+        return (picture, run.results) if run else picture
 
     @property
     def scale(self) -> int:
@@ -125,18 +144,20 @@ class Upscaler:
         low: _native.Image,
         given: dict[str, _native.Image],
         samples: Optional[Samples],
+        layers: Optional[LayerRun],
         out: Optional[Array],
         progress: Optional[Progress],
     ) -> Result:
         full = given.get("colour")
         merged = merged_or_none(low, full, samples) if full and self.scale > 1 else None
-        return self._run(low, merged, given, out, progress)
+        return self._run(low, merged, given, layers, out, progress)
 
     def _run(
         self,
         low: _native.Image,
         merged: Optional[Array],
         given: dict[str, _native.Image],
+        layers: Optional[LayerRun],
         out: Optional[Array],
         progress: Optional[Progress],
     ) -> Result:
@@ -151,7 +172,11 @@ class Upscaler:
         refuse_overlap(output, [low, *inputs])
         frame = low if merged is None else readable(merged, "colour")
         with self._lock:
-            self._native.run(frame, inputs, output, progress)
+            if layers is None:
+                self._native.run(frame, inputs, output, progress)
+                return result
+            reports = self._native.run_layers(frame, inputs, output, layers.sets, low, progress)
+        layers.hear(reports)
         return result
 
     def _chosen(self, given: dict[str, _native.Image], merged: bool) -> list[_native.Image]:

@@ -1,0 +1,277 @@
+#include "app/frame_layers.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <sstream>
+
+#include "app/copied_layers.h"
+#include "app/light_names.h"
+#include "app/nearest.h"
+#include "image/aov_candidates.h"
+#include "image/image_view.h"
+#include "image/repair.h"
+#include "xrds/error.h"
+#include "xrds/merged_colour.h"
+
+namespace xrds {
+namespace {
+
+constexpr double kRounding = 1.0 / 256, kLeastMissing = 0.01, kMost = 1.05;  // as LayerReport::share has it
+
+Image readRadiance(const ExrFile& file, const ExrSelection& layer) {
+  Image image = readLayer(file, layer);
+  repairRadiance(image);
+  return image;
+}
+
+Image readFull(const ExrFile& file, const ExrSelection& layer, const Box& window) {
+  Image image = placedInBox(readLayer(file, layer), file.parts[layer.part].dataWindow, window);
+  repairRadiance(image);
+  return image;
+}
+
+// a b, or a / b, where b is not black.
+Image combined(const Image& a, const Image& b, bool divides) {
+  Image result = a;
+  for (size_t i = 0; i < result.pixels.size(); ++i)
+    result.pixels[i] = !divides ? a.pixels[i] * b.pixels[i] : b.pixels[i] > 0 ? a.pixels[i] / b.pixels[i] : 0.F;
+  return result;
+}
+
+Image merged(const Image& low, const Image& full, double share) {
+  Image result(low.width, low.height, 3);
+  result.pixels = mergedColour(viewOf(low), viewOf(full), share);
+  return result;
+}
+
+const AovCandidate* findCandidate(const std::vector<AovCandidate>& candidates, const std::string& name) {
+  const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const AovCandidate& candidate) {
+    return candidate.stem == name || candidate.selection.layer == name;
+  });
+  return found == candidates.end() ? nullptr : &*found;
+}
+
+// Layers beside the colour, of its view layer, view and size; or, without one, of a part's size.
+std::vector<AovCandidate> candidatesOf(const ExrFile& file, size_t part, const std::optional<std::string>& prefix) {
+  std::vector<AovCandidate> candidates = aovCandidates(file, AovRole::kColor);
+  std::erase_if(candidates, [&](const AovCandidate& candidate) {
+    return !candidate.view.empty() || (prefix && candidate.prefix != *prefix) ||
+           file.parts[candidate.selection.part].dataWindow != file.parts[part].dataWindow;
+  });
+  return candidates;
+}
+
+}  // namespace
+
+LayerRequest layerRequest(const std::string& text) {
+  if (text == "all") return {.all = true};
+  LayerRequest request;
+  std::istringstream list(text);
+  for (std::string name; std::getline(list, name, ',');)
+    if (!name.empty()) request.names.push_back(name);
+  return request;
+}
+
+FrameLayers::FrameLayers(const Files& files, const LayerRequest& request, std::optional<double> share) {
+  find(files, request);
+  read(files);
+  makeRest(files);
+  if (share) merge(files, *share);
+  makeWhole();
+  if (!files.fullPart) return;
+  std::vector<std::string> used = request.names;
+  for (const Light& light : lights_) used.push_back(light.name);
+  for (const Colour& pass : colours_) used.push_back(pass.name);
+  CopiedLayers copied = copyLayers(files.full, *files.fullPart, files.window, used);
+  copied_ = std::move(copied.planes);
+  list_.copied = std::move(copied.names);
+  list_.leftOut = std::move(copied.leftOut);
+}
+
+void FrameLayers::find(const Files& files, const LayerRequest& request) {
+  const auto all = candidatesOf(files.colour, files.colourLayer.part, {});
+  const auto own = std::find_if(
+      all.begin(), all.end(), [&](const AovCandidate& candidate) { return candidate.selection == files.colourLayer; });
+  const std::string prefix = own == all.end() ? "" : own->prefix;
+  const auto low = candidatesOf(files.colour, files.colourLayer.part, prefix);
+  const auto full = candidatesOf(files.full, files.fullPart.value_or(0), {});
+  const auto inFull = [&](const std::string& name) -> std::optional<ExrSelection> {
+    const AovCandidate* found = files.fullPart ? findCandidate(full, name) : nullptr;
+    return found ? std::optional(found->selection) : std::nullopt;
+  };
+  std::vector<std::string> names = request.names;
+  for (const AovCandidate& candidate : low)
+    if (request.all && lightName(candidate.stem).kind != LightName::Kind::none) names.push_back(candidate.stem);
+  for (const std::string& name : names) {
+    const AovCandidate* found = findCandidate(low, name);
+    if (!found) {
+      std::vector<std::string> there;
+      for (const AovCandidate& candidate : low) there.push_back(candidate.stem);
+      const std::string meant = nearest(name, there);
+      throw Error("The colour's render has no layer '" + printable(name) + "' of three channels beside its colour" +
+                  (meant.empty() ? "; " + describe(files.colour) : ": did you mean '" + printable(meant) + "'?"));
+    }
+    const LightName known = lightName(found->stem);
+    if (known.kind == LightName::Kind::colour || found->selection == files.colourLayer) continue;
+    Light light{found->stem, outputNames(files.colour, found->selection), found->selection, inFull(found->stem)};
+    light.followsAlbedo = known.followsAlbedo;
+    light.isGroup = known.kind == LightName::Kind::group;
+    if (const AovCandidate* pass = known.colour.empty() ? nullptr : findCandidate(low, known.colour)) {
+      auto place =
+          std::find_if(colours_.begin(), colours_.end(), [&](const Colour& c) { return c.name == pass->stem; });
+      if (place == colours_.end())
+        place = colours_.insert(
+            place, {pass->stem, outputNames(files.colour, pass->selection), pass->selection, inFull(pass->stem)});
+      light.colour = static_cast<int>(place - colours_.begin());
+    }
+    lights_.push_back(std::move(light));
+  }
+  if (lights_.empty())
+    throw Error(
+        "No light layer is found beside the colour, such as DiffDir, Emit or Combined_key of Cycles: name those to "
+        "upscale, --layers NAME,NAME; " +
+        describe(files.colour));
+  colourChannels_ = outputNames(files.colour, files.colourLayer);
+  if (own == all.end() || !namesNoisyRender(own->stem)) return;
+  for (const size_t c : {0, 1, 2})  // the result is what Cycles calls so
+    colourChannels_[c] = (prefix.empty() ? "" : prefix + ".") + "Combined." + "RGB"[c];
+}
+
+void FrameLayers::read(const Files& files) {
+  for (Light& light : lights_) {
+    light.image = readRadiance(files.colour, light.low);
+    list_.upscaled.push_back(printable(light.name));
+  }
+  for (Colour& pass : colours_) {
+    pass.image = readRadiance(files.colour, pass.low);
+    if (pass.full) pass.fullImage = readFull(files.full, *pass.full, files.window);
+    list_.upscaled.push_back(printable(pass.name) + (pass.full ? " (of full resolution)" : " (filtered)"));
+  }
+}
+
+// What of the colour's render is in no layer: a light of its own unless it is rounding.
+void FrameLayers::makeRest(const Files& files) {
+  const Image whole = readRadiance(files.colour, files.colourLayer);
+  for (const bool groups : {false, true}) {
+    Image& rest = rest_[groups ? 1 : 0];
+    rest = whole;
+    for (const Light& light : lights_) {
+      if (light.isGroup != groups) continue;
+      const Image radiance = radianceOf(light);
+      for (size_t i = 0; i < rest.pixels.size(); ++i) rest.pixels[i] -= radiance.pixels[i];
+    }
+    double missing = 0, all = 0;
+    for (size_t i = 0; i < rest.pixels.size(); ++i) {
+      if (!(rest.pixels[i] > kRounding * whole.pixels[i])) rest.pixels[i] = 0;
+      missing += rest.pixels[i];
+      all += whole.pixels[i];
+    }
+    if (missing < kLeastMissing * all) std::fill(rest.pixels.begin(), rest.pixels.end(), 0.F);
+  }
+}
+
+Image FrameLayers::radianceOf(const Light& light) const {
+  return light.colour < 0 ? light.image
+                          : combined(light.image, colours_[static_cast<size_t>(light.colour)].image, false);
+}
+
+// What each set adds up to, after whatever was done to its layers.
+void FrameLayers::makeWhole() {
+  for (const bool groups : {false, true}) {
+    Image& whole = whole_[groups ? 1 : 0];
+    whole = rest_[groups ? 1 : 0];
+    for (const Light& light : lights_) {
+      if (light.isGroup != groups) continue;
+      const Image radiance = radianceOf(light);
+      for (size_t i = 0; i < whole.pixels.size(); ++i) whole.pixels[i] += radiance.pixels[i];
+    }
+  }
+}
+
+// All or none: sums of which a part is merged would not be those of the merged colour.
+void FrameLayers::merge(const Files& files, double share) {
+  const auto hasFull = [](const auto& layer) { return layer.full.has_value(); };
+  if (!std::all_of(lights_.begin(), lights_.end(), hasFull) || !std::all_of(colours_.begin(), colours_.end(), hasFull))
+    return;
+  std::vector<Image> means;
+  for (const Colour& pass : colours_) means.push_back(merged(pass.image, pass.fullImage, share));
+  for (Light& light : lights_) {
+    const Image full = readFull(files.full, *light.full, files.window);
+    if (light.colour < 0) {
+      light.image = merged(light.image, full, share);
+      continue;
+    }
+    const auto place = static_cast<size_t>(light.colour);
+    const Image radiance = merged(radianceOf(light), combined(full, colours_[place].fullImage, false), share);
+    light.image = combined(radiance, means[place], true);
+  }
+  for (size_t i = 0; i < colours_.size(); ++i) colours_[i].image = std::move(means[i]);
+  list_.merged = true;
+}
+
+void FrameLayers::denoise(const Denoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes) {
+  for (Light& light : lights_) light.image = denoiser.denoised(light.image, albedo, normal, passes);
+  for (Image& rest : rest_)
+    if (std::any_of(rest.pixels.begin(), rest.pixels.end(), [](float value) { return value > 0; }))
+      rest = denoiser.denoised(rest, albedo, normal, passes);
+  makeWhole();
+}
+
+UpscaledLayers FrameLayers::room(int scale) const {
+  UpscaledLayers room;
+  for (const Light& light : lights_) room.lights.emplace_back(scale * light.image.width, scale * light.image.height, 3);
+  for (const Colour& pass : colours_) room.colours.emplace_back(scale * pass.image.width, scale * pass.image.height, 3);
+  return room;
+}
+
+std::vector<LayerSet> FrameLayers::sets(UpscaledLayers& to) const {
+  std::vector<LayerSet> sets;
+  for (const bool groups : {false, true}) {
+    LayerSet set{.whole = viewOf(whole_[groups ? 1 : 0])};
+    for (size_t i = 0; i < lights_.size(); ++i)
+      if (const Light& light = lights_[i]; light.isGroup == groups)
+        set.lights.push_back({viewOf(light.image), to.lights[i].pixels, light.colour, light.followsAlbedo});
+    if (set.lights.empty()) continue;
+    for (size_t i = 0; i < colours_.size() && !groups; ++i) {
+      const Colour& pass = colours_[i];
+      set.colours.push_back(
+          {viewOf(pass.image), pass.full ? viewOf(pass.fullImage) : PixelView{}, to.colours[i].pixels});
+    }
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+std::vector<ExrPlane> FrameLayers::planes(const Image& colour, const UpscaledLayers& upscaled,
+                                          ExrPixelType type) const {
+  std::vector<ExrPlane> all = copied_;
+  const auto add = [&](const Image& image, const std::vector<std::string>& names) {
+    std::vector<ExrPlane> planes = planesOf(image, names, type);
+    std::move(planes.begin(), planes.end(), std::back_inserter(all));
+  };
+  std::vector<std::string> names = colourChannels_;
+  if (colour.channels == 4) names.push_back(names.front().substr(0, names.front().rfind('.') + 1) + "A");
+  add(colour, names);
+  for (size_t i = 0; i < lights_.size(); ++i) add(upscaled.lights[i], lights_[i].channels);
+  for (size_t i = 0; i < colours_.size(); ++i) add(upscaled.colours[i], colours_[i].channels);
+  return all;
+}
+
+std::vector<std::string> FrameLayers::warnings(const UpscaledLayers& upscaled) const {
+  std::vector<std::string> warnings;
+  char text[200];
+  for (const LayerReport& report : upscaled.reports) {
+    if (report.share > kMost || report.share < 1 - kLeastMissing) {
+      std::snprintf(text, sizeof text, "the layers add up to %.1f %% of the colour, %s.", 100 * report.share,
+                    report.share > 1 ? "and each gets its share of it: leave out what is the sum of others"
+                                     : "and of the result");
+      warnings.emplace_back(text);
+    }
+    if (report.unshared > 0)
+      warnings.push_back(std::to_string(report.unshared) + " pixels have light in a channel that no layer has.");
+  }
+  return warnings;
+}
+
+}  // namespace xrds
