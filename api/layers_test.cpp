@@ -48,12 +48,16 @@ struct Render {
     fullColour = numbers(full, 2, 0, 0.9F, 0.1);
     lights = {numbers(low, 3, 0, 2),   numbers(low, 4, 0, 0.5F), numbers(low, 5, 0, 20, 0.9),
               std::vector<float>(low), numbers(low, 6, 0, 0.7F), numbers(low, 7, 0, 0.3F, 0.5)};
-    for (size_t i = 0; i < low; ++i)
-      colour.push_back((lights[direct][i] + lights[indirect][i]) * lowColour[i] + lights[emission][i] +
-                       lights[group][i] + lights[environment][i]);
     outputs.assign(count, std::vector<float>(full, -1));
     colourOutput.assign(full, -1);
     picture.assign(full, -1);
+    addUp();
+  }
+  void addUp() {
+    colour.clear();
+    for (size_t i = 0; i < lowColour.size(); ++i)
+      colour.push_back((lights[direct][i] + lights[indirect][i]) * lowColour[i] + lights[emission][i] +
+                       lights[group][i] + lights[environment][i]);
   }
   PixelView low(const std::vector<float>& pixels) const { return {pixels.data(), width, height}; }
   PixelView full(const std::vector<float>& pixels) const { return {pixels.data(), scale * width, scale * height}; }
@@ -99,9 +103,9 @@ struct Render {
 };
 
 // Learned kernels, with filtered auxiliary images, a blended colour and a prefilter; bicubic bases; no base at all.
-const std::string kModels[] = {"s4_guided",         "s2_kernels_aux_skip", "s2_aux_kernels5", "s2_colour_kernels3",
-                               "s2_prefilter2",     "s1_guided",           "s2_demodulated",  "s2_bicubic_linear",
-                               "s2_bicubic_normal", "s1_none_noaux"};
+const std::string kModels[] = {
+    "s4_kernels_aux_skip", "s4_aux_kernels5", "s4_full",          "s2_one_pixel_full_prefilter", "s2_prefilter3",
+    "s1_guided",           "s2_demodulated",  "s8_bicubic_noaux", "s2_none_linear_albedo",       "s4_none_noaux"};
 
 class LayersOf : public testing::TestWithParam<std::string> {};
 
@@ -172,13 +176,13 @@ INSTANTIATE_TEST_SUITE_P(Models, LayersOf, testing::ValuesIn(kModels),
 TEST(Layers, AddUpWhateverTheOptions) {
   const Model model = Model::untrained(4, "guided");
   const Upscaler::Options kOptions[] = {{.fp16 = true},
-                                        {.tiles = {.columns = 2, .rows = 2, .exact = true}},
-                                        {.tiles = {.columns = 2, .wrap = true}},
+                                        {.tiles = {.exact = true, .columns = 2, .rows = 2}},
+                                        {.tiles = {.wrap = true, .columns = 2}},
                                         {.exposure = 0.01F},
                                         {.ensemble = 2},
                                         {.ensemble = 8}};
   for (const Upscaler::Options& options : kOptions) {
-    Render render(model, 40, 24);
+    Render render(model, 48, 40);
     EXPECT_NEAR(render.run(options).share, 1, 1e-5);
     render.expectSum();
   }
@@ -186,21 +190,11 @@ TEST(Layers, AddUpWhateverTheOptions) {
 
 TEST(Layers, AreTheSameInTiles) {
   const Model model(golden("s4_guided"));
-  Render whole(model, 40, 24), tiled(model, 40, 24);
+  Render whole(model, 112, 16), tiled(model, 112, 16);
   whole.run();
-  tiled.run({.tiles = {.columns = 2, .exact = true}});
+  tiled.run({.tiles = {.exact = true, .columns = 2}});
   EXPECT_EQ(whole.picture, tiled.picture);
   EXPECT_EQ(whole.outputs, tiled.outputs);
-}
-
-TEST(Layers, OfAnEnsembleAreMeansOfMirroredFrames) {
-  const Model model = Model::untrained(2, "guided");  // whose kernels do not change when they are mirrored
-  Render once(model), often(model);
-  once.run();
-  often.run({.ensemble = 8});
-  for (size_t k = 0; k < Render::count; ++k)
-    for (size_t i = 0; i < once.picture.size(); ++i)
-      ASSERT_NEAR(once.outputs[k][i], often.outputs[k][i], 1e-3 * (1 + once.outputs[k][i])) << k << " " << i;
 }
 
 // A part of the light gets the same share whether the rest is given or not.
@@ -241,6 +235,7 @@ TEST(Layers, InventNothing) {
   std::fill(render.fullColour.begin(), render.fullColour.end(), 0.F);
   for (const auto light : {Render::group, Render::environment, Render::emission})
     std::fill(render.lights[light].begin(), render.lights[light].end(), 0.F);
+  render.addUp();
   render.lights[Render::direct][30] = kNan;
   render.lights[Render::indirect][60] = kInfinity;
   render.lights[Render::direct][90] = -5;
@@ -249,7 +244,7 @@ TEST(Layers, InventNothing) {
   render.lowColour[33] = -kInfinity;
   const LayerReport report = render.run();
   render.expectSum();
-  EXPECT_EQ(report.raisedColours, render.picture.size() / 3);
+  EXPECT_GT(report.raisedColours, render.picture.size() / 4);
   EXPECT_EQ(report.unshared, 0u);
 }
 
@@ -266,7 +261,7 @@ TEST(Layers, OfABlackFrameAreBlack) {
 
 // What the error says; "nothing" if there is none.
 std::string refusal(const std::function<void(Render&, LayerSet&)>& change, const Upscaler::Options& options = {}) {
-  const Model model = Model::untrained(4, "guided");
+  const Model model(golden("s4_guided"));
   Render render(model);
   LayerSet layers = render.layers();
   change(render, layers);
