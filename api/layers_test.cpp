@@ -77,6 +77,7 @@ struct Render {
     Upscaler upscaler(device(), model, width, height, options);
     const LayerSet set = layers();
     upscaler.run(low(colour), auxiliary(), picture, std::span(&set, 1));
+    exposure = upscaler.exposure();
     return upscaler.layerReports().at(0);
   }
   double sumAt(size_t i) const {
@@ -98,6 +99,7 @@ struct Render {
 
   const Model& model;
   uint32_t width, height, scale;
+  float exposure = 0;
   std::vector<std::vector<float>> images, lights, outputs;
   std::vector<float> lowColour, fullColour, colour, colourOutput, picture;
 };
@@ -118,8 +120,10 @@ TEST_P(LayersOf, AddUpToThePicture) {
   EXPECT_EQ(report.unshared, 0u);
   // The picture is the one without layers, bit for bit.
   Render alone(model);
-  Upscaler(device(), model, kWidth, kHeight, {}).run(alone.low(alone.colour), alone.auxiliary(), alone.picture);
+  Upscaler upscaler(device(), model, kWidth, kHeight, {});
+  upscaler.run(alone.low(alone.colour), alone.auxiliary(), alone.picture);
   EXPECT_EQ(render.picture, alone.picture);
+  EXPECT_EQ(render.exposure, upscaler.exposure());
 }
 
 // The whole graph and the sharing in double precision.
@@ -195,6 +199,16 @@ TEST(Layers, AreTheSameInTiles) {
   tiled.run({.tiles = {.exact = true, .columns = 2}});
   EXPECT_EQ(whole.picture, tiled.picture);
   EXPECT_EQ(whole.outputs, tiled.outputs);
+}
+
+TEST(Layers, OfAnEnsembleAreMeansOfMirroredFrames) {
+  const Model model = Model::untrained(2, "guided");  // whose kernels do not change when they are mirrored
+  Render once(model), often(model);
+  once.run();
+  often.run({.ensemble = 8});
+  for (size_t k = 0; k < Render::count; ++k)
+    for (size_t i = 0; i < once.picture.size(); ++i)
+      ASSERT_NEAR(once.outputs[k][i], often.outputs[k][i], 1e-3 * (1 + once.outputs[k][i])) << k << " " << i;
 }
 
 // A part of the light gets the same share whether the rest is given or not.

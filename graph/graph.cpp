@@ -237,6 +237,7 @@ std::vector<Lifetime> lifetimes(const Graph& graph, const std::vector<ValueId>& 
   const auto end = static_cast<uint32_t>(graph.nodes.size() + 1);
   touch(graph.output.value, end);
   for (const TensorView& view : graph.layerMeans) touch(view.value, end);
+  if (!graph.layerMeans.empty()) touch(graph.exposure.value, end);  // which is read after a run
   for (ValueId value = 0; value < lives.size(); ++value) {
     if (storage[value] == value) lives[value].byteSize = graph.values[value].byteSize();
     if (lives[value].firstUse == kUnused) lives[value].firstUse = 0;

@@ -98,6 +98,41 @@ TEST_F(CApi, ReadsAndWritesAnyLayout) {
         ASSERT_EQ(result[c * kWide * kHigh + (kHigh - 1 - y) * kWide + x], toHalf(wanted[3 * (y * kWide + x) + c]));
 }
 
+// A light in two halves, one of them as 16-bit numbers.
+TEST_F(CApi, UpscalesLayersThatAddUp) {
+  std::vector<float> half(colourPixels), first(outputPixels.size(), -1);
+  for (float& value : half) value /= 2;
+  std::vector<uint16_t> second(outputPixels.size());
+  XrdsLayer layers[] = {xrdsLayerDefault(), xrdsLayerDefault()};
+  for (XrdsLayer& layer : layers) layer.light = rgb(half, kWidth, kHeight);
+  layers[0].output = rgb(first, kWide, kHigh);
+  layers[1].output = xrdsInterleavedImage(second.data(), XRDS_HALF, 3, kWide, kHigh);
+  XrdsLayerSet set = xrdsLayerSetDefault();
+  set.layerCount = 2;
+  set.layers = layers;
+  XrdsLayerReport report{.structSize = sizeof report};
+  const auto upscale = [&] {
+    return xrdsUpscaleLayers(upscaler, &colour, auxiliary, 2, &output, &set, 1, &report, nullptr, nullptr);
+  };
+  ASSERT_EQ(upscale(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(outputPixels, expected());
+  EXPECT_NEAR(report.share, 1, 1e-6);
+  for (size_t i = 0; i < outputPixels.size(); ++i) {
+    ASSERT_NEAR(first[i], outputPixels[i] / 2, 1e-6 * outputPixels[i]);
+    ASSERT_EQ(second[i], toHalf(first[i]));
+  }
+  layers[1].structSize = 8;
+  EXPECT_EQ(upscale(), XRDS_ERROR_ARGUMENT);
+  layers[1].structSize = sizeof layers[1];
+  layers[1].colour = 0;
+  EXPECT_EQ(upscale(), XRDS_ERROR_ARGUMENT);
+  layers[1].colour = -1;
+  report.structSize = 1;
+  EXPECT_EQ(upscale(), XRDS_ERROR_ARGUMENT);
+  set.layers = nullptr;
+  EXPECT_EQ(upscale(), XRDS_ERROR_ARGUMENT);
+}
+
 TEST_F(CApi, UpscalesAlphaAndKeepsOpaqueOpaque) {
   std::vector<float> rgba(4 * kWidth * kHeight, 1), result(4 * kWide * kHigh, -1);
   for (size_t p = 0; p < size_t{kWidth} * kHeight; ++p) {

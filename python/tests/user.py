@@ -17,6 +17,9 @@ def hear(stage: str, share: float) -> bool:
 
 
 picture: npt.NDArray[np.float32] = xrds.upscale(colour, albedo=albedo, normal=albedo, samples=(64, 16), progress=hear)
+both: tuple[npt.NDArray[np.float32], dict[str, npt.NDArray[np.float32]]] = xrds.upscale(
+    colour, albedo=albedo, layers={"Emit": colour, "DiffCol": (colour, albedo)}
+)
 names: list[str] = [device.name for device in xrds.devices()]
 model = xrds.Model(Path("model.safetensors"))
 scale: int = model.scale
