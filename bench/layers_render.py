@@ -1,4 +1,4 @@
-"""Renders a Blender scene for bench/layers.py with every light pass, light groups and Cryptomatte.
+"""Renders a Blender scene with every light pass, light groups and Cryptomatte, for bench/layers.py and docs/layers.md.
 
     blender -b SCENE.blend -P bench/layers_render.py -- DIR [--size 384] [--low 64] [--full 16] [--reference 1024]
 
