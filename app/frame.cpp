@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "app/models.h"
 #include "image/aux_check.h"
@@ -178,9 +179,19 @@ void Frame::denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes)
   denoisedBy_ = denoiser.name();
 }
 
-Image* Frame::imageOf(std::string_view input) {
+const Image* Frame::imageOf(std::string_view input) const {
   const auto found = std::find(inputs_.begin(), inputs_.end(), input);
   return found == inputs_.end() ? nullptr : &auxiliary_[static_cast<size_t>(found - inputs_.begin())];
+}
+
+Image* Frame::imageOf(std::string_view input) { return const_cast<Image*>(std::as_const(*this).imageOf(input)); }
+
+void Frame::replace(TemporalFilter::Merged merged) {
+  colour_.channels = 3;
+  colour_.pixels = std::move(merged.colour);
+  if (Image* image = imageOf(kFullColour.name)) image->pixels = std::move(merged.fullColour);
+  if (Image* image = imageOf(kAlbedo.name)) image->pixels = std::move(merged.albedo);
+  if (Image* image = imageOf(kNormal.name)) image->pixels = std::move(merged.normal);
 }
 
 void Frame::addWarnings(const std::vector<std::string>& more) {

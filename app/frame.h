@@ -55,6 +55,16 @@ class Frame {
   /// the merged one before (levelledColour()). `passes`: of each colour, as Denoiser::denoised(). Throws Error.
   void denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes = 1);
 
+  /// An auxiliary image by the name of the input; null if it is none of inputs().
+  const Image* imageOf(std::string_view input) const;
+
+  /// Puts what a TemporalFilter made of the colour and of auxiliary images in their place.
+  void replace(TemporalFilter::Merged merged);
+
+  /// The file that the auxiliary images are of, and a layer of it in the frame's window at their size. Throws Error.
+  const ExrFile& auxiliaryFile() const { return auxFile_; }
+  Image readFull(const ExrSelection& layer) const;
+
   const Image& colour() const { return colour_; }
   /// What load() merged into the colour; nothing if there was nothing to merge.
   const std::optional<MergedColour>& merged() const { return merged_; }
@@ -70,16 +80,15 @@ class Frame {
   size_t repairedPixels() const { return repairedPixels_; }
 
  private:
+  Image* imageOf(std::string_view input);
   void fit(const std::string& input);
   const ExrSelection& layerOf(std::string_view input) const;
-  Image readFull(const ExrSelection& layer) const;
   Image loadRadiance(const ExrSelection& layer) const;
   Image loadLight(AovRole role, const ExrSelection& layer) const;
   Image loadAuxiliary(const std::string& input);
   std::optional<ExrSelection> fullColour() const;
   void mergeColour();
   void chooseShare(const ExrSelection& layer, const Image& full);
-  Image* imageOf(std::string_view input);  // null if it is none of inputs()
   void addWarnings(const std::vector<std::string>& more);
   void addRepaired(size_t count, const ExrSelection& layer, const char* what);
 

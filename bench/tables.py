@@ -24,10 +24,11 @@ import tempfile
 import budget_tables
 import parts_tables
 import quality_tables
+import temporal_tables
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
-DOCUMENTS = ("README.md", "docs/performance.md", "docs/quality.md", "bench/skip.md", "bench/tiles.md")
+DOCUMENTS = ("README.md", "docs/performance.md", "docs/quality.md", "bench/skip.md", "bench/temporal.md", "bench/tiles.md")
 BLOCK = re.compile(r"(<!-- table (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -112,7 +113,7 @@ def network_table(report):
 
 
 # By the name of the table: the file of bench/results, and what makes Markdown of it.
-TABLES = {"network": ("network", network_table), "quality_means": ("quality", quality_tables.means),
+TABLES = {"temporal": ("temporal", temporal_tables.sequences), "network": ("network", network_table), "quality_means": ("quality", quality_tables.means),
           "quality_scenes": ("quality", quality_tables.scenes), "quality_others": ("quality", quality_tables.others),
           "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_merged": ("merged", quality_tables.merged),
           "quality_ensemble": ("quality", quality_tables.ensemble),

@@ -84,9 +84,13 @@ SequencePlan planSequence(const UpscaleOptions& options) {
   requireExtension(patterns.output.of(numbers.front()).string(), ".exr", "--output");
   makeFolder(patterns.output.of(numbers.front()).parent_path(), patterns.output.text());
   SequencePlan plan{.output = patterns.output.text()};
-  for (const int number : numbers) {
+  plan.frame = [patterns, hasAuxiliary = !options.aux.empty()](int number) {
     SequenceFrame frame{number, patterns.colour.of(number), {}, patterns.output.of(number)};
-    if (!options.aux.empty()) frame.auxiliary = patterns.auxiliary.of(number);
+    if (hasAuxiliary) frame.auxiliary = patterns.auxiliary.of(number);
+    return frame;
+  };
+  for (const int number : numbers) {
+    SequenceFrame frame = plan.frame(number);
     std::error_code ignored;
     if (options.skipExisting && fs::exists(frame.output, ignored))
       plan.there.push_back(number);

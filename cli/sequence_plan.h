@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "cli/upscale_options.h"
@@ -19,8 +20,9 @@ struct SequenceFrame {
 /// What is to be made.
 struct SequencePlan {
   std::vector<SequenceFrame> frames;
-  std::vector<int> there;  // frames that --skip-existing leaves out
-  std::string output;      // names of the outputs, for messages
+  std::vector<int> there;                          // frames that --skip-existing leaves out
+  std::string output;                              // names of the outputs, for messages
+  std::function<SequenceFrame(int number)> frame;  // any frame, whether it is asked for, or there, or not
 };
 
 /// The frames that the options name, those that are to be made and those that are there. Makes the folder of the

@@ -127,6 +127,20 @@ void addSequence(CLI::App& verb, UpscaleOptions& options) {
       "--keep-unchanged", options.keepUnchanged,
       "Compute only windows that differ from the frame before. Needs --exposure E, so that the result does not "
       "depend on\nwhich frame was before");
+  verb.add_flag(
+      "--temporal", options.temporal,
+      "Merge each frame with those around it, along the motion that Cycles' pass Vector tells: less flicker,\n"
+      "less noise");
+  verb.add_option("--temporal-radius", options.temporalRadius, "With --temporal: frames before and after that are used")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str()
+      ->needs("--temporal");
+  verb.add_option(
+          "--motion", options.motion,
+          "With --temporal: another layer of motion; of two channels: x to the right and y down from the frame\n"
+          "to the previous one, in pixels, which uses frames before alone")
+      ->type_name("LAYER")
+      ->needs("--temporal");
   verb.add_option("--devices", options.devices, "Devices that share the frames: all, or numbers with commas")
       ->type_name("all|N,N")
       ->excludes("--device");

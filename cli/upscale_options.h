@@ -18,9 +18,9 @@ struct UpscaleOptions {
   bool half = false, profile = false, check = false, quiet = false, wrap = false;
   bool denoiseFirst = false, cleanGuides = false;
   // Of sequences.
-  std::string frames, log, devices;
-  uint32_t jobsPerDevice = 1;
-  bool skipExisting = false, keepUnchanged = false;
+  std::string frames, log, devices, motion;
+  uint32_t jobsPerDevice = 1, temporalRadius = TemporalFilter::kRadius;
+  bool skipExisting = false, keepUnchanged = false, temporal = false;
 
   Upscaler::Options upscaler() const;
 };

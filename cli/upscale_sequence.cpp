@@ -13,6 +13,7 @@
 #include "cli/output_file.h"
 #include "cli/sequence_plan.h"
 #include "cli/sequence_report.h"
+#include "cli/temporal_frames.h"
 #include "cli/upscale_frame.h"
 #include "cli/upscale_report.h"
 #include "cli/warnings.h"
@@ -35,7 +36,7 @@ struct MadeFrame {
 class Worker {
  public:
   Worker(std::string select, const UpscaleOptions& options, const OpenedModel& opened)
-      : select_(std::move(select)), options_(options), opened_(opened) {}
+      : select_(std::move(select)), options_(options), opened_(opened), merger_(options, opened.model.scale()) {}
 
   /// Opens the device, tunes it where that is asked for, and says what there is to say. Throws Failure.
   void open(const UpscaleInput& first) {
@@ -45,9 +46,11 @@ class Worker {
     });
   }
 
-  MadeFrame compute(const Frame& frame) {
+  MadeFrame compute(const FrameGroup& group) {
     MadeFrame made;
     withDevice([&] {
+      const std::shared_ptr<const Frame> merged = merger_.merged(*device_, group);
+      const Frame& frame = *merged;
       prepareFor(frame);
       Upscaled result = upscaledBy(*upscaler_, opened_.model, frame, [](double) { return !interrupted(); });
       made.warnings = warningsOf(result, frame, options_);
@@ -73,6 +76,7 @@ class Worker {
       if (failure.code == ExitCode::device) {
         alpha_.reset();
         upscaler_.reset();
+        merger_.release();
         device_.reset();
       }
       throw;
@@ -97,6 +101,7 @@ class Worker {
   std::unique_ptr<Device> device_;
   std::optional<Upscaler> upscaler_;
   std::optional<AlphaUpscaler> alpha_;
+  GroupMerger merger_;
   uint32_t width_ = 0, height_ = 0;
 };
 
@@ -146,15 +151,16 @@ void runSequence(const UpscaleOptions& options, const SequencePlan& plan) {
     const std::lock_guard lock(warning);
     report.warn(plan.frames[index].number, warnings);
   };
-  const LineStages<Frame, MadeFrame> stages{
-      .read = [&](size_t index) -> std::optional<Frame> {
+  TemporalFrames frames(options, opened, plan, threads.readers);
+  const LineStages<FrameGroup, MadeFrame> stages{
+      .read = [&](size_t index) -> std::optional<FrameGroup> {
         const SequenceFrame& frame = plan.frames[index];
         if (std::error_code ignored; options.skipExisting && fs::exists(frame.output, ignored)) return {};
-        Frame read = readFrame(frame.alone(options), opened);
-        warn(index, read.warnings());
+        FrameGroup read = frames.read(frame);
+        warn(index, read.present->frame.warnings());
         return read;
       },
-      .compute = [&](const Frame& frame, size_t worker) { return workers[worker].compute(frame); },
+      .compute = [&](const FrameGroup& group, size_t worker) { return workers[worker].compute(group); },
       .write =
           [&](MadeFrame made, size_t index) {
             failingWith(ExitCode::output, [&] {
@@ -166,8 +172,8 @@ void runSequence(const UpscaleOptions& options, const SequencePlan& plan) {
             });
             warn(index, made.warnings);
           }};
-  runLine<Frame, MadeFrame>(plan.frames.size(), threads, stages,
-                            [&](const Outcome& outcome) { return report.add(outcome); });
+  runLine<FrameGroup, MadeFrame>(plan.frames.size(), threads, stages,
+                                 [&](const Outcome& outcome) { return report.add(outcome); });
   report.finish();
 }
 
@@ -184,6 +190,7 @@ bool isSequence(const UpscaleOptions& options) {
   refuse(!options.frames.empty(), "--frames", kWhy);
   refuse(options.skipExisting, "--skip-existing", kWhy);
   refuse(options.keepUnchanged, "--keep-unchanged", kWhy);
+  refuse(options.temporal, "--temporal", kWhy);
   refuse(!options.devices.empty(), "--devices", kWhy);
   refuse(options.jobsPerDevice > 1, "--jobs-per-device", kWhy);
   refuse(!options.log.empty(), "--log", kWhy);

@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 PUBLIC = {"AlphaUpscaler", "Cancelled", "Device", "DeviceLost", "Error", "Examination", "FrameRecording", "InvalidArgument", "Model", "OutOfMemory",
-          "Tuning", "Upscaler", "colourDifference", "denoiserFolder", "estimatedFullShare", "findModel", "fullShare", "importOidn", "levelledColour", "mergedColour", "mirrored",
+          "TemporalFilter", "Tuning", "Upscaler", "colourDifference", "denoiserFolder", "estimatedFullShare", "findModel", "fullShare", "importOidn", "levelledColour", "mergedColour", "mirrored",
           "mirroredPixel", "mirrorsOf", "modelFolders", "openVulkanDevice", "relativeDepth", "variantName"}
 NAME = re.compile(r"^(?:typeinfo for |typeinfo name for |vtable for )?xrds::(\w+)(?!::State::)")
 STORED = pathlib.Path(__file__).parent / "abi" / "abi.txt"

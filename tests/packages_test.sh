@@ -42,7 +42,7 @@ bin/xrds-view"
 examples() {
   (cd "$source/examples" && find upscale.c embed_vulkan -type f -printf "$1/examples/%p\n")
 }
-farms=$(cd "$source/share" && find openjd slurm -type f -printf 'share/xrds/%p\n')
+farms=$(cd "$source/share" && find flamenco openjd slurm -type f -printf 'share/xrds/%p\n')
 
 make_package TGZ
 archive=$(tar -tzf "$work"/xrds-"$version"-*.tar.gz | sed 's|^[^/]*/||')

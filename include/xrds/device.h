@@ -60,6 +60,7 @@ class XRDS_API Device {
   std::vector<std::string> notes() const;
 
  private:
+  friend class TemporalFilter;
   friend class Upscaler;
   friend struct EngineAccess;
   friend struct Examination;

@@ -12,6 +12,7 @@
 #include "xrds/preparation.h"
 #include "xrds/relative_depth.h"
 #include "xrds/skip.h"
+#include "xrds/temporal_filter.h"
 #include "xrds/tiling.h"
 #include "xrds/upscaler.h"
 

@@ -56,6 +56,14 @@ int main(void) {
   FIELD(XrdsLayerReport, share);
   FIELD(XrdsLayerReport, raisedColours);
   FIELD(XrdsLayerReport, unshared);
+  SIZE(XrdsTemporalFrame);
+  FIELD(XrdsTemporalFrame, colour);
+  FIELD(XrdsTemporalFrame, fullColour);
+  FIELD(XrdsTemporalFrame, albedo);
+  FIELD(XrdsTemporalFrame, normal);
+  FIELD(XrdsTemporalFrame, depth);
+  FIELD(XrdsTemporalFrame, toPrevious);
+  FIELD(XrdsTemporalFrame, toNext);
   SIZE(XrdsTimelinePoint);
   FIELD(XrdsTimelinePoint, semaphore);
   FIELD(XrdsTimelinePoint, value);

@@ -1,0 +1,105 @@
+#include "api/c/handles.h"
+#include "api/c/images.h"
+#include "api/c/result.h"
+#include "api/c/sized.h"
+
+using namespace xrds::c;
+
+/// A filter with the device that it needs. `use` is held by the thread that runs it, `device->access` as well.
+struct XrdsTemporalFilter {
+  XrdsTemporalFilter(std::shared_ptr<XrdsDevice> on, uint32_t width, uint32_t height, uint32_t scale)
+      : device(std::move(on)), pixels(size_t{scale} * width * scale * height) {
+    const std::lock_guard lock(device->access);
+    filter.emplace(device->device, width, height, scale);
+  }
+  ~XrdsTemporalFilter() {
+    const std::lock_guard lock(device->access);
+    filter.reset();
+  }
+
+  const std::shared_ptr<XrdsDevice> device;
+  const size_t pixels;  // of the full resolution
+  std::optional<xrds::TemporalFilter> filter;
+  std::mutex use;
+};
+
+namespace {
+
+/// A frame of the caller, and copies of images that the library cannot read where they are.
+class ReadFrame {
+ public:
+  ReadFrame(const XrdsTemporalFrame& given, size_t pixels) {
+    checkSize(given);
+    frame_.colour = read(given.colour, "colour");
+    if (given.fullColour.channels[0]) frame_.fullColour = read(given.fullColour, "full-resolution colour");
+    if (given.albedo.channels[0]) frame_.albedo = read(given.albedo, "albedo");
+    if (given.normal.channels[0]) frame_.normal = read(given.normal, "normal");
+    if (given.depth) frame_.depth = {given.depth, pixels};
+    if (given.toPrevious) frame_.toPrevious = {given.toPrevious, 2 * pixels};
+    if (given.toNext) frame_.toNext = {given.toNext, 2 * pixels};
+  }
+  const xrds::TemporalFilter::Frame& frame() const { return frame_; }
+
+ private:
+  xrds::PixelView read(const XrdsImage& image, const char* what) { return images_.emplace_back(image, what).view(); }
+
+  std::vector<ReadImage> images_;
+  xrds::TemporalFilter::Frame frame_;
+};
+
+void write(const std::vector<float>& pixels, const XrdsImage& image, const char* what) {
+  if (!image.channels[0] || pixels.empty()) return;
+  checkImage(image, what, 3);
+  if (size_t{3} * image.width * image.height != pixels.size())
+    throw xrds::InvalidArgument(std::string("The merged ") + what + " has another size than that of the frames.");
+  for (uint32_t c = 0; c < 3; ++c) writeChannel(image, c, &pixels[c], 3);
+}
+
+}  // namespace
+
+XrdsTemporalFrame xrdsTemporalFrameDefault() { return {.structSize = sizeof(XrdsTemporalFrame)}; }
+
+XrdsResult xrdsCreateTemporalFilter(XrdsDevice* device, uint32_t width, uint32_t height, uint32_t scale,
+                                    XrdsTemporalFilter** filter) {
+  return guarded([&] {
+    XrdsTemporalFilter*& out = required(filter, "filter");
+    const auto on = Devices::open().opened(device, "device");
+    out = Handles<XrdsTemporalFilter>::open().add(std::make_shared<XrdsTemporalFilter>(on, width, height, scale));
+    return XRDS_OK;
+  });
+}
+
+void xrdsDestroyTemporalFilter(XrdsTemporalFilter* filter) {
+  guarded([&] {
+    Handles<XrdsTemporalFilter>::open().remove(filter);
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* present,
+                           const XrdsTemporalFrame* before, uint32_t beforeCount, const XrdsTemporalFrame* after,
+                           uint32_t afterCount, const XrdsTemporalFrame* merged) {
+  return guarded([&] {
+    const auto found = Handles<XrdsTemporalFilter>::open().opened(filter, "temporal filter");
+    const std::unique_lock lock(found->use, std::try_to_lock);
+    if (!lock) return failed(XRDS_ERROR_BUSY, "The filter is in use on another thread: create one for each thread.");
+    const XrdsTemporalFrame& out = checkSize(required(merged, "merged"));
+    const ReadFrame now(required(present, "present"), found->pixels);
+    std::vector<ReadFrame> kept;
+    kept.reserve(size_t{beforeCount} + afterCount);
+    const auto framesOf = [&](const XrdsTemporalFrame* given, uint32_t count, const char* name) {
+      std::vector<xrds::TemporalFilter::Frame> frames;
+      for (uint32_t i = 0; i < count; ++i)
+        frames.push_back(kept.emplace_back((&required(given, name))[i], found->pixels).frame());
+      return frames;
+    };
+    const auto past = framesOf(before, beforeCount, "before"), future = framesOf(after, afterCount, "after");
+    const std::lock_guard device(found->device->access);
+    const auto result = found->filter->run(now.frame(), past, future);
+    write(result.colour, out.colour, "colour");
+    write(result.fullColour, out.fullColour, "full-resolution colour");
+    write(result.albedo, out.albedo, "albedo");
+    write(result.normal, out.normal, "normal");
+    return XRDS_OK;
+  });
+}

@@ -1,0 +1,74 @@
+#include "app/frame_motion.h"
+
+#include <array>
+#include <optional>
+
+namespace xrds {
+namespace {
+
+// The layer's channels of these suffixes in any case; nothing unless it has them all.
+std::vector<std::string> channelsOf(const ExrLayer& layer, const std::vector<const char*>& suffixes) {
+  std::vector<std::string> names;
+  for (const char* suffix : suffixes)
+    for (const ExrChannel& channel : layer.channels)
+      if (plainName(channel.suffix) == suffix) names.push_back(channel.name);
+  return names.size() == suffixes.size() ? names : std::vector<std::string>{};
+}
+
+std::vector<std::string> motionChannels(const ExrLayer& layer) {
+  for (const std::vector<const char*>& suffixes :
+       {std::vector<const char*>{"x", "y", "z", "w"}, {"r", "g", "b", "a"}, {"x", "y"}, {"u", "v"}, {"r", "g"}})
+    if (auto channels = channelsOf(layer, suffixes); !channels.empty()) return channels;
+  return {};
+}
+
+std::string ownName(const std::string& layer) { return plainName(layer.substr(layer.rfind('.') + 1)); }
+
+std::optional<ExrSelection> motionLayer(const ExrFile& file, const std::string& name) {
+  for (size_t part = 0; part < file.parts.size(); ++part)
+    for (const ExrLayer& layer : file.parts[part].layers) {
+      const std::string wanted = name.empty() ? "vector" : plainName(name);
+      const bool isNamed = plainName(layer.name) == wanted || ownName(layer.name) == wanted ||
+                           (layer.name.empty() && plainName(file.parts[part].name) == wanted);
+      std::vector<std::string> channels = isNamed ? motionChannels(layer) : std::vector<std::string>{};
+      if (!channels.empty()) return ExrSelection{part, layer.name, std::move(channels)};
+    }
+  return {};
+}
+
+// Channels x and y of an image as motion, each times its sign.
+std::vector<float> motionOf(const Image& image, std::array<int, 2> channels, std::array<float, 2> signs) {
+  std::vector<float> motion(2 * image.pixelCount());
+  for (size_t i = 0; i < motion.size(); ++i) {
+    const auto channel = static_cast<size_t>(channels[i % 2]);
+    motion[i] = signs[i % 2] * image.pixels[i / 2 * static_cast<size_t>(image.channels) + channel];
+  }
+  return motion;
+}
+
+}  // namespace
+
+FrameMotion readMotion(const Frame& frame, const std::string& layer, const std::string& depth) {
+  const ExrFile& file = frame.auxiliaryFile();
+  const auto found = motionLayer(file, layer);
+  if (!found)
+    throw Error("'" + file.path.string() + "' has no motion " +
+                (layer.empty() ? "layer 'Vector'" : "layer '" + printable(layer) + "' of two or four channels") +
+                ": render with the pass Vector and without motion blur, or name a layer with --motion.\n" +
+                describe(file));
+  if (frame.scale() == 0 || fitFrame(frame.colourPart(), file.parts[found->part]).scale != frame.scale())
+    throw Error("The motion layer '" + printable(found->layer) + "' does not have the size of the auxiliary images.");
+  const Image image = frame.readFull(*found);
+  FrameMotion motion;
+  if (image.channels == 4) {
+    motion.toPrevious = motionOf(image, {0, 1}, {1, -1});
+    motion.toNext = motionOf(image, {2, 3}, {-1, 1});
+  } else {
+    motion.toPrevious = motionOf(image, {0, 1}, {1, 1});
+  }
+  if (!depth.empty() || hasAov(file, AovRole::kDepth))
+    motion.depth = frame.readFull(findAov(file, AovRole::kDepth, depth)).pixels;
+  return motion;
+}
+
+}  // namespace xrds
