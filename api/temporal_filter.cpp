@@ -107,9 +107,8 @@ TemporalFilter::TemporalFilter(Device& device, uint32_t width, uint32_t height, 
   if (width == 0 || height == 0 || scale == 0 || scale > 16 || (scale & (scale - 1)) != 0)
     throw InvalidArgument("A temporal filter of " + sizeText(width, height) + " pixels and scale " +
                           std::to_string(scale) + " was asked for; the scale must be 1, 2, 4, 8 or 16.");
-  state_.reset(new State{{width, height},
-                         {scale * width, scale * height},
-                         HistoryMerger(device.state_->gpu, height, width, scale)});
+  state_.reset(new State{
+      {width, height}, {scale * width, scale * height}, HistoryMerger(device.state_->gpu, height, width, scale)});
 }
 
 TemporalFilter::~TemporalFilter() = default;
