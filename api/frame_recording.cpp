@@ -14,8 +14,8 @@ namespace xrds {
 
 using c::checkSize, c::numberOf, c::required, c::taken;
 
-struct FrameRecording::State {
-  State(Upscaler& upscaler, const XrdsVulkanFrame& given);
+struct [[gnu::visibility("hidden")]] FrameRecording::State {  // its functions are no part of the API
+  State(Upscaler & upscaler, const XrdsVulkanFrame& given);
   HostPicture pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale);
   void takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures);
 
