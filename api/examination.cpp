@@ -42,8 +42,8 @@ double timeRun(Recording& recording) {
   return times.empty() ? stopwatch.microseconds() : std::accumulate(times.begin(), times.end(), 0.0);
 }
 
-KernelExamination examine(Gpu& gpu, const Graph& graph, uint32_t runs) {
-  const PlacedOperator placed(gpu, graph);
+KernelExamination examine(Gpu& gpu, const Graph& graph, const std::vector<NumberRange>& ranges, uint32_t runs) {
+  const PlacedOperator placed(gpu, graph, ranges);
   const Node& node = graph.nodes.front();
   const Tolerance tolerance = toleranceOf(outputOf(node).type);
   KernelExamination found{.program = placed.dispatches().front().dispatch.program,
@@ -71,15 +71,15 @@ std::vector<KernelExamination> examineKernels(Gpu& gpu, Precision precision, uin
   const NetworkModel model = KnownFrame().model();
   std::vector<KernelExamination> kernels;
   std::set<std::pair<std::string, std::vector<uint32_t>>> known;
-  const auto add = [&](const Graph& graph) {
+  const auto add = [&](const Graph& graph, const std::vector<NumberRange>& ranges) {
     for (const Node& node : graph.nodes) {
       const Graph one = single(graph, node);
       const Dispatch first = lower(one, gpu.traits()).front().dispatch;
-      if (known.emplace(first.program, first.specialization).second) kernels.push_back(examine(gpu, one, runs));
+      if (known.emplace(first.program, first.specialization).second) kernels.push_back(examine(gpu, one, ranges, runs));
     }
   };
-  add(buildGraph(model.config(), kFrame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})));
-  for (const Graph& example : operatorExamples(precision, gpu.traits())) add(example);
+  add(buildGraph(model.config(), kFrame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})), {});
+  for (const auto& [graph, ranges] : operatorExamples(precision, gpu.traits())) add(graph, ranges);
   return kernels;
 }
 

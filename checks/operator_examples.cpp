@@ -3,39 +3,40 @@
 #include <string>
 #include <utility>
 
-#include "shaders/common/example.h"
-
 namespace xrds {
 namespace {
 
-Graph graphOf(const ExampleMaker& maker, Operator op) {
-  Graph graph{.madeWeights = maker.keptWeights()};
-  for (const auto& [shape, type] : maker.values()) graph.create("example", type, shape);
-  graph.nodes.push_back({"", std::move(op)});
-  graph.nodes.front().name = factsOf(graph.nodes.front()).name;
-  return graph;
+OperatorExample exampleOf(const ExampleMaker& maker, Operator op) {
+  OperatorExample example{.graph = {.madeWeights = maker.keptWeights()}};
+  for (const ExampleValue& value : maker.values()) {
+    example.graph.create("example", value.type, value.shape);
+    example.ranges.push_back(value.range);
+  }
+  Node& node = example.graph.nodes.emplace_back(Node{"", std::move(op)});
+  node.name = factsOf(node).name;
+  return example;
 }
 
 template <class Op>
-void addOperator(DataType stored, const DeviceTraits& device, std::vector<Graph>& graphs) {
+void addOperator(DataType stored, const DeviceTraits& device, std::vector<OperatorExample>& all) {
   ExampleMaker maker(stored, device);
   std::vector<Op> examples;
   addExamples(maker, examples);
-  for (const Op& op : examples) graphs.push_back(graphOf(maker, op));
+  for (const Op& op : examples) all.push_back(exampleOf(maker, op));
 }
 
 template <class... Ops>
-std::vector<Graph> graphsOf(std::variant<Ops...>*, DataType stored, const DeviceTraits& device) {
-  std::vector<Graph> graphs;
-  (addOperator<Ops>(stored, device, graphs), ...);
-  return graphs;
+std::vector<OperatorExample> examplesOf(std::variant<Ops...>*, DataType stored, const DeviceTraits& device) {
+  std::vector<OperatorExample> all;
+  (addOperator<Ops>(stored, device, all), ...);
+  return all;
 }
 
 }  // namespace
 
-std::vector<Graph> operatorExamples(Precision precision, const DeviceTraits& device) {
+std::vector<OperatorExample> operatorExamples(Precision precision, const DeviceTraits& device) {
   const DataType stored = precision == Precision::fp16 ? DataType::f16 : DataType::f32;
-  return graphsOf(static_cast<Operator*>(nullptr), stored, device);
+  return examplesOf(static_cast<Operator*>(nullptr), stored, device);
 }
 
 }  // namespace xrds

@@ -4,10 +4,17 @@
 
 #include "graph/graph.h"
 #include "network/precision.h"
+#include "shaders/common/example.h"
 
 namespace xrds {
 
-/// The examples of every operator that the device makes, each in a graph of its own, named after the operator.
-std::vector<Graph> operatorExamples(Precision precision, const DeviceTraits& device);
+/// An operator in a graph of its own, named after it, and what its values are filled with.
+struct OperatorExample {
+  Graph graph;
+  std::vector<NumberRange> ranges;  // by value
+};
+
+/// The examples of every operator that the device makes.
+std::vector<OperatorExample> operatorExamples(Precision precision, const DeviceTraits& device);
 
 }  // namespace xrds

@@ -17,12 +17,12 @@ std::string shapeText(const TensorView& view) {
   return std::to_string(view.height) + "x" + std::to_string(view.width) + "x" + std::to_string(view.channels);
 }
 
-// Positive, as exposures, albedos and radiance are; the same on every machine.
-std::vector<float> inputNumbers(size_t count, uint32_t seed, DataType type) {
+// The same on every machine.
+std::vector<float> inputNumbers(size_t count, uint32_t seed, DataType type, NumberRange range) {
   std::mt19937 bits(seed);
   std::vector<float> numbers(count);
   for (float& number : numbers) {
-    number = static_cast<float>(bits() >> 8) * 0x1p-24F + 0.1F;
+    number = static_cast<float>(bits() >> 8) * 0x1p-24F * (range.most - range.least) + range.least;
     if (type == DataType::f16) number = fromHalf(toHalf(number));
   }
   return numbers;
@@ -66,8 +66,13 @@ Graph single(const Graph& graph, const Node& node) {
   return one;
 }
 
-PlacedOperator::PlacedOperator(Gpu& gpu, Graph graph)
-    : gpu_(gpu), graph_(std::move(graph)), buffers_(graph_.values.size()), inputs_(graph_.values.size()) {
+PlacedOperator::PlacedOperator(Gpu& gpu, Graph graph, std::vector<NumberRange> ranges)
+    : gpu_(gpu),
+      graph_(std::move(graph)),
+      ranges_(std::move(ranges)),
+      buffers_(graph_.values.size()),
+      inputs_(graph_.values.size()) {
+  ranges_.resize(graph_.values.size());
   own_ = launchOf(graph_.nodes.front().kernel);
 }
 
@@ -113,7 +118,7 @@ PlacedOperator::Launch PlacedOperator::launchOf(const std::optional<KernelChoice
 void PlacedOperator::fill(ValueId value, DataType type, size_t elementCount, bool isRead) {
   buffers_[value] = std::make_unique<Buffer>(gpu_, bufferSize(elementCount * byteSize(type)));
   if (!isRead) return buffers_[value]->fill(~0U);  // NaN in both types
-  inputs_[value] = inputNumbers(elementCount, value + 1, type);
+  inputs_[value] = inputNumbers(elementCount, value + 1, type, ranges_[value]);
   if (value == graph_.exposure.value) inputs_[value] = {0.5F, 2, 0, 0};  // e and 1 / e
   buffers_[value]->upload(0, encode(inputs_[value], type));
 }

@@ -7,6 +7,7 @@
 
 #include "engine/recording.h"
 #include "graph/graph.h"
+#include "shaders/common/example.h"
 
 namespace xrds {
 
@@ -33,8 +34,9 @@ struct OperatorError {
 /// is only written holds NaN. Ready to be run at will.
 class PlacedOperator {
  public:
-  /// `graph` holds one node. Throws Error if the operator's tensors take more than the device has.
-  PlacedOperator(Gpu& gpu, Graph graph);
+  /// `graph` holds one node; `ranges`: of the numbers, by value, the usual one for what it leaves out. Throws Error if
+  /// the operator's tensors take more than the device has.
+  PlacedOperator(Gpu& gpu, Graph graph, std::vector<NumberRange> ranges = {});
 
   /// How another kernel makes the operator of the same inputs; no longer than this.
   struct Launch {
@@ -64,6 +66,7 @@ class PlacedOperator {
 
   Gpu& gpu_;
   Graph graph_;
+  std::vector<NumberRange> ranges_;               // by value
   std::vector<std::unique_ptr<Buffer>> buffers_;  // by value
   std::vector<std::vector<float>> inputs_;        // rounded to their storage, by value; empty where nothing is read
   Launch own_;

@@ -126,8 +126,10 @@ Trial::Duel Trial::duel(const KernelChoice& kernel, const KernelChoice& other) {
     won += time < otherTime;
   }
   const auto least = [](const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); };
-  const bool isFaster = median(ratios) < 1 - kMargin && least(times) < (1 - kMargin) * least(otherTimes);
-  return {median(times), median(otherTimes), isFaster && won >= kRoundsToWin};
+  Duel duel{median(times), median(otherTimes)};
+  duel.isWon = won >= kRoundsToWin && duel.microseconds < duel.otherMicroseconds && median(ratios) < 1 - kMargin &&
+               least(times) < (1 - kMargin) * least(otherTimes);
+  return duel;
 }
 
 }  // namespace xrds

@@ -28,7 +28,7 @@ class Trial {
 
   struct Duel {
     double microseconds = 0, otherMicroseconds = 0;  // medians
-    bool isWon = false;  // in most rounds, and by more than kMargin on the median and of the fastest
+    bool isWon = false;  // in most rounds, by the medians, and by more than kMargin of the fastest and the median ratio
   };
   static constexpr double kMargin = 0.03;
   /// Both in turns.

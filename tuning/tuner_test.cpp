@@ -79,8 +79,7 @@ TEST_F(Tuner, FindsTheLaneKernelsByItself) {
       others += "\n" + shape.shape + ": " + shape.winner.program.name + " " +
                 std::to_string(shape.winner.microseconds) + " of " + std::to_string(shape.winner.fixedMicroseconds);
     EXPECT_TRUE(shape.wrong.empty()) << shape.shape << " " << shape.wrong.front();
-    if (!shape.winner.isFixed)  // both times are medians of a machine that does other work, too
-      EXPECT_LT(shape.winner.microseconds, 1.1 * shape.winner.fixedMicroseconds) << shape.shape;
+    EXPECT_TRUE(shape.winner.isFixed || shape.winner.microseconds < shape.winner.fixedMicroseconds) << shape.shape;
   }
   EXPECT_GT(inLane, 0.9 * all) << others;
   EXPECT_TRUE(result.frame.taken);

@@ -4,8 +4,8 @@
 
 namespace xrds {
 
-TensorView ExampleMaker::view(TensorShape shape, DataType type) {
-  values_.emplace_back(shape, type);
+TensorView ExampleMaker::view(TensorShape shape, DataType type, NumberRange range) {
+  values_.push_back({shape, type, range});
   const auto id = static_cast<ValueId>(values_.size() - 1);
   return {id, type, shape.height, shape.width, shape.channels, 0, shape.channels};
 }

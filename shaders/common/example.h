@@ -3,12 +3,23 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "engine/dispatch.h"
 
 namespace xrds {
+
+/// What the random numbers of a value lie between.
+struct NumberRange {
+  float least = 0.1F, most = 1.1F;  // positive, as exposures, albedos and radiance are
+};
+
+/// A value of an example.
+struct ExampleValue {
+  TensorShape shape;
+  DataType type;
+  NumberRange range;
+};
 
 /// What an operator makes its examples of, on which a device is examined: values, and small weights that are the same
 /// on every machine.
@@ -21,19 +32,19 @@ class ExampleMaker {
   const DeviceTraits& device() const { return device_; }
   /// A value of its own, and the view of all of it.
   TensorView view(TensorShape shape) { return view(shape, stored_); }
-  TensorView view(TensorShape shape, DataType type);
+  TensorView view(TensorShape shape, DataType type, NumberRange range = {});
   /// The exposure's, [1, 1, 4].
   TensorView exposure() { return view({1, 1, 4}, DataType::f32); }
   /// As large as those of trained layers. They live as long as a copy of keptWeights() does.
   std::span<const float> weights(size_t count);
 
-  const std::vector<std::pair<TensorShape, DataType>>& values() const { return values_; }
+  const std::vector<ExampleValue>& values() const { return values_; }
   const std::vector<std::shared_ptr<const std::vector<float>>>& keptWeights() const { return weights_; }
 
  private:
   DataType stored_;
   DeviceTraits device_;
-  std::vector<std::pair<TensorShape, DataType>> values_;
+  std::vector<ExampleValue> values_;
   std::vector<std::shared_ptr<const std::vector<float>>> weights_;
 };
 

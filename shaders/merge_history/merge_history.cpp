@@ -102,7 +102,15 @@ OperatorFacts facts(const MergeHistory& op) {
 
 void propagate(const MergeHistory&, Moments&) {}
 
-// Counts and weights are no random numbers, on which devices are examined.
-void addExamples(ExampleMaker&, std::vector<MergeHistory>&) {}
+// Differences that leave a weight of about a third.
+void addExamples(ExampleMaker& maker, std::vector<MergeHistory>& examples) {
+  for (const bool isFirst : {true, false}) {
+    const auto frame = [&] { return maker.view({16, 16, shader::kHistoryFrame}, DataType::f32); };
+    examples.push_back({.warped = maker.view({16, 16, shader::kHistoryWarped}, DataType::f32, {0.02F, 0.12F}),
+                        .present = frame(),
+                        .sums = isFirst ? TensorView{} : frame(),
+                        .output = frame()});
+  }
+}
 
 }  // namespace xrds

@@ -46,7 +46,7 @@ OperatorFacts facts(const MergeHistory& op);
 /// Stored in fp32 always.
 void propagate(const MergeHistory& op, Moments& moments);
 
-/// None: counts and weights are no random numbers, on which devices are examined.
+/// On which a device is examined; none where it does not make this operator.
 void addExamples(ExampleMaker& maker, std::vector<MergeHistory>& examples);
 
 }  // namespace xrds

@@ -59,7 +59,11 @@ OperatorFacts facts(const ResolveHistory& op) { return {"resolve_history", {op.s
 
 void propagate(const ResolveHistory&, Moments&) {}
 
-// Counts and weights are no random numbers, on which devices are examined.
-void addExamples(ExampleMaker&, std::vector<ResolveHistory>&) {}
+void addExamples(ExampleMaker& maker, std::vector<ResolveHistory>& examples) {
+  for (const bool isGuided : {true, false})
+    examples.push_back({.sums = maker.view({16, 16, shader::kHistoryFrame}, DataType::f32),
+                        .guides = isGuided ? maker.view({16, 16, 4}, DataType::f32) : TensorView{},
+                        .output = maker.view({16, 16, isGuided ? 4U : shader::kHistoryFrame}, DataType::f32)});
+}
 
 }  // namespace xrds

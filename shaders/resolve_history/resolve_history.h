@@ -40,7 +40,7 @@ OperatorFacts facts(const ResolveHistory& op);
 /// Stored in fp32 always.
 void propagate(const ResolveHistory& op, Moments& moments);
 
-/// None: counts and weights are no random numbers, on which devices are examined.
+/// On which a device is examined; none where it does not make this operator.
 void addExamples(ExampleMaker& maker, std::vector<ResolveHistory>& examples);
 
 }  // namespace xrds

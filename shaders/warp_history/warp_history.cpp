@@ -105,7 +105,13 @@ OperatorFacts facts(const WarpHistory& op) {
 
 void propagate(const WarpHistory&, Moments&) {}
 
-// Counts and weights are no random numbers, on which devices are examined.
-void addExamples(ExampleMaker&, std::vector<WarpHistory>&) {}
+// Positions inside and outside of the image.
+void addExamples(ExampleMaker& maker, std::vector<WarpHistory>& examples) {
+  examples.push_back({.positions = maker.view({16, 16, 4}, DataType::f32, {-2, 18}),
+                      .history = maker.view({16, 16, shader::kHistoryFrame}, DataType::f32),
+                      .present = maker.view({16, 16, shader::kHistoryFrame}, DataType::f32),
+                      .exposure = maker.view({1, 1, 4}, DataType::f32),
+                      .output = maker.view({16, 16, shader::kHistoryWarped}, DataType::f32)});
+}
 
 }  // namespace xrds

@@ -46,7 +46,7 @@ OperatorFacts facts(const WarpHistory& op);
 /// Stored in fp32 always.
 void propagate(const WarpHistory& op, Moments& moments);
 
-/// None: counts and weights are no random numbers, on which devices are examined.
+/// On which a device is examined; none where it does not make this operator.
 void addExamples(ExampleMaker& maker, std::vector<WarpHistory>& examples);
 
 }  // namespace xrds
