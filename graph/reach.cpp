@@ -29,7 +29,7 @@ std::vector<uint32_t> firstExactPixels(const Graph& graph) {
       if (input.view.exists())
         inexact = std::max(inexact, seenBy(output.height / shuffle, input, first[input.view.value]));
     uint32_t& known = first[output.value];
-    known = std::max(known, shuffle * wholeBlocks(inexact, facts.blocks));
+    known = std::max(known, std::min(shuffle * wholeBlocks(inexact, facts.blocks), kWholeImage));
   }
   return first;
 }

@@ -20,6 +20,12 @@ float boundedShare(float logit) { return bounded(logit, kShareLogitMax); }
 // The pixel of an image of that size nearest to the position.
 ivec2 replicated(ivec2 position, ivec2 size) { return clamp(position, ivec2(0), size - 1); }
 
+// The pixel that a position at or behind the image's begin mirrors, once or back and forth: 0 1 2 1 0 1 of size 3.
+ivec2 reflected(ivec2 position, ivec2 size) {
+  const ivec2 last = max(size - 1, ivec2(1)), inPeriod = position % (2 * last);
+  return min(min(inPeriod, 2 * last - inPeriod), size - 1);
+}
+
 // Channels first .. first + 2 of the pixel that starts at the texel; `first` is a specialization constant.
 vec3 fetchThree(samplerBuffer source, int texel, int first) {
   const vec4 a = texelFetch(source, texel + first / 4);

@@ -18,6 +18,9 @@ struct ErrorBudget {
 /// Of what is rounded to 11 bits in fp16, which alone is 2.8e-4.
 inline constexpr ErrorBudget kRoundedBudget{5e-7, 4e-4};
 
+/// OperatorInput::reach of what reads the whole image: no tile that begins or ends inside is exact.
+inline constexpr uint32_t kWholeImage = 65536;
+
 /// A view that an operator reads.
 struct OperatorInput {
   TensorView view;     // absent if it does not exist

@@ -4,6 +4,16 @@
 #include "shaders/common/moments.h"
 
 namespace xrds {
+namespace {
+
+// The real pixel, along one axis, that a pixel of the result is of.
+uint32_t realPixel(uint32_t at, uint32_t size, bool reflects) {
+  if (!reflects || size == 1) return std::min(at, size - 1);
+  const uint32_t last = size - 1, inPeriod = at % (2 * last);
+  return std::min(inPeriod, 2 * last - inPeriod);
+}
+
+}  // namespace
 
 TensorShape outputShape(const EncodeRadiance& op) {
   checkHolds(op.colour, {1, 1, 4});
@@ -29,7 +39,7 @@ Dispatch dispatch(const EncodeRadiance& op, const DeviceTraits& device) {
                                             .exposure = imageOf(op.exposure).offset};
   return imageDispatch(
       "encode_radiance", device, op.output, rows, 1, params,
-      {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset)},
+      {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset), op.reflects},
       {readTexels(op.colour), readTexels(op.exposure), readTexels(auxMean), writeRows(op.output, rows)});
 }
 
@@ -41,7 +51,8 @@ void reference(const EncodeRadiance& op, HostMemory& memory) {
   const double exposure = memory.at(op.exposure, 0, 0, 0);
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < width; ++x) {
-      const uint32_t fromY = std::min(y, op.colour.height - 1), fromX = std::min(x, op.colour.width - 1);
+      const uint32_t fromY = realPixel(y, op.colour.height, op.reflects),
+                     fromX = realPixel(x, op.colour.width, op.reflects);
       for (uint32_t c = 0; c < 3; ++c) {
         double value = memory.at(op.colour, fromY, fromX, c) * exposure;
         if (op.albedoOffset >= 0)

@@ -16,7 +16,8 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// The colour as the network sees it: x = T(e I / (b + 0.02)) with b the mean albedo, or T(e I) where the model does
-/// not demodulate, padded on the right and at the bottom by edge replication of x.
+/// not demodulate, padded on the right and at the bottom by edge replication of x, or by its reflection, which does not
+/// repeat the edge (back and forth where the image is smaller than the padding).
 struct EncodeRadiance {
   TensorView colour;      // [h, w, 4] linear radiance I
   TensorView exposure;    // [1, 1, 4] e, 1 / e
@@ -24,6 +25,7 @@ struct EncodeRadiance {
   TensorView output;      // [hp, wp, 4], the fourth channel zero
   int albedoOffset = -1;  // first channel of b in auxMean; -1: no demodulation
   Transfer transfer = Transfer::none;
+  bool reflects = false;  // how it is padded
   RowRange rows{};
 };
 

@@ -17,9 +17,11 @@ struct Shape {
   int albedoOffset = -1;
   uint32_t auxChannels = 8;
   RowRange rows{};
+  bool reflects = false;
 };
 
-// Odd ones first: one pixel padded to a window, no padding, every place of the albedo, rows inside and beyond.
+// Odd ones first: one pixel padded to a window, no padding, every place of the albedo, rows inside and beyond,
+// reflections, also of less than a window.
 constexpr Shape kShapes[] = {{1, 1, 8, 8, Transfer::log1p, 0},
                              {5, 7, 8, 8},
                              {9, 13, 9, 13, Transfer::none},
@@ -29,6 +31,8 @@ constexpr Shape kShapes[] = {{1, 1, 8, 8, Transfer::log1p, 0},
                              {11, 6, 12, 12, Transfer::log1p, 6, 12, {4, 9}},
                              {11, 6, 16, 12, Transfer::log1p, 9, 12, {11, 16}},
                              {10, 10, 16, 16, Transfer::log1p, 5, 8, {3, 4}},
+                             {13, 10, 16, 16, Transfer::none, -1, 8, {}, true},
+                             {1, 3, 8, 8, Transfer::log1p, 0, 8, {}, true},
                              {64, 64, 64, 64, Transfer::log1p, 0}};
 
 EncodeRadiance encodeOf(const Shape& s, DataType inputType = DataType::f32, DataType outputType = DataType::f32) {
@@ -39,6 +43,7 @@ EncodeRadiance encodeOf(const Shape& s, DataType inputType = DataType::f32, Data
       .output = view(3, outputType, s.paddedHeight, s.paddedWidth, 4),
       .albedoOffset = s.albedoOffset,
       .transfer = s.transfer,
+      .reflects = s.reflects,
       .rows = s.rows};
 }
 
@@ -102,6 +107,17 @@ TEST(EncodeRadiance, OfOneIsTheLogarithmOfTwo) {
   memory.storage(op.exposure) = {0.5, 2, 0, 0};
   reference(op, memory);
   EXPECT_EQ(memory.storage(op.output), (std::vector<double>{std::log(2.0), 0, 0, 0}));
+}
+
+TEST(EncodeRadiance, ReflectsWithoutRepeatingTheEdge) {
+  EncodeRadiance op = encodeOf({1, 3, 1, 8, Transfer::none});
+  op.reflects = true;
+  HostMemory memory;
+  memory.storage(op.colour) = {10, 0, 0, 0, 11, 0, 0, 0, 12, 0, 0, 0};
+  memory.storage(op.exposure) = {1, 1, 0, 0};
+  reference(op, memory);
+  const double expected[] = {10, 11, 12, 11, 10, 11, 12, 11};
+  for (uint32_t x = 0; x < 8; ++x) EXPECT_EQ(memory.at(op.output, 0, x, 0), expected[x]) << x;
 }
 
 TEST(EncodeRadiance, RefusesWhatDoesNotFit) {

@@ -28,10 +28,13 @@ bool normalizes(const Linear& op) { return !op.norm.weight.empty(); }
 // Of the weights as the model has them: those of the first map, or of the tokens.
 size_t ownInputs(const Linear& op) { return op.first.bias.empty() ? inputChannels(op) : op.first.bias.size(); }
 
-// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of 8, or 4 of 4; 0:
+// The tiles of the lane kernel are multiples of this; those of 8 are stored twice as wide.
+uint32_t tileStep(uint32_t outputs) { return outputs % 8 == 0 ? 8 : 4; }
+
+// Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of tileStep(N); 0:
 // there is none.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
-  const uint32_t inputs = inputChannels(op), outputs = outputChannels(op);
+  const uint32_t inputs = inputChannels(op), outputs = outputChannels(op), step = tileStep(outputs);
   const uint32_t subgroups = ceilDivide(op.output.pixelCount(), device.subgroupSize);
   if (device.family != KernelFamily::lane || !device.shaderInt64 ||
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
@@ -41,12 +44,12 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
     return inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes;
   };
   const auto largest = [&](uint32_t limit) -> uint32_t {
-    for (uint32_t tile = std::min(limit, outputs) / 8 * 8; tile > 0; tile -= 8)
+    for (uint32_t tile = std::min(limit, outputs) / step * step; tile > 0; tile -= step)
       if (outputs % tile == 0 && fits(tile)) return tile;
     return 0;
   };
-  if (outputs == 4) return fits(4) ? 4 : 0;
-  if (const uint32_t asked = device.shape.outputs; asked % 8 == 0 && asked > 0 && outputs % asked == 0 && fits(asked))
+  if (const uint32_t asked = device.shape.outputs;
+      asked % step == 0 && asked > 0 && outputs % asked == 0 && fits(asked))
     return asked;
   const uint32_t tile = largest(std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile));
   return tile < kGoodTile / 2 ? largest(kMaxTile) : tile;  // 56 outputs: not 8
@@ -140,7 +143,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
   if (const uint32_t tile = laneTile(op, device)) {
     const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
-    const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin) % 2 == 0;
+    const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin | tile / 4) % 2 == 0;
     launch.specialization = {
         device.subgroupSize,   params.inputChannels,  tile, activation, hasResidual, rows, inEights, normalized,
         op.input.channels / 4, takesTurns(op, device)};
@@ -176,18 +179,18 @@ std::vector<KernelShape> shapesToTry(const Linear& op, const DeviceTraits& devic
   if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
   if (device.family != KernelFamily::lane) return {};
   // The next smaller and larger tiles: half the registers, or half the fetches. Of each, and of its own, both orders.
-  const uint32_t outputs = outputChannels(op), own = laneTile(op, device);
+  const uint32_t outputs = outputChannels(op), own = laneTile(op, device), step = tileStep(outputs);
   std::vector<KernelShape> shapes;
   const auto add = [&](uint32_t tile) {
     for (const uint32_t rows : {kAtOnce, kInTurns}) shapes.push_back({.outputs = tile, .rows = rows});
   };
   if (own > 0) add(own);
-  for (uint32_t tile = own; tile > 8; tile -= 8)
-    if (outputs % (tile - 8) == 0) {
-      add(tile - 8);
+  for (uint32_t tile = own; tile > step; tile -= step)
+    if (outputs % (tile - step) == 0) {
+      add(tile - step);
       break;
     }
-  for (uint32_t tile = own + 8; own > 0 && tile <= std::min(outputs, kMaxTile); tile += 8)
+  for (uint32_t tile = own + step; own > 0 && tile <= std::min(outputs, kMaxTile); tile += step)
     if (outputs % tile == 0) {
       add(tile);
       break;

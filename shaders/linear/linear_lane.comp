@@ -26,7 +26,6 @@ layout(constant_id = 8) const uint kSourceQuads = 1;  // those behind them are o
 layout(constant_id = 9) const bool kInTurns = false;
 layout(binding = 4) uniform samplerBuffer appended;
 const uint kTileQuads = kTile / 4;
-const bool kInPairs = kTileQuads > 1;  // else four outputs in all
 const uint kTexels = (kInputs + 1) * kTileQuads;
 shared vec4 tile[kTexels];
 
@@ -66,19 +65,20 @@ void main() {
 
   [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;
+    const bool isPair = n + 1 < kTileQuads;  // else the last four outputs of an odd number
     if (kInTurns && m > 0) barrier();
-    vec4 a = tile[kInputs * kTileQuads + n], b = kInPairs ? tile[kInputs * kTileQuads + n + 1] : vec4(0);
+    vec4 a = tile[kInputs * kTileQuads + n], b = isPair ? tile[kInputs * kTileQuads + n + 1] : vec4(0);
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
       const vec4 v = x[k];
       const uint at = 4 * k * kTileQuads + n;
       a = plusProduct(a, v.x, tile[at]);
-      if (kInPairs) b = plusProduct(b, v.x, tile[at + 1]);
+      if (isPair) b = plusProduct(b, v.x, tile[at + 1]);
       a = plusProduct(a, v.y, tile[at + kTileQuads]);
-      if (kInPairs) b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
+      if (isPair) b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
       a = plusProduct(a, v.z, tile[at + 2 * kTileQuads]);
-      if (kInPairs) b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
+      if (isPair) b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
       a = plusProduct(a, v.w, tile[at + 3 * kTileQuads]);
-      if (kInPairs) b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
+      if (isPair) b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
     }
 #ifdef XRDS_F16
     // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
@@ -87,14 +87,14 @@ void main() {
       target[firstTarget + n + laneOffset[0]] = handedOut(word64(floatBitsToUint(vec2(a.x, b.x))), 0);
 #endif
     const uint quad = gl_WorkGroupID.x * kTileQuads + n;
-    const WIDE4 first = wide4(finished(a, token, quad)), second = kInPairs ? wide4(finished(b, token, quad + 1)) : first;
+    const WIDE4 first = wide4(finished(a, token, quad)), second = isPair ? wide4(finished(b, token, quad + 1)) : first;
     const WIDE8 both = WIDE8(first, second);
     [[unroll]] for (uint l = 0; l < kLanes; l++)
-      if (kInPairs && kStoresEights) {
+      if (isPair && kStoresEights) {
         storeLane8((firstTarget + n + laneOffset[l]) / 2, both, l);
       } else {
         storeLane(firstTarget + n + laneOffset[l], first, l);
-        if (kInPairs) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
+        if (isPair) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
       }
   }
 }

@@ -24,7 +24,7 @@ struct Case {
 
 // Odd ones first: one token, channels that are no multiple of a tile, slices that start at a 4 or an 8, rows that start
 // inside an aligned block, then the widths of the network, then one that is too wide for the lane kernel, and enough
-// work for the largest tiles; at last outputs that are no multiple of four.
+// work for the largest tiles; outputs that are no multiple of four; SwinIR's, which are no multiple of eight.
 constexpr Case kCases[] = {{1, 1, 4, 4},
                            {3, 5, 12, 20, Activation::relu},
                            {7, 3, 20, 28, Activation::leakyRelu, true},
@@ -44,7 +44,10 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {3, 5, 12, 20, Activation::relu, true, false, 4, 16, 0, 0, {1, 3}, true, 8},
                            {9, 40, 48, 53, Activation::none, false, false, 0, 0, 0, 0, {4, 9}, false, 16},
                            {7, 33, 68, 64, Activation::none, true, true, 0, 0, 0, 0, {}, false, 36},
-                           {9, 40, 24, 3, Activation::relu, false, false, 0, 0, 0, 0, {4, 9}, false, 8}};
+                           {9, 40, 24, 3, Activation::relu, false, false, 0, 0, 0, 0, {4, 9}, false, 8},
+                           {3, 33, 180, 180, Activation::none, true, true},
+                           {2, 35, 360, 180, Activation::none, true, false, 0, 0, 180, 368},
+                           {5, 9, 60, 60, Activation::gelu, false, false, 4, 68, 0, 0, {}, true}};
 
 std::vector<float> halves(std::vector<float> numbers) {
   for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
