@@ -37,6 +37,9 @@ void checkGrid(const TileOptions& asked, const Tiling& found, FrameShape frame) 
 Tiling tilingOf(const NetworkModel& model, FrameShape frame, bool fp16, const TileOptions& options,
                 const MemoryLimits& limits) {
   const NetworkConfig& config = model.config();
+  if (options.exact && std::max(options.columns, options.rows) > 1 && seesWholeFrame(config))
+    throw Error("Exact tiles were asked for, but each pixel that this model makes depends on the whole frame (its " +
+                config.architecture + " network takes global means): ask for bounded tiles, or for one tile.");
   const uint32_t halo = options.halo.value_or(options.exact ? exactHalo(config) : boundedHalo(config));
   if (halo % config.window != 0)
     throw Error("A halo of " + std::to_string(halo) +

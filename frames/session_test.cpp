@@ -111,6 +111,10 @@ INSTANTIATE_TEST_SUITE_P(Session, Banding,
                          testing::Combine(testing::Values(0, 1, 2, 3),
                                           testing::Values(Precision::fp32, Precision::fp16),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane)));
+INSTANTIATE_TEST_SUITE_P(OtherArchitectures, Banding,
+                         testing::Combine(testing::Values(7, 8, 9, 10),
+                                          testing::Values(Precision::fp32, Precision::fp16),
+                                          testing::Values(KernelFamily::lane)));
 INSTANTIATE_TEST_SUITE_P(OfGpus, Banding, testing::Values(std::tuple{size_t{0}, Precision::fp16, KernelFamily::tile}));
 
 TEST(Session, BandsReadOnlyWhatTheyHold) {
@@ -120,7 +124,8 @@ TEST(Session, BandsReadOnlyWhatTheyHold) {
     const Frame frame(config, shape);
     const CheckResult check = checkAgainstReference(test::gpu(), model, shape, frame.input(), {.bandRows = 4});
     EXPECT_EQ(check.firstDivergent, -1) << check.nodes[std::max(0, check.firstDivergent)].node;
-    EXPECT_GT(check.nodes.size(), 60u);
+    const Graph whole = buildGraph(config, shape, model.lookup(), kAsWritten);
+    EXPECT_GT(check.nodes.size(), whole.nodes.size());
   }
 }
 

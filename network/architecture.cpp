@@ -5,7 +5,7 @@
 namespace xrds {
 
 const Architecture& architectureOf(const NetworkConfig& config) {
-  for (const Architecture* architecture : {&kXrds, &kOidn})
+  for (const Architecture* architecture : {&kXrds, &kOidn, &kEdsr, &kRcan, &kSwinIr, &kMsspl})
     if (config.architecture == architecture->name) return *architecture;
   require(false, "is of the architecture '" + config.architecture + "', which this version does not know");
   return kXrds;

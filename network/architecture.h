@@ -14,7 +14,7 @@ struct Architecture {
 };
 
 /// Each in the file of its name.
-extern const Architecture kXrds, kOidn;
+extern const Architecture kXrds, kOidn, kEdsr, kRcan, kSwinIr, kMsspl;
 
 /// That of the config. Throws Error if there is none of that name.
 const Architecture& architectureOf(const NetworkConfig& config);

@@ -18,6 +18,10 @@ enum class BlockKind : uint8_t { rdst, rstb, rdb };
 /// How a group joins colour and auxiliary features: by the cross module XM, or by a 1x1 convolution of both.
 enum class CrossKind : uint8_t { attention, concat };
 
+/// How frames that are no multiple of the window are padded: to whole windows by edge replication or by reflection, or
+/// their rows alone to whole windows, by edge replication.
+enum class Padding : uint8_t { edge, reflection, columns };
+
 using Metadata = std::map<std::string, std::string>;
 
 /// Every symbol of a network, as the metadata of a model file states it. The letters are Hou & Liu's; what another
@@ -35,12 +39,13 @@ struct NetworkConfig {
   BaseImage base = BaseImage::guided;
   BlockKind block = BlockKind::rdst;
   CrossKind cross = CrossKind::attention;
-  uint32_t kernels = 0;                       // side of the learned kernels, 0 or 5
-  bool auxSkip = false;                       // H_N is fed to the output convolution
-  uint32_t auxKernels = 0;                    // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
-  uint32_t colourKernels = 0;                 // the same of those that filter the full-resolution colour
-  uint32_t prefilter = 0;                     // levels of the filter of the low-resolution colour, 0 to 3
-  uint32_t outputSide = 3;                    // of the output convolution, 3 or 1
+  uint32_t kernels = 0;        // side of the learned kernels, 0 or 5
+  bool auxSkip = false;        // H_N is fed to the output convolution
+  uint32_t auxKernels = 0;     // side of the learned kernels that filter the auxiliary images; 0, 3 or 5
+  uint32_t colourKernels = 0;  // the same of those that filter the full-resolution colour
+  uint32_t prefilter = 0;      // levels of the filter of the low-resolution colour, 0 to 3
+  uint32_t outputSide = 3;     // of the output convolution, 3 or 1
+  Padding padding = Padding::edge;
   std::string architecture = "xrds";          // see network/architecture.h
   std::map<std::string, uint32_t> symbols{};  // numbers that only this architecture has
 

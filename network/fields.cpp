@@ -1,5 +1,6 @@
 #include "network/fields.h"
 
+#include <algorithm>
 #include <charconv>
 #include <sstream>
 
@@ -29,6 +30,14 @@ uint32_t number(const Metadata& metadata, const char* key, uint32_t low, uint32_
 
 uint32_t numberOr(const Metadata& metadata, const char* key, uint32_t fallback, uint32_t high) {
   return metadata.contains(key) ? number(metadata, key, 0, high) : fallback;
+}
+
+void checkAuxiliaryInputs(const NetworkConfig& config) {
+  const std::vector<std::string>& inputs = config.auxInputs;
+  require(inputs.size() <= 8, "names more than 8 auxiliary inputs");
+  for (const std::string& name : inputs)
+    require(!name.empty() && std::count(inputs.begin(), inputs.end(), name) == 1,
+            "names an auxiliary input twice or not at all");
 }
 
 std::vector<std::string> splitList(const std::string& text) {

@@ -36,6 +36,9 @@ size_t choiceOrFirst(const Metadata& metadata, const char* key, const char* cons
   return metadata.contains(key) ? choice(metadata, key, names) : 0;
 }
 
+/// Throws Error if the auxiliary inputs are too many, or one is named twice or not at all.
+void checkAuxiliaryInputs(const NetworkConfig& config);
+
 /// The names of a comma-separated list, and the inverse.
 std::vector<std::string> splitList(const std::string& text);
 std::string joinedList(const std::vector<std::string>& names);

@@ -23,6 +23,11 @@ uint32_t exactHalo(const NetworkConfig& config) {
   return alignUp(ceilDivide(output, config.scale), config.window);
 }
 
-uint32_t boundedHalo(const NetworkConfig& config) { return std::min(2 * config.window, exactHalo(config)); }
+bool seesWholeFrame(const NetworkConfig& config) { return exactHalo(config) >= kWholeImage / config.scale; }
+
+uint32_t boundedHalo(const NetworkConfig& config) {
+  constexpr uint32_t kLeast = 16;
+  return std::min(std::max(2 * config.window, alignUp(kLeast, config.window)), exactHalo(config));
+}
 
 }  // namespace xrds

@@ -74,7 +74,8 @@ TensorView ceilingRows(const NetworkConfig& config, Graph& graph, const TensorVi
 
 Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const GraphOptions& options, Graph& graph) {
   const uint32_t s = config.scale, auxChannels = alignUp(config.auxWidth(), 4);
-  const uint32_t height = alignUp(frame.height, config.window), width = alignUp(frame.width, config.window);
+  const uint32_t height = config.padding == Padding::columns ? frame.height : alignUp(frame.height, config.window);
+  const uint32_t width = alignUp(frame.width, config.window);
   const DataType stored = options.precision == Precision::fp16 ? DataType::f16 : DataType::f32;
   graph.colour = graph.create("colour", DataType::f32, {frame.height, frame.width, 4});
   for (uint32_t i = 0; i < options.layers; ++i) {
@@ -130,6 +131,7 @@ void encodeRows(const NetworkConfig& config, const std::string& prefix, Graph& g
   op.colour = graph.colour;
   op.exposure = graph.exposure;
   op.output = prepared.x;
+  op.reflects = config.padding == Padding::reflection;
   op.transfer = config.transfer;
   op.rows = rows;
   graph.nodes.push_back({prefix + "encode_radiance", op});

@@ -16,7 +16,7 @@ struct Decoded {
   TensorView x{}, noisyAux{};
 };
 
-/// Adds the inputs of the graph and what the network sees of them: padded to whole windows.
+/// Adds the inputs of the graph and what the network sees of them: padded (NetworkConfig::padding).
 Prepared prepareInputs(const NetworkConfig& config, FrameShape frame, const GraphOptions& options, Graph& graph);
 
 /// Adds the values, without nodes, of the means and the colour encoded with them of `height` x `width` pixels; the

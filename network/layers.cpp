@@ -90,6 +90,14 @@ TensorView Layers::conv1x1Rows(const std::string& name, TensorView x, TensorView
                     .rows = rows});
 }
 
+TensorView Layers::denseConvolutions(const std::string& name, TensorView dense, TensorView into) {
+  const uint32_t c = dense.channels / 4;
+  for (uint32_t k = 0; k < 3; ++k)
+    conv(name + "grow." + std::to_string(k), slice(dense, 0, (k + 1) * c), (k + 1) * c, c,
+         {.into = slice(dense, (k + 1) * c, c), .activation = Activation::relu});
+  return conv1x1(name + "fuse", dense, c, into, slice(dense, 0, c));
+}
+
 ConvWeights Layers::madeOnce(const std::string& name, const std::function<JoinedWeights()>& make) {
   auto made = made_.find(name);
   if (made == made_.end()) {

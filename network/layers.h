@@ -45,9 +45,13 @@ class Layers {
   /// The 3x3 convolution `name` of the doubling, joined, as the patches that Fold adds up; rows of x.
   void patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
                          TensorView into, RowRange rows);
+  /// RDB: three convolutions over the growing concatenation `dense` = [x, y_1, y_2, y_3], of which x is there already,
+  /// and a 1x1 convolution of all of it, plus x.
+  TensorView denseConvolutions(const std::string& name, TensorView dense, TensorView into);
   /// A linear layer of LN(x).
   TensorView normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
                           Activation activation = Activation::none);
+  TensorView layerNorm(const std::string& name, TensorView x);
   /// Attention of the band's rows, of which the views are images of their own.
   TensorView attention(const std::string& name, TensorView q, TensorView k, TensorView v, bool shifted,
                        const WindowBand& band);
@@ -64,6 +68,14 @@ class Layers {
   TensorView create(const std::string& name, const TensorView& like, uint32_t channels) {
     return graph.create(name, stored(name), {like.height, like.width, channels});
   }
+
+  /// The parameter of that shape, or what derive() put in its place.
+  std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
+    const auto derived = derived_.find(name);
+    return derived != derived_.end() ? derived->second : weights_(name, std::span(shape.begin(), shape.size()));
+  }
+  /// Layers made from here on take these values for the parameter; their number may be another.
+  void derive(const std::string& name, std::vector<float> values) { derived_[name] = graph.keep(std::move(values)); }
 
   /// The steps over the high-resolution image.
   Sweep sweep(uint32_t height, uint32_t width) const;
@@ -82,17 +94,13 @@ class Layers {
   bool isSmall(uint32_t height, uint32_t width) const;
   uint64_t bandRows(const TensorView& image, uint32_t tensors) const;
   DataType precision() const { return graphOptions.precision == Precision::fp16 ? DataType::f16 : DataType::f32; }
-  TensorView layerNorm(const std::string& name, TensorView x);
   // Of that layer: the steps of a sweep share them.
   ConvWeights madeOnce(const std::string& name, const std::function<JoinedWeights()>& make);
   Conv3x3 joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined);
   ConvWeights doublingWeights(const std::string& doubling, uint32_t channels);
   TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
-  std::span<const float> weight(const std::string& name, std::initializer_list<uint32_t> shape) {
-    return weights_(name, std::span(shape.begin(), shape.size()));
-  }
-
   std::map<std::string, ConvWeights> made_;
+  std::map<std::string, std::span<const float>> derived_;
   const WeightLookup& weights_;
 };
 

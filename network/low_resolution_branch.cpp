@@ -132,19 +132,9 @@ class LowResolutionBranch {
     return layers_.conv(name + "conv", t, x.channels, x.channels, {.into = into, .residual = x});
   }
 
-  // RDB: three convolutions over the growing concatenation `dense` = [x, y_1, y_2, y_3], of which x is there already,
-  // and a 1x1 convolution of all of it, plus x.
-  TensorView convBlock(const std::string& name, TensorView dense, TensorView into) {
-    const uint32_t c = config_.channels;
-    for (uint32_t k = 0; k < 3; ++k)
-      layers_.conv(name + "grow." + std::to_string(k), slice(dense, 0, (k + 1) * c), (k + 1) * c, c,
-                   {.into = slice(dense, (k + 1) * c, c), .activation = Activation::relu});
-    return layers_.conv1x1(name + "fuse", dense, c, into, slice(dense, 0, c));
-  }
-
   TensorView block(const std::string& name, TensorView dense, uint32_t block, TensorView into) {
     if (config_.block == BlockKind::rstb) return swinBlock(name, dense, block, into);
-    if (config_.block == BlockKind::rdb) return convBlock(name, dense, into);
+    if (config_.block == BlockKind::rdb) return layers_.denseConvolutions(name, dense, into);
     return denseBlock(name, dense, block, into);
   }
 

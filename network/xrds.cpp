@@ -23,10 +23,7 @@ void checkCombination(const NetworkConfig& config) {
           "gives channels that are no multiples of 4");
   require(config.channels % config.headChannels == 0, "gives channels that are no multiple of head_channels");
   require(config.window % 2 == 0, "gives an odd window");
-  require(config.auxInputs.size() <= 8, "names more than 8 auxiliary inputs");
-  for (const auto& name : config.auxInputs)
-    require(!name.empty() && std::count(config.auxInputs.begin(), config.auxInputs.end(), name) == 1,
-            "names an auxiliary input twice or not at all");
+  checkAuxiliaryInputs(config);
   require(!config.demodulates() || config.auxOffset(kAlbedo.name) >= 0, "has a base image that needs an albedo input");
   require(config.kernels == 0 || (config.kernels == 5 && config.base == BaseImage::guided),
           "has learned kernels, which need side 5 and the guided base");

@@ -151,7 +151,8 @@ TEST_P(GoldenReference, HostReplayMatchesToo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Some, GoldenReference,
-                         testing::Values("s2_guided", "s2_rdb_concat_aux_kernels", "s4_rstb_concat_aux_kernels"),
+                         testing::Values("s2_guided", "s2_rdb_concat_aux_kernels", "s4_rstb_concat_aux_kernels",
+                                         "edsr_s4", "rcan_s2", "swinir_s4_light", "msspl_s2_full"),
                          [](const auto& info) { return info.param; });
 
 TEST(GoldenCheck, AcceptsFilteredAuxiliaryImages) {

@@ -1,6 +1,6 @@
 """The networks that Hou & Liu 2023 compare with, as PyTorch modules: EDSR, RCAN, SwinIR and MSSPL.
 
-Parameter names are those of the official repositories (EDSR-PyTorch, RCAN, SwinIR), but for the mean
+Parameter names are those of the official repositories (EDSR-PyTorch, RCAN, SwinIR) and those in the model file, but for the mean
 that the first two keep in two convolutions and SwinIR in its code: here it is the parameter `mean` [3], in units of the image.
 Each module takes colour [batch, 3, h, w] (MSSPL auxiliary images [batch, A, s h, s w] too), h and w multiples of `window`, and
 returns [batch, 3, s h, s w]. `mean` is subtracted and `range` multiplied before the network and undone behind it.
@@ -10,6 +10,8 @@ import dataclasses
 import torch
 import torch.nn as nn
 import torch.nn.functional as F
+from safetensors import safe_open
+from safetensors.torch import save_file
 
 from network import SwinLayer, conv3x3, to_image, to_tokens
 
@@ -18,8 +20,9 @@ DIV2K_MEAN = (0.4488, 0.4371, 0.4040)
 
 @dataclasses.dataclass(frozen=True)
 class Config:
-    """The sizes of a network. `groups`: RCAN's residual groups, SwinIR's RSTB, MSSPL's RDG; `blocks`: of each of
-    them, or EDSR's. `window`: the multiple to which frames are padded. What an architecture does not have is at its default."""
+    """The metadata fields of the model file. `groups`: RCAN's residual groups, SwinIR's RSTB, MSSPL's RDG; `blocks`: of each of
+    them, or EDSR's. `window`: the multiple to which frames are padded (padded()). What an architecture does not have is at its
+    default."""
     architecture: str
     scale: int = 4
     channels: int = 64
@@ -52,6 +55,26 @@ PAPER = {   # the sizes of the papers, at scale 4
     "swinir_light": Config("swinir", channels=60, groups=4, blocks=6, window=8, head_channels=10, upsampler="pixelshuffledirect"),
     "msspl": Config("msspl", channels=64, groups=3, blocks=5, aux_inputs=("albedo", "normal")),
 }
+
+
+def metadata_of(config):
+    """The fields of the model file that its architecture has."""
+    own = {"edsr": ("blocks", "residual_divisor", "range"), "rcan": ("groups", "blocks", "reduction", "range"),
+           "swinir": ("groups", "blocks", "window", "head_channels", "mlp_ratio", "upsampler", "range"),
+           "msspl": ("groups", "blocks", "aux_inputs")}[config.architecture]
+    fields = dataclasses.asdict(config) | {"aux_inputs": ",".join(config.aux_inputs)}
+    names = ("architecture", "scale", "channels", "transfer", *own)
+    return {"format": "xrds", "version": "1", **{name: str(fields[name]) for name in names}}
+
+
+def padded(x, config, scale=1):
+    """The image [b, c, h, w] as the engine pads it: SwinIR's to whole windows by reflection, of others the rows alone, to a multiple of
+    four pixels by edge replication. `scale`: of the auxiliary images."""
+    height, width = x.shape[2:]
+    unit = config.window * scale
+    if config.architecture == "swinir":
+        return F.pad(x, (0, -width % unit, 0, -height % unit), mode="reflect")
+    return F.pad(x, (0, -width % unit, 0, 0), mode="replicate")
 
 
 class Normed(nn.Module):
@@ -154,7 +177,7 @@ class SwinGroup(nn.Module):
     def __init__(self, config):
         super().__init__()
         self.residual_group = nn.Module()
-        self.residual_group.blocks = nn.ModuleList(SwinLayer(config.channels, config, shifted=b % 2 == 1) for b in range(config.blocks))
+        self.residual_group.blocks = nn.ModuleList(SwinLayer(config.channels, config, b % 2 == 1, config.mlp_ratio) for b in range(config.blocks))
         self.conv = conv3x3(config.channels, config.channels)
 
     def forward(self, x):
@@ -213,8 +236,7 @@ class DenseBlock(nn.Module):
 class Msspl(nn.Module):
     """Hou et al. 2021, "Fast Monte Carlo Rendering via Multi-Resolution Sampling", figure of the network: the low-resolution image
     and the downscaled high-resolution ones are fused, go through G groups of B residual dense blocks with short skips and a long
-    skip, and are upscaled. The figure leaves the layers inside the modules open: unshuffles by 2 with a convolution and a ReLU, a 1x1
-    convolution of both, blocks of three growing convolutions, and pixel shuffles are our reading."""
+    skip, and are upscaled. The layers inside the modules are our reading: docs/networks.md."""
 
     def __init__(self, config):
         super().__init__()
@@ -249,6 +271,27 @@ class Msspl(nn.Module):
 def network_of(config):
     """The module of the configuration, with PyTorch's initialization."""
     return {"edsr": Edsr, "rcan": Rcan, "swinir": SwinIr, "msspl": Msspl}[config.architecture](config)
+
+
+def config_of(metadata):
+    """metadata_of()'s inverse."""
+    values = {field.name: metadata[field.name] for field in dataclasses.fields(Config) if field.name in metadata}
+    values["aux_inputs"] = tuple(filter(None, values.get("aux_inputs", "").split(",")))
+    return Config(**{name: value if isinstance(value, tuple) else (str if Config.__annotations__[name] is str else int)(value) for name, value in values.items()})
+
+
+def load_model(path):
+    """The network of a model file, in evaluation mode."""
+    with safe_open(path, framework="pt") as file:
+        network = network_of(config_of(file.metadata()))
+        network.load_state_dict({name: file.get_tensor(name) for name in file.keys()})
+    return network.eval()
+
+
+def save_random(config, path):
+    """Writes a model file of random parameters, PyTorch's initialization."""
+    torch.manual_seed(1)
+    save_file(network_of(config).state_dict(), path, {**metadata_of(config), "license": "MIT", "data": "random parameters"})
 
 
 def multiply_accumulates(config, height, width):

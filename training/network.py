@@ -219,13 +219,13 @@ class CrossModule(nn.Module):
 
 
 class SwinLayer(nn.Module):
-    """STL: u = t + WMSA(LN(t)); u + MLP_2(LN(u))."""
+    """STL: u = t + WMSA(LN(t)); u + MLP_ratio(LN(u)), ratio 2 here and any in SwinIR."""
 
-    def __init__(self, width, config, shifted):
+    def __init__(self, width, config, shifted, ratio=2):
         super().__init__()
         self.shifted = shifted
         self.norm1, self.attn = nn.LayerNorm(width), WindowAttention(width, config)
-        self.norm2, self.mlp = nn.LayerNorm(width), Mlp(width, 2)
+        self.norm2, self.mlp = nn.LayerNorm(width), Mlp(width, ratio)
 
     def forward(self, t):
         u = t + self.attn(self.norm1(t), shifted=self.shifted)

@@ -1,9 +1,18 @@
-"""The networks of others have the sizes that are published."""
+"""The networks of others have the sizes that are published; their golden files and the converter's files are theirs."""
+import pathlib
+import pickle
+
 import pytest
 import torch
+from safetensors.torch import load_file
 
 import architectures
-from architectures import PAPER
+import convert
+import golden
+import golden_networks
+from architectures import DIV2K_MEAN, PAPER, Config
+
+FOLDER = pathlib.Path(__file__).parent.parent / "tests" / "golden"
 
 
 # Millions of parameters: EDSR 43 and 1.5, RCAN 15.6, SwinIR 11.9 and about 0.9 for its lightweight form, of which ours has 0.93.
@@ -21,3 +30,69 @@ def test_networks_enlarge_by_their_scale(name):
     with torch.device("meta"):
         inputs = [torch.empty(1, 3, 16, 8)] + [torch.empty(1, config.aux_width, 64, 32)] * bool(config.aux_inputs)
         assert architectures.network_of(config)(*inputs).shape == (1, 3, 64, 32)
+
+
+@pytest.mark.parametrize("name", golden_networks.CASES)
+def test_golden_file_is_reproduced(name):
+    network = architectures.network_of(golden_networks.CASES[name][1])
+    network.load_state_dict(load_file(FOLDER / f"{name}.model.safetensors"))
+    tensors = {key: value.double() for key, value in load_file(FOLDER / f"{name}.io.safetensors").items()}
+    images = {name: value.permute(2, 0, 1)[None] for name, value in tensors.items() if value.dim() == 3}
+    auxiliary = {name: images[golden.KEYS[name]] for name in network.config.aux_inputs}
+    with torch.no_grad():
+        output, raw = golden_networks.upscaled(network.double(), images["colour"], auxiliary, tensors["exposure"].item())
+    assert torch.allclose(raw, tensors["network"].permute(2, 0, 1)[None], rtol=1e-6, atol=1e-6)
+    assert torch.allclose(output, tensors["output"].permute(2, 0, 1)[None], rtol=1e-6, atol=1e-6)
+
+
+def official(config):
+    """A checkpoint with random weights under the names of the official repository, and its network."""
+    network = architectures.network_of(config)
+    tensors = dict(network.state_dict())
+    del tensors["mean"]
+    if config.architecture == "swinir":
+        tensors["layers.0.residual_group.blocks.1.attn_mask"] = torch.zeros(4, 16, 16)
+        tensors["layers.0.residual_group.blocks.0.attn.relative_position_index"] = torch.zeros(16, 16)
+        return {"params": tensors}, network
+    for name, sign in (("sub_mean", -1), ("add_mean", 1)):
+        tensors[name + ".weight"] = torch.eye(3).view(3, 3, 1, 1)
+        tensors[name + ".bias"] = sign * 255 * torch.tensor(DIV2K_MEAN)
+    return tensors, network
+
+
+@pytest.mark.parametrize("config", [
+    Config("edsr", scale=2, channels=8, blocks=3, range=255), Config("edsr", channels=256, blocks=1, residual_divisor=10, range=255),
+    Config("rcan", scale=8, channels=16, groups=2, blocks=3, reduction=8, range=255),
+    Config("swinir", channels=12, groups=2, blocks=2, window=4, head_channels=6),
+    Config("swinir", scale=2, channels=20, groups=1, blocks=2, window=8, head_channels=5, upsampler="pixelshuffledirect")], ids=lambda config: f"{config.architecture}_{config.channels}")
+def test_official_checkpoints_convert(config, tmp_path):
+    checkpoint, network = official(config)
+    torch.save(checkpoint, tmp_path / "official.pt")
+    assert convert.convert(tmp_path / "official.pt", tmp_path / "model.safetensors") == config
+    stored = load_file(tmp_path / "model.safetensors")
+    assert set(stored) == set(network.state_dict())
+    for name, value in network.state_dict().items():
+        assert torch.allclose(stored[name], value), name
+
+
+class Hostile:
+    def __reduce__(self):
+        return (print, ("ran",))
+
+
+def test_a_pickle_that_runs_code_is_refused(tmp_path, capsys):
+    torch.save({"head.0.weight": Hostile()}, tmp_path / "hostile.pt")
+    with pytest.raises(pickle.UnpicklingError):
+        convert.convert(tmp_path / "hostile.pt", tmp_path / "model.safetensors")
+    assert "ran" not in capsys.readouterr().out
+
+
+def test_other_checkpoints_are_refused(tmp_path):
+    checkpoint, _ = official(Config("edsr", scale=2, channels=8, blocks=1, range=255))
+    del checkpoint["tail.1.bias"]
+    torch.save(checkpoint, tmp_path / "cut.pt")
+    with pytest.raises(ValueError, match="tail.1.bias"):
+        convert.convert(tmp_path / "cut.pt", tmp_path / "model.safetensors")
+    torch.save([1, 2], tmp_path / "list.pt")
+    with pytest.raises(ValueError, match="no tensors"):
+        convert.convert(tmp_path / "list.pt", tmp_path / "model.safetensors")

@@ -16,6 +16,14 @@ bool endsWith(const std::string& name, const std::string& layer) {
   return name.ends_with(layer + ".weight") || name.ends_with(layer + ".bias");
 }
 
+// A network of another architecture with these fields, and others that all have.
+NetworkConfig configOf(const char* architecture, const Metadata& fields) {
+  Metadata all{{"format", "xrds"}, {"version", "1"},   {"architecture", architecture},
+               {"scale", "4"},     {"channels", "16"}, {"transfer", "log1p"}};
+  for (const auto& [key, value] : fields) all[key] = value;
+  return parseConfig(all);
+}
+
 TensorFile unchanged(TensorFile file) { return file; }
 
 // Logits of attention times `factor` squared.
@@ -146,7 +154,19 @@ std::vector<NetworkConfig> stressConfigs() {
                        .colourKernels = 5,
                        .prefilter = 3,
                        .outputSide = 1};
-  return {full, dense, plain, bare, linear, folded, merged};
+  // Channel attention, and heads that are padded.
+  const NetworkConfig rcan = configOf("rcan", {{"groups", "1"}, {"blocks", "2"}, {"reduction", "4"}});
+  const NetworkConfig swinir = configOf("swinir", {{"channels", "12"},
+                                                   {"groups", "1"},
+                                                   {"blocks", "2"},
+                                                   {"window", "4"},
+                                                   {"head_channels", "6"},
+                                                   {"mlp_ratio", "2"},
+                                                   {"upsampler", "pixelshuffledirect"}});
+  const NetworkConfig edsr = configOf("edsr", {{"blocks", "2"}, {"residual_divisor", "10"}, {"range", "255"}});
+  const NetworkConfig msspl =
+      configOf("msspl", {{"groups", "1"}, {"blocks", "2"}, {"aux_inputs", "colour,albedo,normal"}});
+  return {full, dense, plain, bare, linear, folded, merged, swinir, edsr, msspl, rcan};
 }
 
 }  // namespace xrds

@@ -20,7 +20,7 @@ struct WeightEdge {
 /// power of two behind them leave the network's output as it was.
 const std::vector<WeightEdge>& weightEdges();
 
-/// Random models of every scale, kind of block, way to join, base image and transfer.
+/// Random models of every scale, kind of block, way to join, base image, transfer and architecture for upscaling.
 std::vector<NetworkConfig> stressConfigs();
 
 }  // namespace xrds

@@ -9,7 +9,8 @@
 namespace xrds {
 
 FrameShape partedFrame(const NetworkConfig& config) {
-  return {config.window + 3, 2 * exactHalo(config) + 2 * config.window + 3};
+  const uint32_t halo = seesWholeFrame(config) ? boundedHalo(config) : exactHalo(config);
+  return {config.window + 3, 2 * halo + 2 * config.window + 3};
 }
 
 PartRunner::PartRunner(Gpu& gpu, const NetworkModel& model, Precision precision, Parts parts)

@@ -11,7 +11,8 @@ namespace xrds {
 enum class Parts { exactTiles, boundedTiles, skip };
 inline constexpr Parts kAllParts[] = {Parts::exactTiles, Parts::boundedTiles, Parts::skip};
 
-/// The smallest frame that exact tiles of the model cut in two: two windows of rows, the last of which is cut.
+/// The smallest frame that exact tiles of the model, or bounded ones where seesWholeFrame(), cut in two: two windows of
+/// rows, the last of which is cut.
 FrameShape partedFrame(const NetworkConfig& config);
 
 /// A model made ready for frames of that shape, in parts.
