@@ -1,11 +1,13 @@
 """Times the engine beside ONNX Runtime, PyTorch and ncnn: the same weights and frame size, on the CPU or a CUDA GPU, in alternation.
 
     python3 bench/peers.py build/release/bench/xrds_bench_network [--configs compact,paper] [--size 1024] [--rounds 5]
+    python3 bench/peers.py build/release/bench/xrds_bench_network --configs edsr,rcan,swinir,msspl,paper --scale 8 --rounds 1
     python3 bench/peers.py build/release/bench/xrds_bench_network --peers pytorch-cuda-fp16,pytorch-cuda-fp16-compile --precision fp16
 
-Needs `pip install -r bench/peers-requirements.txt`. Random weights, written by the engine, are loaded
-by training/weights.py. Every peer is a process of its own with one thread a core; in each round each peer in turn runs
-one frame that is not timed and one that is. Peers run the bare network on resident tensors. The engine's time includes more:
+Needs `pip install -r bench/peers-requirements.txt`. Random weights, written by the engine or (EDSR, RCAN, SwinIR, MSSPL) by
+training/architectures.py, are loaded by training/. Every peer is a process of its own with one thread a core; in each round each peer
+in turn runs one frame that is not timed and one that is. Where a frame takes longer than 10 s, that before the first round is
+the one that is not timed. In a single round each peer ends before the next one starts, which leaves the memory to it. Peers run the bare network on resident tensors. The engine's time includes more:
 upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download; the last
 column is the ratio without the share of those that are kernels, as the engine's profile has it. On a GPU a
 peer's output stays there, its fp32 is no TF32, and its memory is PyTorch's peak on the device. ncnn's time on Vulkan
@@ -13,6 +15,8 @@ includes the transfers (peers_ncnn.py has its network).
 """
 import argparse
 import collections
+import dataclasses
+import importlib
 import importlib.metadata
 import importlib.util
 import json
@@ -25,6 +29,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import types
 
 import numpy
 
@@ -37,35 +42,50 @@ CONFIGS = {
     "nano": dict(channels=16, aux_channels=8, groups=1, blocks=1, head_channels=16, aux_skip=True,
                  output_side=1),
 }
+NETWORKS = ("edsr", "edsr_baseline", "rcan", "swinir", "swinir_light", "msspl")     # architectures.PAPER
+WARM_SECONDS = 10
 # Kernels of the engine that are not the network's. box_mean is left out: most of its runs copy rows of the network.
 PIPELINE = ("decode_radiance", "encode_radiance", "exposure", "filter_auxiliary", "joint_bilateral", "pack_auxiliary")
 CORES = len(os.sched_getaffinity(0))
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "PASSIVE", "OMP_NUM_THREADS": str(CORES), "LP_NUM_THREADS": str(CORES)}
 
 
-def network_inputs(size, scale=4):
-    """(x [1, 3, size/s, size/s], aux [1, 6, size, size]), uniform in [0, 1)."""
+def training(name):
+    """A module of training/."""
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "training"))
+    return importlib.import_module(name)
+
+
+def network_inputs(size, config):
+    """(x [1, 3, size/s, size/s], aux [1, A, size, size] if the network has any), uniform in [0, 1)."""
     random = numpy.random.default_rng(1)
-    return (random.random((1, 3, size // scale, size // scale), numpy.float32),
-            random.random((1, 6, size, size), numpy.float32))
+    colour = random.random((1, 3, size // config.scale, size // config.scale), numpy.float32)
+    return (colour, random.random((1, 3 * len(config.aux_inputs), size, size), numpy.float32)) if config.aux_inputs else (colour,)
 
 
 # ---- in the process of a peer --------------------------------------------------------------------------------------
 
 def load_network(model):
     import torch
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "training"))
-    import weights
     torch.set_num_threads(CORES)
-    return torch, weights.load_model(model)[0]
+    named = pathlib.Path(model).stem in NETWORKS
+    return torch, training("architectures").load_model(model) if named else training("weights").load_model(model)[0]
+
+
+def config_of(model):
+    """The configuration that the file's metadata states."""
+    with open(model, "rb") as file:
+        fields = json.loads(file.read(int.from_bytes(file.read(8), "little")))["__metadata__"]
+    names = fields.get("aux_inputs", "")
+    return types.SimpleNamespace(scale=int(fields["scale"]), aux_inputs=tuple(filter(None, names.split(","))))
 
 
 def export_onnx(model, size):
     """Writes model.onnx for one frame size."""
     torch, network = load_network(model)
-    inputs = tuple(map(torch.from_numpy, network_inputs(size)))
+    inputs = tuple(map(torch.from_numpy, network_inputs(size, network.config)))
     with torch.inference_mode():
-        torch.onnx.export(network, inputs, model + ".onnx", input_names=["x", "aux"], output_names=["raw"],
+        torch.onnx.export(network, inputs, model + ".onnx", input_names=["x", "aux"][:len(inputs)], output_names=["raw"],
                           opset_version=20, dynamo=False)
 
 
@@ -76,7 +96,8 @@ def onnxruntime_frame(model, size):
     options.intra_op_num_threads = CORES
     options.add_session_config_entry("session.force_spinning_stop", "1")  # idle threads must not disturb the other peers
     session = onnxruntime.InferenceSession(model + ".onnx", options, providers=["CPUExecutionProvider"])
-    inputs = dict(zip(("x", "aux"), network_inputs(size)))
+    arrays = network_inputs(size, config_of(model))
+    inputs = dict(zip(("x", "aux"), arrays))
     return lambda: session.run(None, inputs)[0]
 
 
@@ -85,7 +106,7 @@ def pytorch_frame(model, size, compiled=False, device="cpu", half=False):
     torch.backends.cudnn.allow_tf32 = False
     place = dict(device=device, dtype=torch.float16 if half else torch.float32, memory_format=torch.channels_last)
     network = network.to(**place)
-    inputs = [torch.from_numpy(x).to(**place) for x in network_inputs(size)]
+    inputs = [torch.from_numpy(x).to(**place) for x in network_inputs(size, network.config)]
     if compiled:
         import torch._inductor.config
         torch._inductor.config.freezing = True
@@ -105,7 +126,7 @@ def pytorch_frame(model, size, compiled=False, device="cpu", half=False):
 def ncnn_frame(model, size, vulkan=False):
     import peers_ncnn
     torch, network = load_network(model)
-    return peers_ncnn.ncnn_frame(torch, network, model + (".vulkan" if vulkan else ".cpu"), network_inputs(size), CORES, vulkan)
+    return peers_ncnn.ncnn_frame(torch, network, model + (".vulkan" if vulkan else ".cpu"), network_inputs(size, network.config), CORES, vulkan)
 
 
 def as_array(output):
@@ -139,10 +160,13 @@ FRAMES = {
 def serve(peer, model, size):
     """Loads, runs one frame into model.<peer>.npy, then times one frame for every line of standard input."""
     frame = FRAMES[peer](model, size)
+    start = time.perf_counter()
     numpy.save(f"{model}.{peer}.npy", as_array(frame()))
+    is_long = time.perf_counter() - start > WARM_SECONDS
     print("ready", flush=True)
     for _ in sys.stdin:
-        frame()
+        if not is_long:
+            frame()
         start = time.perf_counter()
         frame()
         seconds = time.perf_counter() - start
@@ -195,12 +219,13 @@ class Engine:
         self.pipeline = sum(float(time) for name, time in kernels if name.startswith(PIPELINE)) / total if total else 0
         return float(re.search(r"steady median ([\d.]+)", text)[1]), usage.ru_maxrss / 1024
 
-    def close(self):
-        pass
 
 
-def write_model(program, config, path):
-    flags = []
+def write_model(program, config, scale, path):
+    if config in NETWORKS:
+        training("architectures").save_random(dataclasses.replace(training("architectures").PAPER[config], scale=scale), path)
+        return
+    flags = ["--scale", str(scale)]
     for name, value in CONFIGS[config].items():
         flags += ["--" + name.replace("_", "-")] + ([] if value is True else [str(value)])
     subprocess.run([program, "--size", "64", "--runs", "1", *flags, "--write-model", path],
@@ -211,29 +236,52 @@ def relative_rms(x, y):
     return float(numpy.sqrt(numpy.mean((x - y) ** 2, dtype=float) / numpy.mean(y ** 2, dtype=float)))
 
 
-def measure(config, arguments, folder):
-    model = str(folder / f"{config}.safetensors")
-    write_model(arguments.program, config, model)
-    if "onnxruntime" in arguments.peers:
-        subprocess.run([sys.executable, __file__, "--export", model, str(arguments.size)], check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT)
-    engine = Engine(arguments.program, model, arguments.size, arguments.precision, arguments.device)
-    peers = [engine]
+def start(name, model, size):
+    """The peer, or None where it cannot run the network."""
     try:
-        for name in arguments.peers.split(","):
-            try:
-                peers.append(Peer(name, model, arguments.size))
-            except RuntimeError as error:
-                print(f"{name}: left out, {error}")
-        samples = collections.defaultdict(list)
+        return Peer(name, model, size)
+    except RuntimeError as error:
+        print(f"{name}: left out, {error}", flush=True)
+
+
+def run_in_rounds(engine, model, arguments, samples):
+    """Adds the (seconds, peak MiB) of each round by peer; returns the names of those that ran."""
+    peers = [peer for name in arguments.peers.split(",") if (peer := start(name, model, arguments.size))]
+    try:
         for _ in range(arguments.rounds):
-            for peer in peers:
+            for peer in (engine, *peers):
                 samples[peer.name].append(peer.frame())
     finally:
         for peer in peers:
             peer.close()
+    return [peer.name for peer in peers]
+
+
+def run_in_turn(engine, model, arguments, samples):
+    """The same of one round, in which one process at a time is there."""
+    samples[engine.name].append(engine.frame())
+    names = []
+    for name in arguments.peers.split(","):
+        if peer := start(name, model, arguments.size):
+            try:
+                samples[name].append(peer.frame())
+            finally:
+                peer.close()
+            names.append(name)
+    return names
+
+
+def measure(config, arguments, folder):
+    model = str(folder / f"{config}.safetensors")
+    write_model(arguments.program, config, arguments.scale, model)
+    if "onnxruntime" in arguments.peers:
+        subprocess.run([sys.executable, __file__, "--export", model, str(arguments.size)], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT)
+    engine = Engine(arguments.program, model, arguments.size, arguments.precision, arguments.device)
+    samples = collections.defaultdict(list)
+    names = run_in_turn(engine, model, arguments, samples) if arguments.rounds == 1 else run_in_rounds(engine, model, arguments, samples)
     report(config, arguments, engine, samples)
-    outputs = [(peer.name, numpy.load(f"{model}.{peer.name}.npy")) for peer in peers[1:]]
+    outputs = [(name, numpy.load(f"{model}.{name}.npy")) for name in names]
     for (first, x), (second, y) in zip(outputs, outputs[1:]):
         error = relative_rms(x, y)
         bound = 1e-2 if "fp16" in first + second else 1e-4
@@ -241,7 +289,7 @@ def measure(config, arguments, folder):
 
 
 def report(config, arguments, engine, samples):
-    print(f"\n{config}, {arguments.size} x {arguments.size}, scale 4, engine {arguments.precision}, {arguments.rounds} rounds, {CORES} cores; "
+    print(f"\n{config}, {arguments.size} x {arguments.size}, scale {arguments.scale}, engine {arguments.precision}, {arguments.rounds} rounds, {CORES} cores; "
           f"{engine.device}; image pipeline {100 * engine.pipeline:.1f} % of the engine's kernel time")
     print(f"{'':25} {'median s':>9} {'least':>8} {'most':>8} {'peak MiB':>9} {'engine/peer':>12} {'network/peer':>13}")
     medians = {name: statistics.median(seconds for seconds, _ in rows) for name, rows in samples.items()}
@@ -258,7 +306,8 @@ def main():
         return serve(sys.argv[2], sys.argv[3], int(sys.argv[4]))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", help="xrds_bench_network of a release build")
-    parser.add_argument("--configs", default="paper,compact,nano", help=f"comma list of {', '.join(CONFIGS)}")
+    parser.add_argument("--configs", default="paper,compact,nano", help=f"comma list of {', '.join((*CONFIGS, *NETWORKS))}")
+    parser.add_argument("--scale", type=int, default=4, choices=(1, 2, 4, 8, 16))
     parser.add_argument("--peers", default=",".join(name for name in FRAMES if "cuda" not in name),
                         help=f"comma list of {', '.join(FRAMES)}")
     parser.add_argument("--precision", default="fp32", choices=("fp32", "fp16"), help="of the engine")

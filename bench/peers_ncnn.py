@@ -97,7 +97,7 @@ def ncnn_frame(torch, model, path, arrays, threads, vulkan):
     net.opt.use_fp16_packed = net.opt.use_fp16_storage = net.opt.use_fp16_arithmetic = net.opt.use_bf16_storage = False
     if net.load_param(path + ".ncnn.param") or net.load_model(path + ".ncnn.bin"):
         raise RuntimeError("ncnn cannot load what pnnx wrote")
-    inputs = [ncnn.Mat(array[0]) for array in arrays]
+    inputs = [ncnn.Mat(array[0]).clone() for array in arrays]      # else of memory that is not theirs
 
     def frame():
         with net.create_extractor() as extractor:
