@@ -1,6 +1,10 @@
 #include "tests/vulkan_host.h"
 
+#if defined(_WIN32)
+#include <windows.h>
+#else
 #include <dlfcn.h>
+#endif
 
 #include <array>
 #include <atomic>
@@ -45,9 +49,15 @@ struct Thunk<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
 };
 
 PFN_vkGetInstanceProcAddr systemLoader() {
+#if defined(_WIN32)
+  static const HMODULE library = LoadLibraryA("vulkan-1.dll");
+  const auto find = [](const char* name) { return reinterpret_cast<void*>(GetProcAddress(library, name)); };
+#else
   static void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  const auto find = [](const char* name) { return dlsym(library, name); };
+#endif
   if (!library) throw std::runtime_error("There is no Vulkan loader.");
-  return reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+  return reinterpret_cast<PFN_vkGetInstanceProcAddr>(find("vkGetInstanceProcAddr"));
 }
 
 template <class Function>
