@@ -106,8 +106,6 @@ class OneClick(WithBlender):
             self.assertEqual(made.channels[name].tobytes(), guide.channels[name].tobytes(), name)
 
     def test_light_adds_up(self):
-        if not frame.takes_layers():
-            self.skipTest("this package xrds does not upscale light passes")
         self.open("interior").render.image_settings.file_format = "OPEN_EXR"
         bpy.context.scene.render.image_settings.color_depth = "32"
         self.render()

@@ -4,7 +4,7 @@ import os
 
 import bpy
 
-from . import frame, passes
+from . import passes
 from .settings import AUTO, needs_light
 
 BYTES_PER_PIXEL = 4 * 40  # ten passes of four floats, at full resolution
@@ -101,5 +101,3 @@ def notes(scene):
         yield "The render region is ignored: the whole frame is rendered."
     if render.use_compositing and getattr(scene, "compositing_node_group", None) or getattr(scene, "use_nodes", False) and bpy.app.version < (5, 0):
         yield "The compositor does not run: open the result in it."
-    if passes.has_light(scene) and not package_problem() and not frame.takes_layers():
-        yield "Light passes are left out: this version of the package xrds does not upscale them."

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From the files of the two renders to that of the result. Nothing here touches the scene: it runs beside the interface."""
-import inspect
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -21,13 +20,6 @@ class Wish(NamedTuple):
     device: Optional[str]  # UUID; None: the best
     has_light: bool  # the guides' colour is of the same light, and is merged
     half: bool  # 16 bits for light; data keep theirs
-
-
-def takes_layers():
-    """Whether this version of the package xrds upscales light passes; without it the result has none."""
-    import xrds
-
-    return "layers" in inspect.signature(xrds.upscale).parameters
 
 
 def _stack(picture, channels, components):
@@ -73,7 +65,7 @@ def upscale(low_file, full_file, result_file, wish, progress):
     for place, low_layer in enumerate(low_layers):
         layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
         lights = _lights(low, full, low_layer, layer)
-        options = {"layers": lights} if any(is_light(name) for name in lights) and takes_layers() else {}
+        options = {"layers": lights} if any(is_light(name) for name in lights) else {}
         made = xrds.upscale(
             _stack(low, low_layer.passes["Combined"], "RGB"), **_inputs(wish, full, layer), samples=wish.samples, model=wish.model, device=wish.device,
             progress=lambda stage, share, place=place: progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers)), **options)

@@ -34,11 +34,6 @@ def flags(layer):
     return [(owner, name) for owner in (layer, layer.cycles) for name in dir(owner) if name.startswith("use_pass_")]
 
 
-def has_light(scene):
-    """Whether the scene asks for light passes."""
-    return any(layer.lightgroups or any(getattr(owner, name) for owner, name in flags(layer) if name in LIGHT_FLAGS) for layer in scene.view_layers)
-
-
 def _configure(scene, width, height, samples, path, put, keep):
     """What both renders share: nothing filters or replaces the passes, and they are stored as they are."""
     render, cycles = scene.render, scene.cycles
