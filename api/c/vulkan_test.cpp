@@ -115,7 +115,9 @@ TEST_F(Embedded, TakesAnyLayoutOfPixels) {
       for (float& value : stored) value = fromHalf(toHalf(value));
     EXPECT_EQ(get(mine.output), stored);
     for (uint64_t i = 0; i < layout.offset; ++i) ASSERT_EQ(mine.output.memory.bytes[i], std::byte{0x5A}) << i;
-    if (layout.channels == 4) EXPECT_EQ(number(mine.output, 3, 5, 3), 1);
+    if (layout.channels == 4) {
+      EXPECT_EQ(number(mine.output, 3, 5, 3), 1);
+    }
   }
 }
 
