@@ -13,6 +13,7 @@ const float kHistoryNearest = 1e-30f;  // of nearnesses that are compared: those
 const float kHistoryAlbedo = 0.2f;     // differences that make a weight 1 / e, of the mean of 3 x 3 pixels
 const float kHistoryNormal = 0.35f;
 const float kHistoryNearness = 0.1f;  // relative
+const float kHistoryBias = 8.0f;      // by which the bias of a pixel exceeds that of the mean around, at worst
 const float kHistoryNoise = 1e-6f;    // variance that is taken to be there always
 const float kHistoryLeast = 1e-9f;    // what sums of weights are at least
 XRDS_SHARED_END

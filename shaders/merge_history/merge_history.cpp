@@ -45,7 +45,7 @@ void referencePixel(const MergeHistory& op, HostMemory& memory, uint32_t y, uint
   }
   noise = noise * count / (count + 1) + shader::kHistoryNoise;
   const double guideWeight = count * std::exp(-std::min(part, 80.0));
-  const double weight = guideWeight / (1 + count * bias / noise);
+  const double weight = guideWeight / (1 + shader::kHistoryBias * count * bias / noise);
 
   std::array<double, shader::kHistoryFrame> first{}, further{};
   for (uint32_t c = 0; c < 3; ++c) {

@@ -107,7 +107,7 @@ TEST(MergeHistory, TellsNoiseFromOtherLight) {
   };
   EXPECT_NEAR(noisy(0).weight, 2, 1e-3);
   // Bias 3 (0.2^2 - 0.2^2 / 25), variance of one frame 3 0.2^2 / 2: the mean of 25 moves the numbers by a hundredth.
-  EXPECT_NEAR(noisy(0.2).weight, 1 + 1 / (1 + 2.0 * 24 / 25), 0.02);
+  EXPECT_NEAR(noisy(0.2).weight, 1 + 1 / (1 + shader::kHistoryBias * 2.0 * 24 / 25), 0.006);
 }
 
 TEST(MergeHistory, RefusesWhatDoesNotFit) {
