@@ -220,7 +220,6 @@ class Engine:
         return float(re.search(r"steady median ([\d.]+)", text)[1]), usage.ru_maxrss / 1024
 
 
-
 def write_model(program, config, scale, path):
     if config in NETWORKS:
         training("architectures").save_random(dataclasses.replace(training("architectures").PAPER[config], scale=scale), path)

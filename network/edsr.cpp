@@ -41,9 +41,7 @@ void forward(Layers& layers, FrameShape frame) {
   const TensorView head = layers.conv("head.0", normalizedColour(layers, prepared.x), 3, c, {});
   TensorView f = head;
   for (uint32_t b = 0; b < config.blocks; ++b) f = residualBlock(layers, "body." + std::to_string(b) + ".body.", f);
-  f = layers.conv("body." + std::to_string(config.blocks), f, c, c, {.residual = head, .inFours = true});
-  denormalize(layers, "tail.1", c, 3);
-  upscale(layers, f, prepared, doublingNames(config, "tail.0."), "tail.1");
+  upscaleFromTrunk(layers, "body." + std::to_string(config.blocks), f, head, prepared);
 }
 
 }  // namespace

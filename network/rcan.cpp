@@ -63,9 +63,7 @@ void forward(Layers& layers, FrameShape frame) {
   const TensorView head = layers.conv("head.0", normalizedColour(layers, prepared.x), 3, c, {});
   TensorView f = head;
   for (uint32_t g = 0; g < config.groups; ++g) f = residualGroup(layers, "body." + std::to_string(g) + ".body.", f);
-  f = layers.conv("body." + std::to_string(config.groups), f, c, c, {.residual = head, .inFours = true});
-  denormalize(layers, "tail.1", c, 3);
-  upscale(layers, f, prepared, doublingNames(config, "tail.0."), "tail.1");
+  upscaleFromTrunk(layers, "body." + std::to_string(config.groups), f, head, prepared);
 }
 
 }  // namespace

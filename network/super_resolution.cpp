@@ -217,6 +217,14 @@ void upscale(Layers& layers, const TensorView& u, const Prepared& prepared, cons
   Doublings(layers, u, prepared, all, output).build();
 }
 
+void upscaleFromTrunk(Layers& layers, const std::string& last, const TensorView& f, const TensorView& head,
+                      const Prepared& prepared) {
+  const uint32_t c = f.channels;
+  const TensorView u = layers.conv(last, f, c, c, {.residual = head, .inFours = true});
+  denormalize(layers, "tail.1", c, kColours);
+  upscale(layers, u, prepared, doublingNames(layers.config, "tail.0."), "tail.1");
+}
+
 void upscaleDirectly(Layers& layers, const TensorView& u, const Prepared& prepared, const std::string& name) {
   const uint32_t scale = layers.config.scale, outputs = kColours * scale * scale;
   std::vector<Doubling> all;

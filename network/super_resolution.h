@@ -37,6 +37,10 @@ TensorView sum(Layers& layers, const std::string& name, const TensorView& u, con
 void upscale(Layers& layers, const TensorView& u, const Prepared& prepared, const std::vector<std::string>& doublings,
              const std::string& output);
 
+/// The same of EDSR and RCAN: of head + conv3x3(f) with the convolution `last`, by those of "tail.0." and "tail.1".
+void upscaleFromTrunk(Layers& layers, const std::string& last, const TensorView& f, const TensorView& head,
+                      const Prepared& prepared);
+
 /// The picture of pixel_shuffle(conv3x3(u), scale) with the convolution `name`, by doublings with the same result.
 void upscaleDirectly(Layers& layers, const TensorView& u, const Prepared& prepared, const std::string& name);
 

@@ -110,7 +110,7 @@ void addExamples(ExampleMaker& maker, std::vector<WarpHistory>& examples) {
   examples.push_back({.positions = maker.view({16, 16, 4}, DataType::f32, {-2, 18}),
                       .history = maker.view({16, 16, shader::kHistoryFrame}, DataType::f32),
                       .present = maker.view({16, 16, shader::kHistoryFrame}, DataType::f32),
-                      .exposure = maker.view({1, 1, 4}, DataType::f32),
+                      .exposure = maker.exposure(),
                       .output = maker.view({16, 16, shader::kHistoryWarped}, DataType::f32)});
 }
 
