@@ -9,35 +9,79 @@ namespace {
 
 constexpr uint32_t kRadius = 2;  // of merge_history
 
-}  // namespace
-
-HistoryMerger::HistoryMerger(Gpu& gpu, uint32_t height, uint32_t width, uint32_t scale)
-    : gpu_(gpu), height_(height), width_(width), scale_(scale) {
-  low_ = create("low", 1, shader::kHistoryFrame);
-  full_ = create("full", scale, shader::kHistoryFrame);
-  historyLow_ = create("history low", 1, shader::kHistoryFrame);
-  historyFull_ = create("history full", scale, shader::kHistoryFrame);
-  motion_ = create("motion", scale, 4);
-  exposure_ = graph_.create("exposure", DataType::f32, {1, 1, 4});
-  buffers_.push_back(std::make_unique<Buffer>(gpu_, kBindingAlignment));
-  lowPositions_ = create("low positions", 1, 4);
-  warpedLow_ = create("warped low", 1, shader::kHistoryWarped);
-  warpedFull_ = create("warped full", scale, shader::kHistoryWarped);
-  lowGuides_ = create("low guides", 1, 4);
-  resultLow_ = create("result low", 1, 4);
-  for (int i = 0; i < 2; ++i) {
-    positions_[i] = create("positions", scale, 4);
-    sumsLow_[i] = create("sums low", 1, shader::kHistoryFrame);
-    sumsFull_[i] = create("sums full", scale, shader::kHistoryFrame);
-  }
-  resultFull_ = historyFull_;  // which is of no more use then
-  prepare_ = record({BoxMean{slice(full_, 4, 8), slice(low_, 4, 8), scale_}, Exposure{slice(low_, 0, 4), exposure_}});
+// Few bands cost little time, as each warps the rows around it again; many cost little memory.
+uint32_t suitableBandRows(uint32_t height) {
+  constexpr uint32_t kLeastRows = 64, kBands = 16;
+  return std::max(kLeastRows, (height + kBands - 1) / kBands);
 }
 
-TensorView HistoryMerger::create(const char* name, uint32_t scale, uint32_t channels) {
-  const TensorView view = graph_.create(name, DataType::f32, {scale * height_, scale * width_, channels});
+// The bands of an image that moves up from its topmost on, of one that moves down from the lowest on: none is written
+// where one lies that is still to be read.
+std::vector<RowRange> inOrder(std::vector<RowRange> bands, bool movesUp) {
+  if (!movesUp) std::reverse(bands.begin(), bands.end());
+  return bands;
+}
+
+}  // namespace
+
+HistoryMerger::HistoryMerger(Gpu& gpu, uint32_t height, uint32_t width, uint32_t scale, uint32_t bandRows)
+    : gpu_(gpu), height_(height), width_(width), scale_(scale) {
+  low_ = createLevel(1, bandRows);
+  full_ = createLevel(scale, bandRows);
+  low_.scale = scale;
+  positions_ = createMoving("positions", {scale * height, scale * width, 4}, full_.bandRows);
+  lowPositions_ = create("low positions", {height, width, 4});
+  lowGuides_ = create("low guides", {height, width, 4});
+  exposure_ = create("exposure", {1, 1, 4});
+  motion_ = inPlaceOf(full_.history, 4);  // followed before the history comes
+  resultLow_ = inPlaceOf(low_.history, 4);
+  resultFull_ = full_.history;
+  prepare_ = record({BoxMean{slice(full_.present, 4, 8), slice(low_.present, 4, 8), scale_},
+                     Exposure{slice(low_.present, 0, 4), exposure_}});
+}
+
+TensorView HistoryMerger::create(const char* name, TensorShape shape) {
+  const TensorView view = graph_.create(name, DataType::f32, shape);
   buffers_.push_back(std::make_unique<Buffer>(gpu_, alignUp(view.storedByteSize(), kBindingAlignment)));
   return view;
+}
+
+HistoryMerger::Moving HistoryMerger::createMoving(const char* name, TensorShape shape, uint32_t bandRows) {
+  const uint32_t height = shape.height;
+  shape.height += bandRows;
+  const TensorView both = create(name, shape);
+  return {rowsOf(both, {0, height}), rowsOf(both, {bandRows, bandRows + height})};
+}
+
+HistoryMerger::Level HistoryMerger::createLevel(uint32_t scale, uint32_t bandRows) {
+  Level level{.height = scale * height_};
+  const uint32_t width = scale * width_;
+  level.bandRows = std::min(level.height, bandRows ? bandRows : suitableBandRows(level.height));
+  level.present = create("present", {level.height, width, shader::kHistoryFrame});
+  level.history = create("history", {level.height, width, shader::kHistoryFrame});
+  level.warped =
+      create("warped", {std::min(level.height, level.bandRows + 2 * kRadius), width, shader::kHistoryWarped});
+  level.sums = createMoving("sums", {level.height, width, shader::kHistoryFrame}, level.bandRows);
+  return level;
+}
+
+// In the memory of a view that is of no use at the same time.
+TensorView HistoryMerger::inPlaceOf(const TensorView& view, uint32_t channels) const {
+  TensorView other = view;
+  other.channels = other.channelStride = channels;
+  return other;
+}
+
+std::vector<RowRange> HistoryMerger::Level::bands() const {
+  std::vector<RowRange> rows;
+  for (uint32_t begin = 0; begin < height; begin += bandRows)
+    rows.push_back({begin, std::min(begin + bandRows, height)});
+  return rows;
+}
+
+// The whole image with those rows stored that a band beginning there needs.
+TensorView HistoryMerger::Level::warpedRows(uint32_t first) const {
+  return asRowsOf(warped, height, std::min(first, height - warped.height));
 }
 
 Recording HistoryMerger::record(std::vector<Operator> operators) {
@@ -65,52 +109,69 @@ void HistoryMerger::download(const TensorView& view, std::span<float> values) co
   buffers_[view.value]->download(0, std::as_writable_bytes(values));
 }
 
-void HistoryMerger::mergeStep(bool first) {
-  inChain_ = first ? 0 : inChain_ + 1;
-  const uint32_t position = inChain_ % 2, sum = merged_ % 2;
-  const std::pair key{first ? 2 : position, merged_ == 0 ? 2 : sum};
-  auto found = steps_.find(key);
-  if (found == steps_.end()) {
-    const TensorView from = first ? TensorView{} : positions_[1 - position], to = positions_[position];
-    const auto before = [&](const TensorView(&sums)[2]) { return merged_ == 0 ? TensorView{} : sums[1 - sum]; };
-    Recording made = record({FollowMotion{from, motion_, to}, BoxMean{to, lowPositions_, scale_},
-                             BoxMean{slice(historyFull_, 4, 8), slice(historyLow_, 4, 8), scale_},
-                             WarpHistory{to, historyFull_, full_, exposure_, warpedFull_, 1},
-                             WarpHistory{lowPositions_, historyLow_, low_, exposure_, warpedLow_, scale_},
-                             MergeHistory{warpedFull_, full_, before(sumsFull_), sumsFull_[sum], kRadius},
-                             MergeHistory{warpedLow_, low_, before(sumsLow_), sumsLow_[sum], kRadius}});
-    found = steps_.emplace(key, std::move(made)).first;
+Recording& HistoryMerger::follow(uint32_t inChain) {
+  const uint32_t key = inChain == 0 ? 0 : 2 - inChain % 2;
+  const auto found = follow_.find(key);
+  if (found != follow_.end()) return found->second;
+  const TensorView from = inChain == 0 ? TensorView{} : positions_.at(inChain - 1), to = positions_.at(inChain);
+  std::vector<Operator> operators;
+  for (const RowRange rows : inOrder(full_.bands(), inChain % 2 == 0))
+    operators.emplace_back(FollowMotion{from, motion_, to, rows});
+  operators.emplace_back(BoxMean{to, lowPositions_, scale_});
+  return follow_.emplace(key, record(std::move(operators))).first->second;
+}
+
+void HistoryMerger::addMerging(const Level& level, const TensorView& positions, uint32_t merged,
+                               std::vector<Operator>& to) const {
+  const TensorView before = merged == 0 ? TensorView{} : level.sums.at(merged - 1);
+  for (const RowRange rows : inOrder(level.bands(), merged % 2 == 0)) {
+    const RowRange around{rows.begin - std::min(rows.begin, kRadius), std::min(rows.end + kRadius, level.height)};
+    const TensorView warped = level.warpedRows(around.begin);
+    to.emplace_back(WarpHistory{positions, level.history, level.present, exposure_, warped, level.scale, around});
+    to.emplace_back(MergeHistory{warped, level.present, before, level.sums.at(merged), kRadius, rows});
   }
-  found->second.run();
-  ++merged_;
+}
+
+Recording& HistoryMerger::merge(uint32_t inChain) {
+  const std::tuple key{inChain % 2, merged_ == 0, merged_ % 2};
+  const auto found = merging_.find(key);
+  if (found != merging_.end()) return found->second;
+  std::vector<Operator> operators{BoxMean{slice(full_.history, 4, 8), slice(low_.history, 4, 8), scale_}};
+  addMerging(full_, positions_.at(inChain), merged_, operators);
+  addMerging(low_, lowPositions_, merged_, operators);
+  return merging_.emplace(key, record(std::move(operators))).first->second;
 }
 
 void HistoryMerger::mergeChain(const PackedFrame& present, std::span<const PackedFrame* const> chain, Motion motion) {
   const PackedFrame* last = &present;
+  uint32_t inChain = 0;
   for (const PackedFrame* frame : chain) {
     if ((last->*motion).empty()) return;
     upload(motion_, last->*motion);
-    upload(historyLow_, frame->low);
-    upload(historyFull_, frame->full);
-    mergeStep(last == &present);
+    follow(inChain).run();
+    upload(low_.history, frame->low);
+    upload(full_.history, frame->full);
+    merge(inChain).run();
+    ++inChain;
+    ++merged_;
     last = frame;
   }
 }
 
 void HistoryMerger::finish() {
-  const uint32_t sum = (merged_ - 1) % 2;
-  if (!finish_[sum])
-    finish_[sum] =
-        record({ResolveHistory{sumsFull_[sum], {}, resultFull_}, BoxMean{slice(resultFull_, 4, 4), lowGuides_, scale_},
-                ResolveHistory{sumsLow_[sum], lowGuides_, resultLow_}});
-  finish_[sum]->run();
+  const uint32_t last = merged_ - 1;
+  if (!finish_[last % 2])
+    finish_[last % 2] = record({ResolveHistory{full_.sums.at(last), {}, resultFull_},
+                                BoxMean{slice(resultFull_, 4, 4), lowGuides_, scale_},
+                                ResolveHistory{low_.sums.at(last), lowGuides_, resultLow_}});
+  finish_[last % 2]->run();
 }
 
 void HistoryMerger::run(const PackedFrame& present, std::span<const PackedFrame* const> before,
                         std::span<const PackedFrame* const> after, std::span<float> low, std::span<float> full) {
   merged_ = 0;
-  upload(low_, present.low);
-  upload(full_, present.full);
+  upload(low_.present, present.low);
+  upload(full_.present, present.full);
   prepare_->run();
   mergeChain(present, before, &PackedFrame::toPrevious);
   mergeChain(present, after, &PackedFrame::toNext);

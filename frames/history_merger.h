@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "engine/recording.h"
@@ -19,11 +19,13 @@ struct PackedFrame {
 };
 
 /// Merges frames of one size with those around them (docs/temporal.md): the operators follow_motion, warp_history,
-/// merge_history and resolve_history on the low- and on the full-resolution images.
+/// merge_history and resolve_history on the low- and on the full-resolution images. What is warped is there in bands
+/// of rows alone; sums and positions move by a band at each step, up and down in turn, so that none is there twice.
 class HistoryMerger {
  public:
-  /// height x width: of the low-resolution images. Throws OutOfMemory if the device has no room.
-  HistoryMerger(Gpu& gpu, uint32_t height, uint32_t width, uint32_t scale);
+  /// height x width: of the low-resolution images. bandRows: of a band at each resolution, 0: those that suit the
+  /// height; the results are the same bits. Throws OutOfMemory if the device has no room.
+  HistoryMerger(Gpu& gpu, uint32_t height, uint32_t width, uint32_t scale, uint32_t bandRows = 0);
 
   /// The frame merged with those `before`, the nearest first, as far as there is motion to follow, then with those
   /// `after`. Writes low [h, w, 4] and full [s h, s w, 12]; both keep the frame's own pixels where nothing is merged.
@@ -34,25 +36,47 @@ class HistoryMerger {
 
  private:
   using Motion = std::vector<float> PackedFrame::*;
-  TensorView create(const char* name, uint32_t scale, uint32_t channels);
+
+  /// An image that each step reads from one place and writes, band by band, to the other, a band of rows above or
+  /// below it.
+  struct Moving {
+    TensorView above, below;
+    const TensorView& at(uint32_t step) const { return step % 2 == 0 ? above : below; }
+  };
+  /// The images of one resolution.
+  struct Level {
+    uint32_t height = 0, bandRows = 0, scale = 1;  // scale: of the positions over its pixels
+    TensorView present, history, warped;           // warped: rows of a band and around it
+    Moving sums;
+    std::vector<RowRange> bands() const;
+    TensorView warpedRows(uint32_t first) const;
+  };
+
+  TensorView create(const char* name, TensorShape shape);
+  Moving createMoving(const char* name, TensorShape shape, uint32_t bandRows);
+  Level createLevel(uint32_t scale, uint32_t bandRows);
+  TensorView inPlaceOf(const TensorView& view, uint32_t channels) const;
+  void addMerging(const Level& level, const TensorView& positions, uint32_t merged, std::vector<Operator>& to) const;
   Recording record(std::vector<Operator> operators);
   void upload(const TensorView& view, std::span<const float> values);
   void download(const TensorView& view, std::span<float> values) const;
   void mergeChain(const PackedFrame& present, std::span<const PackedFrame* const> chain, Motion motion);
-  void mergeStep(bool first);
+  Recording& follow(uint32_t inChain);
+  Recording& merge(uint32_t inChain);
   void finish();
 
   Gpu& gpu_;
   uint32_t height_, width_, scale_;
   Graph graph_;  // values alone
   std::vector<std::unique_ptr<Buffer>> buffers_;
-  TensorView low_, full_, historyLow_, historyFull_, motion_, exposure_, lowPositions_, warpedLow_, warpedFull_,
-      lowGuides_, resultLow_, resultFull_;
-  TensorView positions_[2], sumsLow_[2], sumsFull_[2];
+  Level low_, full_;
+  Moving positions_;
+  TensorView motion_, exposure_, lowPositions_, lowGuides_, resultLow_, resultFull_;
   std::optional<Recording> prepare_;
-  std::map<std::pair<uint32_t, uint32_t>, Recording> steps_;  // by which positions and which sums they read
+  std::map<uint32_t, Recording> follow_;                               // by the step in a chain, 0 or as 1 and 2
+  std::map<std::tuple<uint32_t, bool, uint32_t>, Recording> merging_;  // by places of positions and sums
   std::optional<Recording> finish_[2];
-  uint32_t inChain_ = 0, merged_ = 0;  // steps so far of a chain, and of the frame
+  uint32_t merged_ = 0;  // frames so far
 };
 
 }  // namespace xrds
