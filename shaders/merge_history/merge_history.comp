@@ -1,7 +1,7 @@
 // out(p) = sums(p) + (w x, w), (g a, g z), (g normal, g): g = n exp(-|mean a'|^2 / 0.2^2 - |mean normal'|^2 / 0.35^2 -
-// (mean z')^2 / 0.1^2) over 3 x 3 pixels, w = g / (1 + 8 n b / v), v = n / (n + 1) sum_c var(t_c), b = sum_c max(0,
-// mean(t_c)^2 - var(t_c) / N) over N = (2 kRadius + 1)^2. warped: [H, W, 16], (x, n), (t, z'), (a', 0), (normal', 0),
-// primes for differences from the present frame; present, sums, out: [H, W, 12]. fp32.
+// (mean z')^2 / 0.1^2) over 3 x 3 pixels, w = g / (1 + 8 n b / v), v = n k / (n + k) sum_c var(t_c), k the count of the
+// present pixel, b = sum_c max(0, mean(t_c)^2 - var(t_c) / N) over N = (2 kRadius + 1)^2. warped: [H, W, 16], (x, n),
+// (t, z'), (a', 0), (normal', 0), primes for differences from the present frame; present, sums, out: [H, W, 12]. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -48,12 +48,13 @@ void main() {
   const float part = squaredLength(albedo / (9.0 * kHistoryAlbedo)) + squaredLength(normal / (9.0 * kHistoryNormal)) +
                      squaredLength(vec3(nearness / (9.0 * kHistoryNearness), 0, 0));
   const float guideWeight = light.a * power2(-kLog2E * min(part, 80.0));
-  const float noise = dot(variance, vec3(1)) * light.a / (light.a + 1.0) + kHistoryNoise;
+  const int frame = texelAt(p.present, at);
+  const vec4 colour = texelFetch(present, frame), surface = texelFetch(present, frame + 1);
+  const float both = max(light.a + colour.a, kHistoryLeast);
+  const float noise = dot(variance, vec3(1)) * light.a * colour.a / both + kHistoryNoise;
   const float bias = dot(max(mean * mean - variance / count, 0.0), vec3(1));
   const float weight = guideWeight / (1.0 + kHistoryBias * light.a * bias / noise);
 
-  const int frame = texelAt(p.present, at);
-  const vec4 colour = texelFetch(present, frame), surface = texelFetch(present, frame + 1);
   const vec3 facing = texelFetch(present, frame + 2).xyz;
   const vec4 first[3] = {vec4(colour.rgb / (max(surface.rgb, 0.0) + kAlbedoEpsilon), 1) * colour.a, surface * colour.a,
                          vec4(facing, 1) * colour.a};

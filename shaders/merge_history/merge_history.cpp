@@ -43,7 +43,8 @@ void referencePixel(const MergeHistory& op, HostMemory& memory, uint32_t y, uint
     noise += wide.variance(4 + c);
     bias += std::max(square(wide.mean[4 + c]) - wide.variance(4 + c) / samples, 0.0);
   }
-  noise = noise * count / (count + 1) + shader::kHistoryNoise;
+  const double both = std::max(count + present(3), double{shader::kHistoryLeast});
+  noise = noise * count * present(3) / both + shader::kHistoryNoise;
   const double guideWeight = count * std::exp(-std::min(part, 80.0));
   const double weight = guideWeight / (1 + shader::kHistoryBias * count * bias / noise);
 

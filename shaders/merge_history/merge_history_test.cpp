@@ -110,6 +110,26 @@ TEST(MergeHistory, TellsNoiseFromOtherLight) {
   EXPECT_NEAR(noisy(0.2).weight, 1 + 1 / (1 + shader::kHistoryBias * 2.0 * 24 / 25), 0.006);
 }
 
+// Means of k and n samples differ by the noise of one over k and over n.
+TEST(MergeHistory, KnowsOfHowManySamplesAPixelIs) {
+  const auto noisy = [](double own, double other) {
+    return mergedWith([=](HostMemory& memory, const MergeHistory& op) {
+      for (uint32_t y = 0; y < 9; ++y)
+        for (uint32_t x = 0; x < 9; ++x) {
+          for (uint32_t c = 4; c < 7; ++c) memory.at(op.warped, y, x, c) = ((x + y) % 2 ? 0.2 : -0.2) + 0.2;
+          memory.at(op.warped, y, x, 3) = other;
+          memory.at(op.present, y, x, 3) = own;
+        }
+    });
+  };
+  const auto expected = [](double own, double other) {  // with a squared bias of 24 / 25 of the difference's variance
+    return own + other / (1 + shader::kHistoryBias * other * 24 / 25 * (own + other) / (own * other));
+  };
+  for (const auto& [own, other] : {std::pair{4.0, 4.0}, {2.0, 8.0}, {16.0, 1.0}})
+    EXPECT_NEAR(noisy(own, other).weight, expected(own, other), 0.01) << own << " " << other;
+  EXPECT_EQ(noisy(0, 0).weight, 0);
+}
+
 TEST(MergeHistory, RefusesWhatDoesNotFit) {
   MergeHistory op = mergeOf({8, 8});
   op.warped = view(0, DataType::f32, 8, 8, 12);
