@@ -1,5 +1,6 @@
 #include "image/exr_attributes.h"
 
+#include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include <algorithm>
@@ -35,6 +36,14 @@ std::vector<std::string> ExrAttributes::names() const {
 std::optional<std::string> ExrAttributes::text(const std::string& name) const {
   const auto* attribute = stored_->header.findTypedAttribute<Imf::StringAttribute>(name);
   return attribute == nullptr ? std::nullopt : std::optional(attribute->value());
+}
+
+std::optional<std::array<float, 16>> ExrAttributes::matrix(const std::string& name) const {
+  const auto* attribute = stored_->header.findTypedAttribute<Imf::M44fAttribute>(name);
+  if (attribute == nullptr) return std::nullopt;
+  std::array<float, 16> numbers{};
+  std::copy_n(attribute->value().getValue(), numbers.size(), numbers.begin());
+  return numbers;
 }
 
 bool describesPicture(std::string_view attributeName) {
