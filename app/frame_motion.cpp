@@ -2,6 +2,9 @@
 
 #include <array>
 #include <optional>
+#include <utility>
+
+#include "image/camera_motion.h"
 
 namespace xrds {
 namespace {
@@ -46,29 +49,57 @@ std::vector<float> motionOf(const Image& image, std::array<int, 2> channels, std
   return motion;
 }
 
+// Of the first part that has one; nothing if the file cannot be read.
+std::optional<FrameCamera> cameraIn(const std::filesystem::path& file) {
+  try {
+    for (const ExrPart& part : readExrHeader(file).parts)
+      if (auto camera = cameraOf(part)) return camera;
+  } catch (const Error&) {  // told when its turn comes
+  }
+  return {};
+}
+
+FrameMotion cameraMotionOf(const Frame& frame, const FrameCamera& camera, const MotionRequest& request,
+                           std::vector<float> depth) {
+  FrameMotion motion{{}, {}, std::move(depth), true};
+  const ExrOutput windows = frame.output(frame.scale());
+  const auto towards = [&](const std::filesystem::path& file) {
+    const std::optional<FrameCamera> other = file.empty() ? std::nullopt : cameraIn(file);
+    return other ? cameraMotion(camera, *other, motion.depth, windows.dataWindow, windows.displayWindow)
+                 : std::vector<float>{};
+  };
+  motion.toPrevious = towards(request.previous);
+  motion.toNext = towards(request.next);
+  return motion;
+}
+
+FrameMotion layerMotionOf(const Frame& frame, const ExrSelection& layer, std::vector<float> depth) {
+  if (frame.scale() == 0 ||
+      fitFrame(frame.colourPart(), frame.auxiliaryFile().parts[layer.part]).scale != frame.scale())
+    throw Error("The motion layer '" + printable(layer.layer) + "' does not have the size of the auxiliary images.");
+  const Image image = frame.readFull(layer);
+  FrameMotion motion{{}, {}, std::move(depth)};
+  motion.toPrevious = motionOf(image, {0, 1}, {1, image.channels == 4 ? -1.F : 1.F});
+  if (image.channels == 4) motion.toNext = motionOf(image, {2, 3}, {-1, 1});
+  return motion;
+}
+
 }  // namespace
 
-FrameMotion readMotion(const Frame& frame, const std::string& layer, const std::string& depth) {
+FrameMotion readMotion(const Frame& frame, const MotionRequest& request) {
   const ExrFile& file = frame.auxiliaryFile();
-  const auto found = motionLayer(file, layer);
-  if (!found)
-    throw Error("'" + file.path.string() + "' has no motion " +
-                (layer.empty() ? "layer 'Vector'" : "layer '" + printable(layer) + "' of two or four channels") +
-                ": render with the pass Vector and without motion blur, or name a layer with --motion.\n" +
-                describe(file));
-  if (frame.scale() == 0 || fitFrame(frame.colourPart(), file.parts[found->part]).scale != frame.scale())
-    throw Error("The motion layer '" + printable(found->layer) + "' does not have the size of the auxiliary images.");
-  const Image image = frame.readFull(*found);
-  FrameMotion motion;
-  if (image.channels == 4) {
-    motion.toPrevious = motionOf(image, {0, 1}, {1, -1});
-    motion.toNext = motionOf(image, {2, 3}, {-1, 1});
-  } else {
-    motion.toPrevious = motionOf(image, {0, 1}, {1, 1});
-  }
-  if (!depth.empty() || hasAov(file, AovRole::kDepth))
-    motion.depth = frame.readFull(findAov(file, AovRole::kDepth, depth)).pixels;
-  return motion;
+  std::vector<float> depth;
+  if (!request.depth.empty() || hasAov(file, AovRole::kDepth))
+    depth = frame.readFull(findAov(file, AovRole::kDepth, request.depth)).pixels;
+  if (const auto layer = motionLayer(file, request.layer)) return layerMotionOf(frame, *layer, std::move(depth));
+  if (request.layer.empty() && !depth.empty() && frame.scale() != 0)
+    for (const ExrPart& part : file.parts)
+      if (const auto camera = cameraOf(part)) return cameraMotionOf(frame, *camera, request, std::move(depth));
+  throw Error("'" + file.path.string() + "' has no motion " +
+              (request.layer.empty() ? "layer 'Vector', nor depth and camera (the attribute worldToNDC)"
+                                     : "layer '" + printable(request.layer) + "' of two or four channels") +
+              ": render with the pass Vector and without motion blur, or name a layer with --motion.\n" +
+              describe(file));
 }
 
 }  // namespace xrds

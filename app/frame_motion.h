@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -7,17 +8,25 @@
 
 namespace xrds {
 
-/// How a frame moves, at its full resolution, as TemporalFilter takes it. Empty what the file does not have.
+/// How a frame moves, at its full resolution, as TemporalFilter takes it. Empty what the files do not tell.
 struct FrameMotion {
   std::vector<float> toPrevious, toNext;  // two floats a pixel, x to the right and y down, in pixels
   std::vector<float> depth;
+  bool byCameras = false;  // the files beside it have to tell
 };
 
-/// Reads the motion of a frame from its auxiliary file. `layer` names it as AovRequest has it; empty: Cycles' pass
-/// "Vector". Four channels are Cycles' (X, Y): previous less present, (Z, W): present less next, in pixels and Y up;
-/// two are x to the right and y down from the present to the previous frame. `depth` names the layer of distances;
-/// empty: the one found by convention, if there is one. Throws Error if there is no such layer, or it does not have the
-/// size of the auxiliary images.
-FrameMotion readMotion(const Frame& frame, const std::string& layer, const std::string& depth);
+/// Which motion is asked for.
+struct MotionRequest {
+  std::string layer{};  // as AovRequest has it; empty: Cycles' pass "Vector", or that of the camera
+  std::string depth{};  // the layer of distances; empty: the one found by convention, if any
+  std::filesystem::path previous{}, next{};  // the auxiliary files beside it, whether or not they are there
+};
+
+/// Reads the motion of a frame from its auxiliary file. Of a layer, four channels are Cycles' (X, Y): previous less
+/// present, (Z, W): present less next, in pixels and Y up; two are x to the right and y down from the present to the
+/// previous frame. Without a layer it is that of the camera (cameraMotion()), if this and the file beside it tell where
+/// that stood and there is a depth. Throws Error if there is neither, or the layer does not have the size of the
+/// auxiliary images.
+FrameMotion readMotion(const Frame& frame, const MotionRequest& request);
 
 }  // namespace xrds

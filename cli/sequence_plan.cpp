@@ -75,6 +75,16 @@ UpscaleOptions SequenceFrame::alone(const UpscaleOptions& options) const {
   return one;
 }
 
+bool isMade(const SequenceFrame& frame) {
+  std::error_code ignored;
+  if (!fs::exists(frame.output, ignored)) return false;
+  try {
+    return !readExrHeader(frame.output).parts.front().attributes.text(kMergedWithout);
+  } catch (const Error&) {  // whoever put it there
+    return true;
+  }
+}
+
 SequencePlan planSequence(const UpscaleOptions& options) {
   Patterns patterns = failingWith(ExitCode::usage, [&] { return patternsOf(options); });
   const std::vector<int> numbers = framesOf(options, patterns.colour.isMany() ? patterns.colour : patterns.auxiliary);
@@ -91,8 +101,7 @@ SequencePlan planSequence(const UpscaleOptions& options) {
   };
   for (const int number : numbers) {
     SequenceFrame frame = plan.frame(number);
-    std::error_code ignored;
-    if (options.skipExisting && fs::exists(frame.output, ignored))
+    if (options.skipExisting && isMade(frame))
       plan.there.push_back(number);
     else
       plan.frames.push_back(std::move(frame));

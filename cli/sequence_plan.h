@@ -25,6 +25,12 @@ struct SequencePlan {
   std::function<SequenceFrame(int number)> frame;  // any frame, whether it is asked for, or there, or not
 };
 
+/// The attribute of an output that tells which frames could not be read and so were not merged (--temporal).
+inline constexpr const char* kMergedWithout = "xrds:mergedWithout";
+
+/// Whether the output of a frame is there, for good: not if it says that it was merged without some.
+bool isMade(const SequenceFrame& frame);
+
 /// The frames that the options name, those that are to be made and those that are there. Makes the folder of the
 /// outputs. Throws Failure if there are none, if two frames would write one file, or if the folder cannot be written.
 SequencePlan planSequence(const UpscaleOptions& options);

@@ -18,6 +18,7 @@
 #include "cli/upscale_report.h"
 #include "cli/warnings.h"
 #include "sequence/file_pattern.h"
+#include "sequence/frame_range.h"
 
 namespace xrds {
 namespace {
@@ -36,7 +37,7 @@ struct MadeFrame {
 class Worker {
  public:
   Worker(std::string select, const UpscaleOptions& options, const OpenedModel& opened)
-      : select_(std::move(select)), options_(options), opened_(opened), merger_(options, opened.model.scale()) {}
+      : select_(std::move(select)), options_(options), opened_(opened), merger_(opened.model.scale()) {}
 
   /// Opens the device, tunes it where that is asked for, and says what there is to say. Throws Failure.
   void open(const UpscaleInput& first) {
@@ -49,12 +50,18 @@ class Worker {
   MadeFrame compute(const FrameGroup& group) {
     MadeFrame made;
     withDevice([&] {
-      const std::shared_ptr<const Frame> merged = merger_.merged(*device_, group);
-      const Frame& frame = *merged;
+      const std::shared_ptr<const Frame> read = frameOf(group);
+      const Frame& frame = *read;
       prepareFor(frame);
       Upscaled result = upscaledBy(*upscaler_, opened_.model, frame, [](double) { return !interrupted(); });
       made.warnings = warningsOf(result, frame, options_);
       made.output = outputOf(options_, opened_, frame, result.exposure);
+      if (!group.unreadable.empty()) {
+        const std::string frames = describeFrames(group.unreadable);
+        made.output.texts[kMergedWithout] = frames;
+        made.warnings.push_back("merged without frames that cannot be read: " + frames + "; when they can be, " +
+                                "--skip-existing makes it again.");
+      }
       made.image = frame.alpha() ? withAlpha(result.colour, upscaleAlpha(*alpha_, *frame.alpha(), scale()))
                                  : std::move(result.colour);
       if (frame.layers()) made.planes = frame.layers()->planes(made.image, result.layers, made.output.pixelType);
@@ -64,6 +71,14 @@ class Worker {
 
  private:
   int scale() const { return static_cast<int>(opened_.model.scale()); }
+
+  // With --temporal the merged one, denoised after that.
+  std::shared_ptr<const Frame> frameOf(const FrameGroup& group) {
+    if (!options_.temporal) return {group.present, &group.present->frame};
+    auto frame = std::make_shared<Frame>(merger_.merged(*device_, group));
+    if (options_.denoiseFirst) frame->denoise(Denoiser(), options_.cleanGuides, options_.ensemble);
+    return frame;
+  }
 
   template <class Action>
   void withDevice(Action&& action) {
@@ -155,7 +170,7 @@ void runSequence(const UpscaleOptions& options, const SequencePlan& plan) {
   const LineStages<FrameGroup, MadeFrame> stages{
       .read = [&](size_t index) -> std::optional<FrameGroup> {
         const SequenceFrame& frame = plan.frames[index];
-        if (std::error_code ignored; options.skipExisting && fs::exists(frame.output, ignored)) return {};
+        if (options.skipExisting && isMade(frame)) return {};
         FrameGroup read = frames.read(frame);
         warn(index, read.present->frame.warnings());
         return read;

@@ -1,9 +1,9 @@
 // Sequences whose frames are merged with those around them.
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <thread>
 
-#include "tests/cli/frames.h"
+#include "tests/cli/moving_sequence.h"
 #include "tests/cli/process.h"
 
 namespace xrds::test {
@@ -12,39 +12,13 @@ namespace {
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
-constexpr int kFrames = 6, kWidth = 16, kHeight = 12;
+const Arguments kResume{"--temporal", "--temporal-radius", "2", "--skip-existing"};
 
-// Numbers in [0, 1) that look like noise, the same on every machine.
-float noise(int frame, int x, int y, int c) {
-  const double mixed = 43758.5453 * std::sin(12.9898 * x + 78.233 * y + 37.719 * c + 11.13 * frame);
-  return static_cast<float>(mixed - std::floor(mixed));
-}
+/// Its frames upscaled.
+struct UpscaledSequence : MovingSequence {
+  using MovingSequence::MovingSequence;
 
-/// Frames 1 to 6 of a pattern that moves by 3 pixels of the full resolution to the right a frame, under noisy light.
-struct MovingSequence {
-  TemporaryFolder folder;
-
-  explicit MovingSequence(const std::string& motion = "Vector", const std::string& channels = "XYZW") {
-    for (int frame = 1; frame <= kFrames; ++frame) write(frame, motion, channels);
-  }
-
-  std::string at(const std::string& kind, int frame) const {
-    return (folder / (kind + ".000" + std::to_string(frame) + ".exr")).string();
-  }
-
-  void write(int frame, const std::string& motion, const std::string& channels) const {
-    const Box low = boxOf(kWidth, kHeight), full = boxOf(4 * kWidth, 4 * kHeight);
-    writeParts(
-        at("colour", frame),
-        {{low, low, {Layer{"", "RGB", [=](int x, int y, int c) { return 0.3F + 0.6F * noise(frame, x, y, c); }}}}});
-    const Layer albedo{"albedo", "RGB",
-                       [=](int x, int y, int) { return (x - 3 * frame + 30) / 6 % 2 == y / 6 % 2 ? 0.3F : 0.7F; }};
-    // Of Cycles' four: previous less present is -3, and present less next as well.
-    const Layer vector{motion, channels, [](int, int, int c) { return c % 2 == 0 ? -3.F : 0.F; }};
-    writeParts(at("aux", frame), {{full, full, {albedo, normalLayer("normal", 4 * kWidth), vector}}});
-  }
-
-  Ended run(const std::string& out, const Arguments& more = {}) const {
+  Arguments arguments(const std::string& out, const Arguments& more = {}) const {
     Arguments all{"upscale",
                   (folder / "colour.####.exr").string(),
                   (folder / "aux.####.exr").string(),
@@ -54,14 +28,35 @@ struct MovingSequence {
                   goldenModel("s4_guided"),
                   "--quiet"};
     all.insert(all.end(), more.begin(), more.end());
-    return runXrds(all);
+    return all;
+  }
+  Ended run(const std::string& out, const Arguments& more = {}, const StartOptions& options = {}) const {
+    return runXrds(arguments(out, more), options);
   }
   std::string bytes(const std::string& out, int frame) const { return readBytes(at(out + "/f", frame)); }
+
+  size_t filesIn(const std::string& out, const std::string& extension) const {
+    std::error_code none;
+    size_t found = 0;
+    for (fs::directory_iterator entry(folder / out, none), end; !none && entry != end; ++entry)
+      found += entry->path().extension() == extension;
+    return found;
+  }
+
+  /// All frames are there, with the bytes of one run over all of them.
+  void expectWhole(const std::string& out) const {
+    if (filesIn("one run", ".exr") == 0) {
+      const Ended ended = run("one run", kResume);
+      ASSERT_EQ(ended.exitCode, 0) << ended.error;
+    }
+    for (int frame = 1; frame <= kFrames; ++frame) EXPECT_EQ(bytes(out, frame), bytes("one run", frame)) << frame;
+    EXPECT_EQ(filesIn(out, ".exr"), static_cast<size_t>(kFrames));
+  }
 };
 
 // Chunks of a farm, what a killed run left, several jobs: always the same bytes.
 TEST(CliTemporal, AFrameIsTheSameHoweverTheSequenceIsCut) {
-  const MovingSequence sequence;
+  const UpscaledSequence sequence;
   ASSERT_EQ(sequence.run("whole", {"--temporal", "--temporal-radius", "2"}).exitCode, 0);
   const auto temporal = [](Arguments more) {
     more.insert(more.end(), {"--temporal", "--temporal-radius", "2"});
@@ -78,7 +73,7 @@ TEST(CliTemporal, AFrameIsTheSameHoweverTheSequenceIsCut) {
 }
 
 TEST(CliTemporal, APlainMotionLayerUsesFramesBefore) {
-  const MovingSequence plain("speed", "XY"), cycles;
+  const UpscaledSequence plain({.layer = "speed", .channels = "XY"}), cycles;
   ASSERT_EQ(plain.run("merged", {"--temporal", "--motion", "speed"}).exitCode, 0);
   ASSERT_EQ(plain.run("alone").exitCode, 0);
   EXPECT_EQ(plain.bytes("merged", 1), plain.bytes("alone", 1)) << "there is none before the first";
@@ -87,16 +82,87 @@ TEST(CliTemporal, APlainMotionLayerUsesFramesBefore) {
   EXPECT_NE(plain.bytes("merged", 3), cycles.bytes("merged", 3));
 }
 
-TEST(CliTemporal, AFrameThatCannotBeReadFailsAloneAndEndsTheRow) {
-  const MovingSequence sequence;
-  fs::resize_file(sequence.at("aux", 3), 200);
-  const Ended ended = sequence.run("out", {"--temporal"});
+// Killed while it starts, while a file is written, and between frames: what is missing is made with all frames around.
+TEST(CliTemporal, GoesOnAfterBeingKilledWithTheSameBytes) {
+  const UpscaledSequence sequence;
+  const auto killedWhen = [&](const std::function<bool()>& due) {
+    const Ended killed = killXrds(sequence.arguments("out", kResume), due);
+    EXPECT_TRUE(killed.exitCode == 1009 || killed.exitCode == 0) << killed.error;
+  };
+  killedWhen([] { return true; });
+  killedWhen([&] { return sequence.filesIn("out", ".part") > 0; });
+  for (const size_t due : {1, 2, 4}) killedWhen([&] { return sequence.filesIn("out", ".exr") >= due; });
+  const Ended ended = sequence.run("out", kResume);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  sequence.expectWhole("out");
+}
+
+TEST(CliTemporal, TwoProcessesOnOneRange) {
+  const UpscaledSequence sequence;
+  Ended other;
+  std::thread beside([&] { other = sequence.run("out", kResume); });
+  const Ended ended = sequence.run("out", kResume);
+  beside.join();
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(other.exitCode, 0) << other.error;
+  sequence.expectWhole("out");
+}
+
+TEST(CliTemporal, AFullDiskEndsItAndLeavesNothing) {
+  const UpscaledSequence sequence;
+  const Ended full = sequence.run("out", kResume, {.largestFileBytes = 500});
+  EXPECT_EQ(full.exitCode, 6) << full.error;
+  EXPECT_EQ(sequence.filesIn("out", ".exr") + sequence.filesIn("out", ".part"), 0U);
+  EXPECT_EQ(sequence.run("out", kResume).exitCode, 0);
+  sequence.expectWhole("out");
+}
+
+// Cut off, or no file at all: the frames around are made, say so, and are made again once it can be read; no others.
+TEST(CliTemporal, FramesMadeWithoutOneThatCannotBeReadAreMadeAgain) {
+  const UpscaledSequence sequence;
+  const fs::path damaged = sequence.at("aux", 5), kept = sequence.folder / "kept.exr";
+  const auto damage = [&](bool cut) {
+    fs::remove_all(sequence.folder / "out");
+    fs::copy_file(damaged, kept, fs::copy_options::overwrite_existing);
+    if (cut) return fs::resize_file(damaged, fs::file_size(damaged) / 2);
+    fs::remove(damaged);
+    fs::create_directory(damaged);
+  };
+  for (const bool cut : {true, false}) {
+    damage(cut);
+    const Ended ended = sequence.run("out", kResume);
+    EXPECT_EQ(ended.exitCode, 8) << ended.error;
+    EXPECT_NE(ended.error.find("Frames that failed: 5."), std::string::npos) << ended.error;
+    EXPECT_NE(ended.error.find("merged without frames that cannot be read: 5"), std::string::npos) << ended.error;
+    EXPECT_EQ(sequence.filesIn("out", ".exr"), 5U);
+    const auto untouched = fs::last_write_time(sequence.at("out/f", 2)),
+               without = fs::last_write_time(sequence.at("out/f", 3));
+    fs::remove_all(damaged);
+    fs::rename(kept, damaged);
+    EXPECT_EQ(sequence.run("out", kResume).exitCode, 0);
+    EXPECT_EQ(fs::last_write_time(sequence.at("out/f", 2)), untouched);
+    EXPECT_NE(fs::last_write_time(sequence.at("out/f", 3)), without);
+    sequence.expectWhole("out");
+  }
+}
+
+// The pattern stands still before a camera: the motion, and so the frames, are the same as those of the Vector pass.
+TEST(CliTemporal, FollowsCamerasWhereThereIsNoMotionLayer) {
+  const UpscaledSequence told({.byCameras = true}), vector;
+  ASSERT_EQ(told.run("out", kResume).exitCode, 0);
+  ASSERT_EQ(vector.run("out", kResume).exitCode, 0);
+  for (int frame = 1; frame <= kFrames; ++frame) EXPECT_EQ(told.bytes("out", frame), vector.bytes("out", frame));
+  // A frame whose camera is not known ends the rows of those beside it.
+  fs::resize_file(told.at("aux", 5), 200);
+  const Ended ended = told.run("damaged", kResume);
   EXPECT_EQ(ended.exitCode, 8) << ended.error;
-  for (const int frame : {1, 2, 4, 5, 6}) EXPECT_TRUE(fs::exists(sequence.at("out/f", frame))) << frame;
+  EXPECT_NE(ended.error.find("merged without frames that cannot be read: 5"), std::string::npos) << ended.error;
+  EXPECT_EQ(told.bytes("damaged", 1), told.bytes("out", 1));
+  EXPECT_NE(told.bytes("damaged", 4), told.bytes("out", 4));
 }
 
 TEST(CliTemporal, SaysWhatIsMissing) {
-  const MovingSequence sequence("speed", "XYZW");
+  const UpscaledSequence sequence({.layer = "speed"});
   const Ended ended = sequence.run("out", {"--temporal"});
   EXPECT_NE(ended.exitCode, 0);
   EXPECT_NE(ended.error.find("has no motion layer 'Vector'"), std::string::npos) << ended.error;

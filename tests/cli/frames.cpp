@@ -3,6 +3,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
@@ -28,6 +29,11 @@ Imf::Header headerFor(const Part& part) {
   for (const Layer& layer : part.layers)
     for (size_t c = 0; c < layer.channels.size(); ++c)
       header.channels().insert(channelName(layer, c), Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, m] : part.matrices) {
+    Imath::M44f matrix;
+    std::copy(m.begin(), m.end(), &matrix[0][0]);
+    header.insert(name, Imf::M44fAttribute(matrix));
+  }
   for (const auto& [name, text] : part.texts) header.insert(name, Imf::StringAttribute(text));
   return header;
 }

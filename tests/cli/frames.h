@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -30,7 +31,8 @@ struct Part {
   Box dataWindow, displayWindow;
   std::vector<Layer> layers;
   std::string name = {};
-  std::map<std::string, std::string> texts = {};  // attributes
+  std::map<std::string, std::string> texts = {};               // attributes
+  std::map<std::string, std::array<float, 16>> matrices = {};  // row by row
 };
 
 /// Writes 32-bit float parts; every header gets the text attribute "renderer" and the float "cameraZoom".

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cmath>
+
+#include "tests/cli/frames.h"
+
+namespace xrds::test {
+
+constexpr int kFrames = 6, kWidth = 16, kHeight = 12;  // of a MovingSequence, at its low resolution
+
+// Numbers in [0, 1) that look like noise, the same on every machine.
+inline float noise(int frame, int x, int y, int c) {
+  const double mixed = 43758.5453 * std::sin(12.9898 * x + 78.233 * y + 37.719 * c + 11.13 * frame);
+  return static_cast<float>(mixed - std::floor(mixed));
+}
+
+/// How the files of a sequence tell its motion: a layer's name and channels, or depth and cameras.
+struct MotionTold {
+  std::string layer = "Vector", channels = "XYZW";
+  bool byCameras = false;
+};
+
+/// Frames 1 to 6 of a pattern that moves by 3 pixels of the full resolution to the right a frame, under noisy light, as
+/// colour.0001.exr and aux.0001.exr.
+struct MovingSequence {
+  TemporaryFolder folder;
+
+  explicit MovingSequence(const MotionTold& told = {}) {
+    for (int frame = 1; frame <= kFrames; ++frame) write(frame, told);
+  }
+
+  std::string at(const std::string& kind, int frame) const {
+    return (folder / (kind + ".000" + std::to_string(frame) + ".exr")).string();
+  }
+
+  void write(int frame, const MotionTold& told) const {
+    const Box low = boxOf(kWidth, kHeight), full = boxOf(4 * kWidth, 4 * kHeight);
+    writeParts(
+        at("colour", frame),
+        {{low, low, {Layer{"", "RGB", [=](int x, int y, int c) { return 0.3F + 0.6F * noise(frame, x, y, c); }}}}});
+    const Layer albedo{"albedo", "RGB",
+                       [=](int x, int y, int) { return (x - 3 * frame + 30) / 6 % 2 == y / 6 % 2 ? 0.3F : 0.7F; }};
+    Part part{full, full, {albedo, normalLayer("normal", 4 * kWidth)}};
+    if (told.byCameras) {
+      // Parallel rays along z, a world's unit to a pixel: the camera moves by 3 to the left.
+      constexpr float kWide = 1.F / (4 * kWidth), kHigh = 1.F / (4 * kHeight);
+      const auto shift = static_cast<float>(3 * frame);
+      part.layers.push_back({"depth", "Z", [](int, int, int) { return 5.F; }});
+      part.matrices["worldToNDC"] = {kWide, 0, 0, 0, 0, -kHigh, 0, 0, 0, 0, 1, 0, kWide * shift, 1, 0, 1};
+      part.matrices["worldToCamera"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, shift, 0, 0, 1};
+    } else {
+      // Of Cycles' four: previous less present is -3, and present less next as well.
+      part.layers.push_back({told.layer, told.channels, [](int, int, int c) { return c % 2 == 0 ? -3.F : 0.F; }});
+    }
+    writeParts(at("aux", frame), {part});
+  }
+};
+
+}  // namespace xrds::test
