@@ -45,6 +45,12 @@ def compiled(**settings):
     return json.loads(subprocess.run(["node", "-"], input=program, capture_output=True, text=True, check=True).stdout)
 
 
+# What the Manager's API (AvailableJobSetting) lets a setting say.
+ALLOWED = {"type": {"string", "int32", "float", "bool"}, "subtype": {"file_path", "dir_path", "file_name", "hashed_file_path"},
+           "visible": {"visible", "hidden", "submission", "web"}}
+FREE = {"key", "choices", "propargs", "description", "default", "eval", "evalInfo", "required", "editable", "label"}
+
+
 def check(condition, what):
     if not condition:
         sys.exit(f"share/flamenco/xrds.js: {what}")
@@ -58,6 +64,13 @@ def main():
     job = compiled(frames="1-45, 50", **files)
     keys = [setting["key"] for setting in job["type"]["settings"]]
     check(len(set(keys)) == len(keys), "a setting stands there twice")
+    for setting in job["type"]["settings"]:
+        for name, value in setting.items():
+            check(name in FREE or value in ALLOWED.get(name, ()), f"the Manager knows no {name}: {value}")
+        check({"key", "type"} <= setting.keys(), f"a setting lacks its key or type: {setting}")
+        if "default" in setting:
+            kind = {"string": str, "int32": int, "float": float, "bool": bool}[setting["type"]]
+            check(type(setting["default"]) is kind, f"the default of {setting['key']} is no {setting['type']}")
     check(all(setting.get("required") or "default" in setting for setting in job["type"]["settings"]), "a setting has no value")
     check([task["name"] for task in job["tasks"]] == ["upscale-1-20", "upscale-21-40", "upscale-41,42,43,44,45,50"], "other chunks")
     command = job["tasks"][1]["commands"][0]

@@ -1,5 +1,5 @@
 // A sequence through xrds on Flamenco, Blender's render farm: chunks of frames, each task one process. Put this file into
-// the folder `scripts` of the Flamenco Manager; docs/sequences.md tells more. A task that is run again goes on where it
+// the folder `scripts` of the Flamenco Manager; docs/farm.md tells more. A task that is run again goes on where it
 // stopped: frames whose output is there are left out.
 const JOB_TYPE = {
   label: "Upscale with xrds",
