@@ -36,52 +36,73 @@ void checkNumbers(const char* name, std::span<const float> numbers, size_t expec
                           " numbers, expected " + std::to_string(expected) + ".");
 }
 
-/// Writes the three channels of an image to packed pixels from `channel` on, each through `value`.
-template <class Value>
-void pack(const PixelView& image, std::vector<float>& packed, uint32_t channel, Value&& value) {
-  if (!image.pixels) return;
-  for (size_t p = 0; p < packed.size() / kChannels; ++p)
-    for (uint32_t c = 0; c < 3; ++c) packed[p * kChannels + channel + c] = value(image.pixels[p * image.stride + c]);
-}
-
 float radianceOf(float value) { return value > 0 ? std::min(value, kMostRadiance) : 0; }  // 0 of NaN
 float finiteOf(float value) { return std::isfinite(value) ? value : 0; }
 float reflectanceOf(float value) { return value > 0 ? std::min(value, shader::kAlbedoMax) : 0; }
 
-void packCounts(std::span<const float> counts, std::vector<float>& packed) {
-  for (size_t p = 0; p < packed.size() / kChannels; ++p)
-    packed[p * kChannels + 3] = counts.empty() ? 1 : std::min(radianceOf(counts[p]), kMostCount);
+float countOf(std::span<const float> counts, size_t pixel) {
+  return counts.empty() ? 1 : std::min(radianceOf(counts[pixel]), kMostCount);
 }
 
-std::vector<float> packedMotion(std::span<const float> motion) {
-  std::vector<float> packed(2 * motion.size());
-  for (size_t i = 0; i < motion.size(); ++i)
-    packed[4 * (i / 2) + i % 2] = std::isfinite(motion[i]) ? std::clamp(motion[i], -kGone, kGone) : kGone;
-  return packed;
+float nearnessOf(std::span<const float> distances, size_t pixel) {
+  if (distances.empty()) return 0;
+  const float distance = distances[pixel];
+  return distance > 0 && distance < kFarthest ? 1 / distance : 0;
 }
 
-PackedFrame packedFrame(const TemporalFilter::Frame& frame, Size low, Size full) {
-  PackedFrame packed{std::vector<float>(low.pixels() * kChannels), std::vector<float>(full.pixels() * kChannels)};
-  pack(frame.colour, packed.low, 0, radianceOf);
-  packCounts(frame.lowCounts, packed.low);
-  pack(frame.fullColour, packed.full, 0, radianceOf);
-  packCounts(frame.fullCounts, packed.full);
-  pack(frame.albedo, packed.full, 4, reflectanceOf);
-  pack(frame.normal, packed.full, 8, finiteOf);
-  for (size_t p = 0; p < frame.depth.size(); ++p) {
-    const float distance = frame.depth[p];
-    packed.full[p * kChannels + 7] = distance > 0 && distance < kFarthest ? 1 / distance : 0;
-  }
-  packed.toPrevious = packedMotion(frame.toPrevious);
-  packed.toNext = packedMotion(frame.toNext);
-  return packed;
+/// Writes a pixel of an image, each channel through `value`; 0 where there is no image.
+template <class Value>
+void write(const PixelView& image, size_t pixel, float* to, Value&& value) {
+  for (uint32_t c = 0; c < 3; ++c) to[c] = image.pixels ? value(image.pixels[pixel * image.stride + c]) : 0;
 }
 
-std::vector<float> channelsOf(std::span<const float> pixels, uint32_t stride, uint32_t first, uint32_t count) {
-  std::vector<float> channels(pixels.size() / stride * count);
-  for (size_t p = 0; p < pixels.size() / stride; ++p)
-    std::copy_n(&pixels[p * stride + first], count, &channels[p * count]);
-  return channels;
+HistoryFrame::WriteRow motionRows(std::span<const float> motion) {
+  if (motion.empty()) return {};
+  return [motion](uint32_t y, std::span<float> row) {
+    const float* from = &motion[y * row.size() / 2];
+    for (size_t i = 0; i < row.size() / 2; ++i)
+      row[4 * (i / 2) + i % 2] = std::isfinite(from[i]) ? std::clamp(from[i], -kGone, kGone) : kGone;
+  };
+}
+
+// Reads the frame whenever it is called.
+HistoryFrame historyFrame(const TemporalFilter::Frame& frame) {
+  HistoryFrame rows;
+  rows.low = [&frame](uint32_t y, std::span<float> row) {
+    std::fill(row.begin(), row.end(), 0.F);
+    size_t pixel = size_t{y} * row.size() / kChannels;
+    for (float* to = row.data(); to != row.data() + row.size(); to += kChannels, ++pixel) {
+      write(frame.colour, pixel, to, radianceOf);
+      to[3] = countOf(frame.lowCounts, pixel);
+    }
+  };
+  rows.full = [&frame](uint32_t y, std::span<float> row) {
+    size_t pixel = size_t{y} * row.size() / kChannels;
+    for (float* to = row.data(); to != row.data() + row.size(); to += kChannels, ++pixel) {
+      write(frame.fullColour, pixel, to, radianceOf);
+      to[3] = countOf(frame.fullCounts, pixel);
+      write(frame.albedo, pixel, to + 4, reflectanceOf);
+      to[7] = nearnessOf(frame.depth, pixel);
+      write(frame.normal, pixel, to + 8, finiteOf);
+      to[11] = 0;
+    }
+  };
+  rows.toPrevious = motionRows(frame.toPrevious);
+  rows.toNext = motionRows(frame.toNext);
+  rows.hasFullColour = frame.fullColour.pixels != nullptr;
+  return rows;
+}
+
+/// Takes three channels of each pixel of a row, from `channel` on, to their place in an image; nothing if that is
+/// empty.
+void take(std::span<const float> row, size_t stride, size_t channel, uint32_t y, std::vector<float>& image) {
+  if (image.empty()) return;
+  float* to = &image[y * (row.size() / stride) * 3];
+  for (size_t i = channel; i < row.size(); i += stride, to += 3) std::copy_n(&row[i], 3, to);
+}
+
+void takeCounts(std::span<const float> row, size_t stride, uint32_t y, std::vector<float>& counts) {
+  for (size_t i = 0; i < row.size() / stride; ++i) counts[y * (row.size() / stride) + i] = row[i * stride + 3];
 }
 
 }  // namespace
@@ -118,25 +139,35 @@ TemporalFilter& TemporalFilter::operator=(TemporalFilter&&) noexcept = default;
 TemporalFilter::Merged TemporalFilter::run(const Frame& present, std::span<const Frame> before,
                                            std::span<const Frame> after) {
   state_->check(present);
-  std::vector<PackedFrame> packed;
-  packed.reserve(before.size() + after.size());
   const auto chainOf = [&](std::span<const Frame> frames) {
-    std::vector<const PackedFrame*> chain;
+    std::vector<HistoryFrame> chain;
     for (const Frame& frame : frames) {
       state_->check(frame);
-      chain.push_back(&packed.emplace_back(packedFrame(frame, state_->low, state_->full)));
+      chain.push_back(historyFrame(frame));
     }
     return chain;
   };
   const auto past = chainOf(before), future = chainOf(after);
-  std::vector<float> low(4 * state_->low.pixels()), full(kChannels * state_->full.pixels());
-  state_->merger.run(packedFrame(present, state_->low, state_->full), past, future, low, full);
-  Merged merged{.colour = channelsOf(low, 4, 0, 3),
-                .lowCounts = channelsOf(low, 4, 3, 1),
-                .fullCounts = channelsOf(full, kChannels, 3, 1)};
-  if (present.fullColour.pixels) merged.fullColour = channelsOf(full, kChannels, 0, 3);
-  if (present.albedo.pixels) merged.albedo = channelsOf(full, kChannels, 4, 3);
-  if (present.normal.pixels) merged.normal = channelsOf(full, kChannels, 8, 3);
+  const size_t low = state_->low.pixels(), full = state_->full.pixels();
+  Merged merged;
+  merged.colour.resize(3 * low);
+  merged.lowCounts.resize(low);
+  merged.fullCounts.resize(full);
+  if (present.fullColour.pixels) merged.fullColour.resize(3 * full);
+  if (present.albedo.pixels) merged.albedo.resize(3 * full);
+  if (present.normal.pixels) merged.normal.resize(3 * full);
+  state_->merger.run(
+      historyFrame(present), past, future,
+      [&](uint32_t y, std::span<const float> row) {
+        take(row, 4, 0, y, merged.colour);
+        takeCounts(row, 4, y, merged.lowCounts);
+      },
+      [&](uint32_t y, std::span<const float> row) {
+        take(row, kChannels, 0, y, merged.fullColour);
+        take(row, kChannels, 4, y, merged.albedo);
+        take(row, kChannels, 8, y, merged.normal);
+        takeCounts(row, kChannels, y, merged.fullCounts);
+      });
   return merged;
 }
 

@@ -7,7 +7,7 @@
 namespace xrds {
 namespace {
 
-constexpr uint32_t kRadius = 2;  // of merge_history
+constexpr uint32_t kRadius = 2, kGuideRadius = 1;  // of merge_history: for light, and where there is none
 
 // Few bands cost little time, as each warps the rows around it again; many cost little memory.
 uint32_t suitableBandRows(uint32_t height) {
@@ -99,14 +99,17 @@ Recording HistoryMerger::record(std::vector<Operator> operators) {
   return {gpu_, placed};
 }
 
-void HistoryMerger::upload(const TensorView& view, std::span<const float> values) {
-  XRDS_CHECK_EQ(values.size(), view.storedElementCount());
-  buffers_[view.value]->upload(0, std::as_bytes(values));
+void HistoryMerger::upload(const TensorView& view, const HistoryFrame::WriteRow& write) {
+  buffers_[view.value]->uploadRows(0, view.rowByteSize(), view.height, [&](uint32_t y, std::span<std::byte> bytes) {
+    write(y, {reinterpret_cast<float*>(bytes.data()), bytes.size() / sizeof(float)});
+  });
 }
 
-void HistoryMerger::download(const TensorView& view, std::span<float> values) const {
-  XRDS_CHECK_EQ(values.size(), view.storedElementCount());
-  buffers_[view.value]->download(0, std::as_writable_bytes(values));
+void HistoryMerger::download(const TensorView& view, const TakeRow& take) const {
+  buffers_[view.value]->downloadRows(
+      0, view.rowByteSize(), view.height, [&](uint32_t y, std::span<const std::byte> bytes) {
+        take(y, {reinterpret_cast<const float*>(bytes.data()), bytes.size() / sizeof(float)});
+      });
 }
 
 Recording& HistoryMerger::follow(uint32_t inChain) {
@@ -128,12 +131,12 @@ void HistoryMerger::addMerging(const Level& level, const TensorView& positions, 
     const RowRange around{rows.begin - std::min(rows.begin, kRadius), std::min(rows.end + kRadius, level.height)};
     const TensorView warped = level.warpedRows(around.begin);
     to.emplace_back(WarpHistory{positions, level.history, level.present, exposure_, warped, level.scale, around});
-    to.emplace_back(MergeHistory{warped, level.present, before, level.sums.at(merged), kRadius, rows});
+    to.emplace_back(MergeHistory{warped, level.present, before, level.sums.at(merged), level.radius, rows});
   }
 }
 
 Recording& HistoryMerger::merge(uint32_t inChain) {
-  const std::tuple key{inChain % 2, merged_ == 0, merged_ % 2};
+  const std::tuple key{inChain % 2, merged_ == 0, merged_ % 2, full_.radius};
   const auto found = merging_.find(key);
   if (found != merging_.end()) return found->second;
   std::vector<Operator> operators{BoxMean{slice(full_.history, 4, 8), slice(low_.history, 4, 8), scale_}};
@@ -142,19 +145,19 @@ Recording& HistoryMerger::merge(uint32_t inChain) {
   return merging_.emplace(key, record(std::move(operators))).first->second;
 }
 
-void HistoryMerger::mergeChain(const PackedFrame& present, std::span<const PackedFrame* const> chain, Motion motion) {
-  const PackedFrame* last = &present;
+void HistoryMerger::mergeChain(const HistoryFrame& present, std::span<const HistoryFrame> chain, Motion motion) {
+  const HistoryFrame* last = &present;
   uint32_t inChain = 0;
-  for (const PackedFrame* frame : chain) {
-    if ((last->*motion).empty()) return;
+  for (const HistoryFrame& frame : chain) {
+    if (!(last->*motion)) return;
     upload(motion_, last->*motion);
     follow(inChain).run();
-    upload(low_.history, frame->low);
-    upload(full_.history, frame->full);
+    upload(low_.history, frame.low);
+    upload(full_.history, frame.full);
     merge(inChain).run();
     ++inChain;
     ++merged_;
-    last = frame;
+    last = &frame;
   }
 }
 
@@ -167,23 +170,35 @@ void HistoryMerger::finish() {
   finish_[last % 2]->run();
 }
 
-void HistoryMerger::run(const PackedFrame& present, std::span<const PackedFrame* const> before,
-                        std::span<const PackedFrame* const> after, std::span<float> low, std::span<float> full) {
+void HistoryMerger::giveOwn(const HistoryFrame& present, const TakeRow& low, const TakeRow& full) const {
+  std::vector<float> row(size_t{shader::kHistoryFrame} * scale_ * width_);
+  for (uint32_t y = 0; y < full_.height; ++y) {
+    present.full(y, row);
+    full(y, row);
+  }
+  row.resize(size_t{shader::kHistoryFrame} * width_);
+  std::vector<float> colour(size_t{4} * width_);
+  for (uint32_t y = 0; y < height_; ++y) {
+    present.low(y, row);
+    for (uint32_t x = 0; x < width_; ++x) std::copy_n(&row[size_t{shader::kHistoryFrame} * x], 4, &colour[4 * x]);
+    low(y, colour);
+  }
+}
+
+void HistoryMerger::run(const HistoryFrame& present, std::span<const HistoryFrame> before,
+                        std::span<const HistoryFrame> after, const TakeRow& low, const TakeRow& full) {
   merged_ = 0;
+  full_.radius = present.hasFullColour ? kRadius : kGuideRadius;
+  if (before.empty() && after.empty()) return giveOwn(present, low, full);
   upload(low_.present, present.low);
   upload(full_.present, present.full);
   prepare_->run();
-  mergeChain(present, before, &PackedFrame::toPrevious);
-  mergeChain(present, after, &PackedFrame::toNext);
-  if (merged_ > 0) {
-    finish();
-    download(resultLow_, low);
-    download(resultFull_, full);
-    return;
-  }
-  std::copy(present.full.begin(), present.full.end(), full.begin());
-  for (size_t pixel = 0; pixel < low.size() / 4; ++pixel)
-    std::copy_n(&present.low[shader::kHistoryFrame * pixel], 4, &low[4 * pixel]);
+  mergeChain(present, before, &HistoryFrame::toPrevious);
+  mergeChain(present, after, &HistoryFrame::toNext);
+  if (merged_ == 0) return giveOwn(present, low, full);
+  finish();
+  download(resultLow_, low);
+  download(resultFull_, full);
 }
 
 uint64_t HistoryMerger::deviceBytes() const {

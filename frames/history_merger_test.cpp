@@ -14,7 +14,19 @@ constexpr uint32_t kHeight = 11, kWidth = 9, kScale = 2;
 constexpr size_t kLow = size_t{kHeight} * kWidth, kFull = kScale * kScale * kLow;
 
 // Radiance, counts and guides that differ little from frame to frame, and motion of a few pixels.
-PackedFrame frameOf(uint32_t number) {
+struct Pixels {
+  std::vector<float> low, full, toPrevious, toNext;
+
+  HistoryFrame rows() const {
+    const auto of = [](const std::vector<float>& pixels) {
+      return
+          [&pixels](uint32_t y, std::span<float> row) { std::copy_n(&pixels[y * row.size()], row.size(), row.data()); };
+    };
+    return {of(low), of(full), of(toPrevious), of(toNext)};
+  }
+};
+
+Pixels frameOf(uint32_t number) {
   const auto pixels = [&](size_t count) {
     const std::vector<float> common = test::randomNumbers(count * shader::kHistoryFrame, 1),
                              own = test::randomNumbers(count * shader::kHistoryFrame, 10 + number);
@@ -25,10 +37,8 @@ PackedFrame frameOf(uint32_t number) {
     }
     return values;
   };
-  PackedFrame frame{pixels(kLow), pixels(kFull)};
-  frame.toPrevious = test::randomNumbers(4 * kFull, 20 + number);
-  frame.toNext = test::randomNumbers(4 * kFull, 30 + number);
-  return frame;
+  return {pixels(kLow), pixels(kFull), test::randomNumbers(4 * kFull, 20 + number),
+          test::randomNumbers(4 * kFull, 30 + number)};
 }
 
 struct Merged {
@@ -36,17 +46,22 @@ struct Merged {
   bool operator==(const Merged&) const = default;
 };
 
-Merged merged(HistoryMerger& merger, const std::vector<PackedFrame>& frames, size_t past, size_t future) {
-  std::vector<const PackedFrame*> before, after;
-  for (size_t i = 0; i < past; ++i) before.push_back(&frames[1 + i]);
-  for (size_t i = 0; i < future; ++i) after.push_back(&frames[4 + i]);
+Merged merged(HistoryMerger& merger, const std::vector<Pixels>& frames, size_t past, size_t future) {
+  std::vector<HistoryFrame> before, after;
+  for (size_t i = 0; i < past; ++i) before.push_back(frames[1 + i].rows());
+  for (size_t i = 0; i < future; ++i) after.push_back(frames[4 + i].rows());
   Merged result;
-  merger.run(frames[0], before, after, result.low, result.full);
+  const auto into = [](std::vector<float>& values) {
+    return [&values](uint32_t y, std::span<const float> row) {
+      std::copy(row.begin(), row.end(), &values[y * row.size()]);
+    };
+  };
+  merger.run(frames[0].rows(), before, after, into(result.low), into(result.full));
   return result;
 }
 
 TEST(HistoryMerger, BandsNeverChangeABit) {
-  std::vector<PackedFrame> frames;
+  std::vector<Pixels> frames;
   for (uint32_t number = 0; number < 7; ++number) frames.push_back(frameOf(number));
   HistoryMerger whole(test::gpu(), kHeight, kWidth, kScale, 1000);
   for (const uint32_t rows : {1U, 3U, 8U, 21U}) {
