@@ -4,6 +4,7 @@
 // a CPU runs both sides of every branch.
 // display = curve(exposure * mean of the pixels under the fragment)
 #include "viewer/picture_parameters.h"
+#include "viewer/srgb.glsl"
 
 layout(constant_id = 0) const uint kKind = 0;
 layout(set = 0, binding = 0) uniform samplerBuffer texels;
@@ -18,12 +19,16 @@ vec3 pixelOf(uvec2 at) {
   return texelFetch(texels, int((at.y * picture.planes + plane) * picture.width + at.x)).xyz;
 }
 
-vec3 heat(vec3 found, uvec2 at) {
+vec3 heat(float value, float leastLog10, float mostLog10) {
+  const float share = (log(max(value, 1e-12)) / log(10.0) - leastLog10) / (mostLog10 - leastLog10);
+  return texelFetch(heatTexels, int(clamp(share, 0.0, 1.0) * 255.0 + 0.5)).rgb;
+}
+
+vec3 errorOf(vec3 found, uvec2 at) {
   const vec3 expected = texelFetch(otherTexels, int(at.y * parameters.width + at.x)).rgb;
   float error = 0.0;
   for (int c = 0; c < 3; ++c) error += relativeSquaredError(found[c], expected[c]) / 3.0;
-  const float share = (log(max(error, 1e-12)) / log(10.0) - kLeastErrorLog10) / (kMostErrorLog10 - kLeastErrorLog10);
-  return texelFetch(heatTexels, int(clamp(share, 0.0, 1.0) * 255.0 + 0.5)).rgb;
+  return heat(error, kLeastErrorLog10, kMostErrorLog10);
 }
 
 // Windows that were not computed: darker, and tinted in the colour that the map has for them.
@@ -39,13 +44,9 @@ vec3 valueAt(vec2 position) {
   const vec2 ratio = vec2(picture.width, picture.height) / vec2(parameters.width, parameters.height);
   const uvec2 at = min(uvec2(max(position * ratio, 0.0)), uvec2(picture.width, picture.height) - 1);
   const vec3 value = pixelOf(at);
-  if (kKind == kKindError) return heat(value, at);
+  if (kKind == kKindError) return errorOf(value, at);
+  if (kKind == kKindFlicker) return heat(value.x, kLeastFlickerLog10, kMostFlickerLog10);
   return kKind == kKindSkip ? dimmed(value, at) : value;
-}
-
-vec3 srgb(vec3 linear) {
-  const vec3 c = clamp(linear, 0.0, 1.0);
-  return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
 // Rational fit of a film curve (Narkowicz 2015), scaled so that middle grey keeps its place.
@@ -56,7 +57,7 @@ vec3 filmic(vec3 linear) {
 
 vec3 shown(vec3 value) {
   if (kKind == kKindNormal) return clamp(0.5 * value + 0.5, 0.0, 1.0);
-  if (kKind == kKindAlbedo || kKind == kKindError) return srgb(value);
+  if (kKind == kKindAlbedo || kKind == kKindError || kKind == kKindFlicker) return srgb(value);
   const vec3 exposed = parameters.exposure * value;
   return srgb(parameters.curve == kCurveFilmic ? filmic(exposed) : exposed);
 }

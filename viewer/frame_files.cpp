@@ -55,12 +55,16 @@ void addReference(LoadedFrame& frame) {
 
 }  // namespace
 
-LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge) {
+Frame readFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge) {
+  Frame frame(files.colour, files.auxiliary, layers, inputsOf(files, layers), merge);
+  frame.load();
+  return frame;
+}
+
+LoadedFrame loadedFrame(const FrameFiles& files, const Frame& frame) {
   LoadedFrame loaded;
   loaded.files = files;
-  loaded.inputs = inputsOf(files, layers);
-  Frame frame(files.colour, files.auxiliary, layers, loaded.inputs, merge);
-  frame.load();
+  loaded.inputs = frame.inputs();
   loaded.colour = frame.colour();
   loaded.auxiliary = frame.auxiliary();
   if (!frame.merged() && !loaded.inputs.empty() && loaded.inputs.back() == kFullColour.name) {
@@ -73,6 +77,10 @@ LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const M
   if (!files.reference.empty()) addReference(loaded);
   loaded.output = frame.output(std::max(loaded.scale, 1));
   return loaded;
+}
+
+LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge) {
+  return loadedFrame(files, readFrame(files, layers, merge));
 }
 
 FrameFiles newestFrame(const fs::path& folder) {
@@ -96,21 +104,27 @@ bool isSequence(const fs::path& pattern) {
   return !fs::is_directory(pattern, ignored) && FilePattern::mayBeMany(pattern.string());
 }
 
-std::vector<FrameFiles> sequenceOf(const FrameFiles& patterns) {
+const FrameFiles* filesOf(const Sequence& sequence, int number) {
+  const auto found = std::lower_bound(sequence.begin(), sequence.end(), number,
+                                      [](const NumberedFiles& frame, int wanted) { return frame.number < wanted; });
+  return found != sequence.end() && found->number == number ? &found->files : nullptr;
+}
+
+Sequence sequenceOf(const FrameFiles& patterns) {
   const FilePattern colour(patterns.colour.string());
   const std::vector<int> numbers = colour.frames();
-  std::vector<FrameFiles> frames;
+  Sequence frames;
   frames.reserve(numbers.size());
-  for (const int number : numbers) frames.push_back({.colour = colour.of(number)});
+  for (const int number : numbers) frames.push_back({number, {.colour = colour.of(number)}});
   if (frames.empty())
     throw Error("No file fits the sequence '" + patterns.colour.string() + "': '#' stands for the digits of a number.");
   const auto add = [&](const fs::path& given, fs::path FrameFiles::*member) {
     if (given.empty()) return;
     const FilePattern pattern(given.string());
-    for (size_t i = 0; i < frames.size(); ++i) {
-      frames[i].*member = pattern.of(numbers[i]);
-      if (std::error_code ignored; pattern.isMany() && !fs::exists(frames[i].*member, ignored))
-        throw Error("The sequence '" + given.string() + "' has no frame " + std::to_string(numbers[i]) + ", which '" +
+    for (auto& [number, files] : frames) {
+      files.*member = pattern.of(number);
+      if (std::error_code ignored; pattern.isMany() && !fs::exists(files.*member, ignored))
+        throw Error("The sequence '" + given.string() + "' has no frame " + std::to_string(number) + ", which '" +
                     patterns.colour.string() + "' has.");
     }
   };

@@ -21,7 +21,15 @@ struct LoadedFrame {
   int scale = 0;                    // of the auxiliary images or the reference over the colour; 0: neither is there
   ExrOutput output;                 // windows and attributes of the upscaled frame; of the colour's if scale is 0
   std::vector<std::string> warnings;
+  size_t merged = 1;  // frames of a sequence that it is made of
 };
+
+/// A frame with all that its files have of what models take, its pixels read. Throws Error if a file cannot be read or
+/// they do not fit together.
+Frame readFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge = {});
+
+/// The same to be upscaled, with the reference of its files. Throws Error if that does not fit.
+LoadedFrame loadedFrame(const FrameFiles& files, const Frame& frame);
 
 /// Reads a frame. Throws Error if a file cannot be read or they do not fit together.
 LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge = {});
@@ -33,9 +41,19 @@ FrameFiles newestFrame(const std::filesystem::path& folder);
 /// Whether the name stands for a numbered sequence (sequence/file_pattern.h): it has a run of '#' or %04d.
 bool isSequence(const std::filesystem::path& pattern);
 
+/// A frame of a sequence.
+struct NumberedFiles {
+  int number = 0;
+  FrameFiles files{};
+};
+using Sequence = std::vector<NumberedFiles>;
+
+/// The frame of that number; null if there is none.
+const FrameFiles* filesOf(const Sequence& sequence, int number);
+
 /// The frames of a sequence in the order of their numbers, of those patterns that are given: "shot.####.exr" stands for
 /// every file whose name has a number of at least four digits there. A name without a field is the same file for each
 /// frame. Throws Error if there is no frame, or a file of one is missing.
-std::vector<FrameFiles> sequenceOf(const FrameFiles& patterns);
+Sequence sequenceOf(const FrameFiles& patterns);
 
 }  // namespace xrds

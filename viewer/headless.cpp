@@ -1,5 +1,6 @@
 #include "viewer/headless.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdio>
 
@@ -30,12 +31,33 @@ class Signal {
   bool given_ = false;
 };
 
-void print(const Report& report, uint64_t pictures, double seconds) {
+/// The stages of several pictures.
+class MeanTimes {
+ public:
+  void add(const std::vector<StageTime>& stages) {
+    ++count_;
+    for (const StageTime& stage : stages) {
+      auto found =
+          std::find_if(sums_.begin(), sums_.end(), [&](const StageTime& sum) { return sum.name == stage.name; });
+      if (found == sums_.end()) found = sums_.insert(sums_.end(), {stage.name, 0, stage.isPart});
+      found->milliseconds += stage.milliseconds;
+    }
+  }
+  void print() const {
+    for (const StageTime& sum : sums_)
+      std::printf("  %-24s %9.2f ms\n", ((sum.isPart ? "  " : "") + sum.name).c_str(), sum.milliseconds / count_);
+  }
+
+ private:
+  std::vector<StageTime> sums_;
+  double count_ = 0;
+};
+
+void print(const Report& report, const MeanTimes& means, uint64_t pictures, double seconds) {
   std::printf("%s, %s %s: %u x %u to %u x %u\n", report.device.c_str(), report.model.c_str(),
               precisionName(report.fp16), report.width, report.height, report.scale * report.width,
               report.scale * report.height);
-  for (const StageTime& stage : report.stages)
-    std::printf("  %-24s %9.2f ms\n", ((stage.isPart ? "  " : "") + stage.name).c_str(), stage.milliseconds);
+  means.print();
   std::printf("pictures %llu in %.2f s, %.2f a second\n", static_cast<unsigned long long>(pictures), seconds,
               static_cast<double>(pictures) / seconds);
 }
@@ -51,12 +73,14 @@ void runHeadless(const ViewerOptions& options) {
   Device device = vulkan.shared();
   Pictures pictures(vulkan);
   wanted.live.scene = options.scene;
+  wanted.temporal = isTemporal(options, true);
   Signal signal;
   Upscaling upscaling(vulkan, device, pictures, [&] { signal.give(); });
   upscaling.want(wanted);
   std::optional<Orbit> orbit;
   const uint64_t last = kUncounted + static_cast<uint64_t>(options.frames);
   Clock::time_point start{};
+  MeanTimes means;
   for (uint64_t seen = 0; seen < last;) {
     signal.await();
     const Report report = upscaling.report();
@@ -64,13 +88,16 @@ void runHeadless(const ViewerOptions& options) {
     if (!orbit && report.scene == options.scene) orbit.emplace(report.startCamera);
     if (!orbit || report.pictures == seen) continue;
     seen = report.pictures;
-    if (seen <= kUncounted) start = Clock::now();
+    if (seen <= kUncounted)
+      start = Clock::now();
+    else
+      means.add(report.stages);
     orbit->turn(0.02F, 0);
     wanted.live.camera = orbit->camera();
     upscaling.want(wanted);
   }
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  print(upscaling.report(), last - kUncounted, seconds);
+  print(upscaling.report(), means, last - kUncounted, seconds);
 }
 
 }  // namespace xrds

@@ -17,6 +17,8 @@ enum class Command : uint8_t {
   wipeRight,
   showRight,  // a view, by the key's digit; 0 is the tenth
   showLeft,
+  flickerRight,
+  flickerLeft,
   zoomIn,
   zoomOut,
   fit,
@@ -33,6 +35,7 @@ enum class Command : uint8_t {
   previousModel,
   precision,
   skip,
+  temporal,
   play,
   loop,
   nextFrame,

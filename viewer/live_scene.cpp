@@ -23,8 +23,8 @@ PathTracer makeTracer(VulkanDevice& gpu, const LiveWanted& wanted, uint32_t scal
 
 }  // namespace
 
-LiveScene::LiveScene(VulkanDevice& gpu, const LiveWanted& wanted, uint32_t scale)
-    : made_(wanted), scale_(scale), tracer_(makeTracer(gpu, wanted, scale, start_)) {
+LiveScene::LiveScene(VulkanDevice& gpu, Device& device, const LiveWanted& wanted, uint32_t scale)
+    : device_(device), made_(wanted), scale_(scale), tracer_(makeTracer(gpu, wanted, scale, start_)) {
   camera_ = start_;
   tracer_.reset(camera_);
 }
@@ -41,11 +41,25 @@ bool LiveScene::isOf(const LiveWanted& wanted, uint32_t scale) const {
   return wanted.scene == made_.scene && wanted.width == made_.width && wanted.height == made_.height && scale == scale_;
 }
 
-void LiveScene::look(const std::optional<Camera>& camera) {
+void LiveScene::look(const std::optional<Camera>& camera, bool temporal) {
+  if (!temporal) history_.reset();
   const Camera wanted = camera.value_or(start_);
   if (wanted == camera_) return;
+  if (temporal) {
+    if (!history_) history_.emplace(device_, made_.width, made_.height, scale_);
+    history_->keep(tracer_, camera_);
+  }
   camera_ = wanted;
   tracer_.reset(camera_);
+}
+
+bool LiveScene::giveTo(PreparedNetwork& network) {
+  const auto merged = history_ ? history_->merged(tracer_, camera_) : std::nullopt;
+  if (merged)
+    network.takeLive(merged->colour, merged->albedo, merged->normal);
+  else
+    network.take(tracer_.colour(), tracer_.auxiliary());
+  return merged.has_value();
 }
 
 bool LiveScene::refine(const LiveWanted& wanted, const PathTracer::Progress& progress) {

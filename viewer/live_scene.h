@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "viewer/live_history.h"
 #include "viewer/prepared_network.h"
 #include "viewer/tracer/path_tracer.h"
 
@@ -21,8 +22,8 @@ struct LiveWanted {
 /// A scene that is traced on the device, refined from one call to the next. Used by one thread.
 class LiveScene {
  public:
-  /// Throws Failure if the scene cannot be read, Error if the device cannot hold it.
-  LiveScene(VulkanDevice& gpu, const LiveWanted& wanted, uint32_t scale);
+  /// Throws Failure if the scene cannot be read, Error if the device cannot hold it. gpu: the same device as `device`.
+  LiveScene(VulkanDevice& gpu, Device& device, const LiveWanted& wanted, uint32_t scale);
 
   /// The names that LiveWanted::scene takes besides files.
   static std::vector<std::string> names();
@@ -32,19 +33,22 @@ class LiveScene {
   bool isOf(const LiveWanted& wanted, uint32_t scale) const;
   const Camera& start() const { return start_; }
   uint32_t samples() const { return tracer_.samples().colour; }
-  /// Takes the camera; a new one begins anew.
-  void look(const std::optional<Camera>& camera);
+  /// Takes the camera; a new one begins anew, `temporal`: with what the last one has shown.
+  void look(const std::optional<Camera>& camera, bool temporal);
   /// Nothing is left to be refined.
   bool finished(const LiveWanted& wanted) const { return samples() >= wanted.mostSamples; }
   /// Adds samples: one at first, more at once while nothing moves. Returns false if `progress` stopped it.
   bool refine(const LiveWanted& wanted, const PathTracer::Progress& progress);
-  void giveTo(PreparedNetwork& network) { network.take(tracer_.colour(), tracer_.auxiliary()); }
+  /// Gives its pictures, merged or not. Returns whether they are.
+  bool giveTo(PreparedNetwork& network);
 
  private:
+  Device& device_;
   LiveWanted made_;
   uint32_t scale_;
   Camera start_, camera_;
   PathTracer tracer_;
+  std::optional<LiveHistory> history_;
 };
 
 }  // namespace xrds

@@ -48,6 +48,12 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("--fps", options.framesPerSecond, "Frames a second of a sequence")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
+  app.add_option(
+         "--temporal", options.temporal,
+         "Merge the frames of a sequence with those around them, as xrds upscale does, and a live view with what "
+         "it has shown: on, off, or auto, live views alone")
+      ->check(CLI::IsMember({"on", "off", "auto"}))
+      ->capture_default_str();
   app.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
   app.add_option("--color", options.layers.names[xrds::AovRole::kColor], "Layer to take as colour")->type_name("LAYER");

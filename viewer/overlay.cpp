@@ -17,7 +17,8 @@ constexpr ImU32 kInk = IM_COL32(235, 235, 235, 255), kPaper = IM_COL32(0, 0, 0, 
 struct Label {
   std::string text;
   View shown = View::output;
-  bool hasLegend() const { return shown == View::error || shown == View::skip; }
+  bool hasLegend() const { return isHeatMap() || shown == View::skip; }
+  bool isHeatMap() const { return shown == View::error || shown == View::flicker; }
 };
 
 // A view's name, with what stands in for it.
@@ -47,10 +48,12 @@ std::array<Entry, 3> skipEntries() {
            {"kept", tinted(SkipMap::Window::kept)}}};
 }
 
-constexpr const char* kErrorCaption = "relative squared error";
+const char* captionOf(View shown) {
+  return shown == View::error ? "relative squared error" : "deviation over the last frames";
+}
 
-float legendWidth(View shown, float scale) {
-  if (shown == View::error) return std::max(170 * scale, ImGui::CalcTextSize(kErrorCaption).x);
+float legendWidth(const Label& label, float scale) {
+  if (label.isHeatMap()) return std::max(170 * scale, ImGui::CalcTextSize(captionOf(label.shown)).x);
   float width = 0;
   for (const Entry& entry : skipEntries()) width += ImGui::CalcTextSize(entry.text).x + 22 * scale;
   return width;
@@ -60,24 +63,26 @@ Area extentOf(const Label& label, float scale) {
   if (label.text.empty()) return {};
   const float line = ImGui::GetFontSize(), rim = 6 * scale;
   Area area{0, 0, ImGui::CalcTextSize(label.text.c_str()).x, line};
-  if (label.hasLegend()) area.width = std::max(area.width, legendWidth(label.shown, scale));
-  if (label.shown == View::error) area.height += 2 * line + 14 * scale;
+  if (label.hasLegend()) area.width = std::max(area.width, legendWidth(label, scale));
+  if (label.isHeatMap()) area.height += 2 * line + 14 * scale;
   if (label.shown == View::skip) area.height += line + 2 * scale;
   return {0, 0, area.width + 2 * rim, area.height + rim};
 }
 
 // The heat map's colours from end to end, with the powers of ten that they stand for.
-void drawErrorLegend(ImDrawList& list, const Area& area, float scale) {
+void drawHeatLegend(ImDrawList& list, View shown, const Area& area, float scale) {
   constexpr int kSteps = 64;
   static const Image colours = heatRamp(kSteps);
   const float line = ImGui::GetFontSize(), bar = 10 * scale;
-  list.AddText({area.x, area.y}, kInk, shortened(kErrorCaption, area.width).c_str());
+  list.AddText({area.x, area.y}, kInk, shortened(captionOf(shown), area.width).c_str());
   const float top = area.y + line + 2 * scale, step = area.width / kSteps;
   for (int i = 0; i < kSteps; ++i)
     list.AddRectFilled({area.x + step * static_cast<float>(i), top},
                        {area.x + step * static_cast<float>(i + 1), top + bar},
                        colourOf(colours.at(i, 0, 0), colours.at(i, 0, 1), colours.at(i, 0, 2)));
-  const int least = static_cast<int>(shader::kLeastErrorLog10), most = static_cast<int>(shader::kMostErrorLog10);
+  const bool isError = shown == View::error;
+  const int least = static_cast<int>(isError ? shader::kLeastErrorLog10 : shader::kLeastFlickerLog10);
+  const int most = static_cast<int>(isError ? shader::kMostErrorLog10 : shader::kMostFlickerLog10);
   for (int power = least; power <= most; ++power) {
     char text[16];
     std::snprintf(text, sizeof text, power == 0 ? "1" : "1e%d", power);
@@ -104,8 +109,8 @@ void draw(ImDrawList& list, const Label& label, const Area& area, float scale) {
   const float rim = 6 * scale, line = ImGui::GetFontSize();
   list.AddRectFilled({area.x, area.y}, {area.x + area.width, area.y + area.height}, kPaper, 3 * scale);
   Area inner{area.x + rim, area.y + rim / 2, area.width - 2 * rim, line};
-  if (label.shown == View::error) {
-    drawErrorLegend(list, inner, scale);
+  if (label.isHeatMap()) {
+    drawHeatLegend(list, label.shown, inner, scale);
     inner.y += 2 * line + 14 * scale;
   } else if (label.shown == View::skip) {
     drawSkipLegend(list, inner, scale);

@@ -15,10 +15,11 @@ namespace xrds {
 
 /// The frames of a sequence, and which of them is shown.
 struct Playback {
-  std::vector<FrameFiles> frames;
+  std::shared_ptr<const Sequence> frames;  // null: there is none
   size_t index = 0;
   bool playing = false, looping = true;
   float framesPerSecond = 24;
+  size_t count() const { return frames ? frames->size() : 0; }
 };
 
 /// The pixel under the cursor in the views that are shown; of an error view the errors as its map has them.

@@ -68,7 +68,14 @@ void drawSource(PanelModel& model) {
                 report.scale * report.height);
   if (report.samples > 0) ImGui::Text("%u samples a pixel", report.samples);
   Playback& playback = model.playback;
-  if (playback.frames.empty()) return;
+  if (playback.frames || !model.wanted.live.scene.empty()) {
+    ImGui::Checkbox("merge frames (A)", &model.wanted.temporal);
+    if (report.merged > 1) {
+      ImGui::SameLine();
+      ImGui::TextDisabled("of %zu", report.merged);
+    }
+  }
+  if (!playback.frames) return;
   if (ImGui::Button(playback.playing ? "pause" : "play")) model.perform(Command::play);
   ImGui::SameLine();
   ImGui::Checkbox("loop", &playback.looping);
@@ -78,9 +85,9 @@ void drawSource(PanelModel& model) {
   int index = static_cast<int>(playback.index);
   ImGui::SetNextItemWidth(-1);
   char format[32];
-  std::snprintf(format, sizeof format, "frame %%d of %zu", playback.frames.size());
+  std::snprintf(format, sizeof format, "frame %%d of %zu", playback.count());
   ++index;
-  if (ImGui::SliderInt("##frame", &index, 1, static_cast<int>(playback.frames.size()), format)) {
+  if (ImGui::SliderInt("##frame", &index, 1, static_cast<int>(playback.count()), format)) {
     playback.index = static_cast<size_t>(index - 1);
     playback.playing = false;
   }

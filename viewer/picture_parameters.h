@@ -13,7 +13,8 @@ const uint kKindAlbedo = 1;    // linear: no exposure, sRGB
 const uint kKindNormal = 2;    // [-1, 1], of the second plane
 const uint kKindError = 3;     // against the reference, as a heat map
 const uint kKindSkip = 4;      // radiance, under the map of what was not computed
-const uint kKindCount = 5;
+const uint kKindFlicker = 5;   // a deviation over time, as a heat map
+const uint kKindCount = 6;
 
 const uint kCurveSrgb = 0;    // clamped to [0, 1]
 const uint kCurveFilmic = 1;  // highlights roll off
@@ -21,6 +22,9 @@ const uint kCurveFilmic = 1;  // highlights roll off
 // Ends of the heat map of errors, whose steps are even in the logarithm.
 const float kLeastErrorLog10 = -4.0f;
 const float kMostErrorLog10 = 0.0f;
+// And of that of deviations over time, of sRGB values in [0, 1].
+const float kLeastFlickerLog10 = -3.0f;
+const float kMostFlickerLog10 = 0.0f;
 
 /// Of one channel; the mean over the channels is what RelMSE has for a pixel.
 #ifdef __cplusplus

@@ -11,8 +11,8 @@
 namespace xrds {
 
 /// The images of a frame that can be looked at.
-enum class Slot : uint8_t { input, auxiliary, output, bicubic, demodulated, guided, reference, heat, skipMap };
-inline constexpr size_t kSlotCount = 9;
+enum class Slot : uint8_t { input, auxiliary, output, bicubic, demodulated, guided, reference, heat, skipMap, flicker };
+inline constexpr size_t kSlotCount = 10;
 
 /// An image in device memory, [height, planes, width, 4] floats: each row has those of its planes one after the other.
 /// `valid` once it belongs to the frame that is shown.

@@ -128,8 +128,22 @@ bool PreparedNetwork::fits(const FrameSize& frame) const {
 }
 
 void PreparedNetwork::take(const LoadedFrame& frame) {
-  colour_ = viewOf(frame.colour);
-  auxiliary_ = inputsOf(model_, frame.inputs, frame.auxiliary);
+  take(viewOf(frame.colour), inputsOf(model_, frame.inputs, frame.auxiliary));
+}
+
+void PreparedNetwork::takeLive(const PixelView& colour, const PixelView& albedo, const PixelView& normal) {
+  requireLiveInputs();
+  take(colour, planeCount(model_) > 0 ? std::vector{albedo, normal} : std::vector<PixelView>{});
+}
+
+void PreparedNetwork::requireLiveInputs() const {
+  if (planeCount(model_) > 0 && model_.auxiliaryInputs() != std::vector<std::string>{"albedo", "normal"})
+    throw Error("Model '" + name_ + "' does not take albedo and normal, which is what a live view gives.");
+}
+
+void PreparedNetwork::take(const PixelView& colour, std::vector<PixelView> auxiliary) {
+  colour_ = colour;
+  auxiliary_ = std::move(auxiliary);
   if (!isOnDevice()) return;
   const auto upload = [](DeviceBuffer& to, std::span<const float> pixels) { to.upload(0, std::as_bytes(pixels)); };
   upload(*deviceColour_, inPlanes({&colour_, 1}));
@@ -137,9 +151,8 @@ void PreparedNetwork::take(const LoadedFrame& frame) {
 }
 
 void PreparedNetwork::take(const DeviceBuffer& colour, const DeviceBuffer& auxiliary) {
+  requireLiveInputs();
   const uint32_t count = planeCount(model_);
-  if (count > 0 && model_.auxiliaryInputs() != std::vector<std::string>{"albedo", "normal"})
-    throw Error("Model '" + name_ + "' does not take albedo and normal, which is what a live view gives.");
   if (isOnDevice()) {
     vulkan_.runOnce([&](VkCommandBuffer commands) {
       const auto copy = [&](const DeviceBuffer& from, const DeviceBuffer& to) {

@@ -52,6 +52,8 @@ class PreparedNetwork {
   /// normal.
   void take(const LoadedFrame& frame);
   void take(const DeviceBuffer& colour, const DeviceBuffer& auxiliary);
+  /// Gives it the images of a live view from the host, where they stay in use until others are given.
+  void takeLive(const PixelView& colour, const PixelView& albedo, const PixelView& normal);
   /// Makes the inputs pictures to look at.
   void showInputs(Pictures& pictures) const;
   /// Returns false if `progress` stopped it.
@@ -69,6 +71,8 @@ class PreparedNetwork {
   uint64_t paceFor(double runMilliseconds) const;
 
  private:
+  void requireLiveInputs() const;
+  void take(const PixelView& colour, std::vector<PixelView> auxiliary);
   void record();
   void fillOutput();
 

@@ -137,6 +137,10 @@ void Upscaling::tellFailure(const Wanted& wanted, const Failure& failure) {
 void Upscaling::serve(const Wanted& wanted) {
   clock_.begin();
   takeMetrics();
+  if (std::exchange(temporal_, wanted.temporal) != wanted.temporal) {
+    upscaled_ = false;
+    flicker_.reset();  // of one kind of pictures alone
+  }
   if (!wanted.live.scene.empty()) {
     trace(wanted);
   } else if (!wanted.files.colour.empty() || !wanted.folder.empty()) {
@@ -158,8 +162,9 @@ void Upscaling::serve(const Wanted& wanted) {
 
 void Upscaling::showChosen(const Wanted& wanted) {
   prepare(wanted);
-  if (!upscaled_) upscale();
+  if (!upscaled_) upscale(wanted);
   if (!upscaled_ || outdated()) return;
+  if (wanted.slots[static_cast<size_t>(Slot::flicker)] && !flicker_) showFlicker(wanted);  // begins with what is shown
   for (const Slot slot : {Slot::bicubic, Slot::demodulated, Slot::guided})
     if (wanted.slots[static_cast<size_t>(slot)] && (live_ || !pictures_.at(slot).valid)) makeBase(slot);
   if (wanted.metrics && frame_) startMetrics();

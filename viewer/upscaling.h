@@ -9,7 +9,9 @@
 
 #include "app/exit_code.h"
 #include "image/metrics.h"
+#include "viewer/flicker.h"
 #include "viewer/live_scene.h"
+#include "viewer/moving_sequence.h"
 #include "viewer/stage_times.h"
 #include "viewer/wanted.h"
 #include "viewer/watch.h"
@@ -44,6 +46,7 @@ struct Report {
   uint64_t pictures = 0;         // upscaled so far
   uint64_t partialPictures = 0;  // shown before all their tiles were there
   uint32_t samples = 0;          // of a pixel of a live view's colour
+  size_t merged = 1;             // frames that the input is made of
   std::string scene;             // of the live view, once it is there
   Camera startCamera;            // its own
   bool current = false;          // a picture of what is wanted is shown, though samples or metrics may follow
@@ -81,19 +84,21 @@ class Upscaling {
   void trace(const Wanted& wanted);
   void prepare(const Wanted& wanted);
   void showChosen(const Wanted& wanted);
-  void upscale();
+  void upscale(const Wanted& wanted);
+  void showFlicker(const Wanted& wanted);
+  LoadedFrame loadFrameOf(const Wanted& wanted, const FrameFiles& files);
   NetworkOptions optionsFor(const Wanted& wanted, const Model& model) const;
   void keepPace();
   void showBaseFirst();
   bool showProgress(double share);
-  void giveInputs(PreparedNetwork& network);
+  size_t giveInputs(PreparedNetwork& network);
   void makeBase(Slot slot);
   void startMetrics();
   void takeMetrics();
   void saveIfAsked();
   std::string savedTo(const std::filesystem::path& path) const;
   void tell(const std::function<void(Report&)>& change);
-  void tellPicture();
+  void tellPicture(size_t merged);
   bool stopping() const;
   bool outdated() const;
   std::string wantedModel(const Wanted& wanted) const;
@@ -119,6 +124,9 @@ class Upscaling {
   std::optional<LoadedFrame> frame_;
   std::unique_ptr<LiveScene> live_;
   bool refining_ = false;  // the live view is not finished
+  std::unique_ptr<MovingSequence> moving_;
+  std::unique_ptr<Flicker> flicker_;
+  bool temporal_ = false;  // of what was served last
   FrameSize size_;         // of the frame or the live view
   std::unique_ptr<PreparedNetwork> network_;
   std::map<Slot, std::unique_ptr<PreparedNetwork>> bases_;

@@ -39,7 +39,7 @@ NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) c
   NetworkOptions options{
       .fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes, .tune = wanted.tune, .multiplyAddsAtOnce = pace_};
   if (wanted.skip.bound() == 0 || !model.whyNeverSkipped().empty()) return options;
-  options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.inSequence)};
+  options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.sequence)};
   return options;
 }
 
@@ -50,6 +50,7 @@ void Upscaling::prepare(const Wanted& wanted) {
   upscaled_ = false;
   tell([&](Report& report) { report.waiting = "Preparing the network " + fs::path(name).stem().string() + " ..."; });
   network_.reset();  // its memory goes before the next one's comes
+  flicker_.reset();
   pictures_.invalidate(Slot::skipMap);
   if (!bases_.empty() && !bases_.begin()->second->fits(size_)) bases_.clear();
   Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); });
@@ -63,11 +64,11 @@ void Upscaling::prepare(const Wanted& wanted) {
   clock_.end("preparing");
 }
 
-void Upscaling::giveInputs(PreparedNetwork& network) {
-  if (live_)
-    live_->giveTo(network);
-  else
-    network.take(*frame_);
+// Returns how many frames they are made of.
+size_t Upscaling::giveInputs(PreparedNetwork& network) {
+  if (live_) return live_->giveTo(network) ? 2 : 1;
+  network.take(*frame_);
+  return frame_->merged;
 }
 
 // Cuts the work as this device needs it: on a fast one small submissions take longer to make than to run.
@@ -108,7 +109,7 @@ bool Upscaling::showProgress(double share) {
   return !stopping_ && (asked_ == serving_ || hardlyLost);
 }
 
-void Upscaling::upscale() {
+void Upscaling::upscale(const Wanted& wanted) {
   keepPace();
   const auto begin = [&](Report& report) {
     report.width = size_.width;
@@ -130,7 +131,8 @@ void Upscaling::upscale() {
     const std::lock_guard lock(mutex_);
     begin(report_);
   }
-  giveInputs(*network_);
+  const size_t merged = giveInputs(*network_);
+  if (live_ && merged > 1) clock_.end("merging");
   network_->showInputs(pictures_);
   if (!live_) changed_();  // a live view is drawn once for each picture
   clock_.end("copies");
@@ -145,19 +147,31 @@ void Upscaling::upscale() {
   if (pace > kFarOff * pace_ || kFarOff * pace < pace_) pace_ = pace;
   network_->showOutput(pictures_, Slot::output);
   network_->showSkipMap(pictures_);
+  showFlicker(wanted);
   upscaled_ = true;
   measured_ = false;
   clock_.end("copies");
-  tellPicture();
+  tellPicture(merged);
 }
 
-void Upscaling::tellPicture() {
+void Upscaling::showFlicker(const Wanted& wanted) {
+  const PictureView output = pictures_.at(Slot::output);
+  const bool wants = wanted.slots[static_cast<size_t>(Slot::flicker)];
+  if (!wants) flicker_.reset();
+  if (!flicker_ || !flicker_->fits(output)) pictures_.invalidate(Slot::flicker);
+  if (!wants) return;
+  if (!flicker_ || !flicker_->fits(output)) flicker_ = std::make_unique<Flicker>(vulkan_, output.width, output.height);
+  flicker_->add(pictures_);
+}
+
+void Upscaling::tellPicture(size_t merged) {
   std::vector<StageTime> stages = stageTimes(clock_.steps(), network_->profile());
   const double period = millisecondsSince(lastPicture_) / 1000;
   lastPicture_ = Clock::now();
   tell([&](Report& report) {
     report.model = network_->name();
     report.samples = live_ ? live_->samples() : 0;
+    report.merged = merged;
     report.fp16 = network_->options().fp16;
     const SkipMap map = network_->upscaler().skipMap();
     report.interpolated = map.share(SkipMap::Window::interpolated);

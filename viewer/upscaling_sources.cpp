@@ -26,7 +26,7 @@ void Upscaling::trace(const Wanted& wanted) {
     tell([&](Report& report) { report.waiting = "Preparing the scene " + wanted.live.scene + " ..."; });
     live_.reset();
     frame_.reset();
-    live_ = std::make_unique<LiveScene>(vulkan_, wanted.live, kScale);
+    live_ = std::make_unique<LiveScene>(vulkan_, device_, wanted.live, kScale);
     clock_.end("preparing");
     size_ = {wanted.live.width, wanted.live.height, kScale, {"albedo", "normal"}};
     upscaled_ = false;
@@ -37,7 +37,7 @@ void Upscaling::trace(const Wanted& wanted) {
       report.startCamera = live_->start();
     });
   }
-  live_->look(wanted.live.camera);
+  live_->look(wanted.live.camera, wanted.temporal);
   if (!live_->finished(wanted.live)) {
     upscaled_ = false;
     if (!live_->refine(wanted.live, [&](size_t, size_t) { return !stopping(); })) return;
@@ -51,8 +51,8 @@ void Upscaling::trace(const Wanted& wanted) {
 bool Upscaling::loadWanted(const Wanted& wanted) {
   FrameFiles files = wanted.files;
   if (!wanted.folder.empty()) files = failingWith(ExitCode::input, [&] { return newestFrame(wanted.folder); });
-  const bool same =
-      frame_ && files == frame_->files && samePixels(wanted.layers, served_.layers) && wanted.reload == served_.reload;
+  const bool same = frame_ && files == frame_->files && samePixels(wanted.layers, served_.layers) &&
+                    wanted.reload == served_.reload && wanted.temporal == served_.temporal;
   if (wanted.watching) {
     if (std::exchange(served_.reload, wanted.reload) != wanted.reload) watch_.forget();
     if (!watch_.changed(filesOf(files), std::chrono::steady_clock::now())) return false;
@@ -60,11 +60,21 @@ bool Upscaling::loadWanted(const Wanted& wanted) {
     return false;
   }
   if (!frame_) tell([&](Report& report) { report.waiting = "Reading " + files.colour.filename().string() + " ..."; });
-  LoadedFrame loaded = failingWith(ExitCode::input, [&] { return loadFrame(files, wanted.layers, wanted.merge); });
+  if (wanted.reload != served_.reload) moving_.reset();
+  LoadedFrame loaded = loadFrameOf(wanted, files);
   served_ = wanted;
   clock_.end("read files");
   takeFrame(std::move(loaded));
   return true;
+}
+
+LoadedFrame Upscaling::loadFrameOf(const Wanted& wanted, const FrameFiles& files) {
+  if (!wanted.temporal || !wanted.sequence) {
+    moving_.reset();
+    return failingWith(ExitCode::input, [&] { return loadFrame(files, wanted.layers, wanted.merge); });
+  }
+  if (!moving_ || !moving_->isOf(wanted)) moving_ = std::make_unique<MovingSequence>(wanted);
+  return moving_->merged(device_, wanted.number);
 }
 
 void Upscaling::takeFrame(LoadedFrame frame) {

@@ -10,9 +10,22 @@
 namespace xrds {
 
 /// What one side of the divider shows.
-enum class View : uint8_t { output, input, bicubic, demodulated, guided, reference, error, albedo, normal, skip };
-inline constexpr std::array<const char*, 10> kViewNames{"xrds",      "input", "bicubic", "demodulated", "guided",
-                                                        "reference", "error", "albedo",  "normal",      "skip map"};
+enum class View : uint8_t {
+  output,
+  input,
+  bicubic,
+  demodulated,
+  guided,
+  reference,
+  error,
+  albedo,
+  normal,
+  skip,
+  flicker
+};
+inline constexpr std::array<const char*, 11> kViewNames{"xrds",   "input",     "bicubic", "demodulated",
+                                                        "guided", "reference", "error",   "albedo",
+                                                        "normal", "skip map",  "flicker"};
 inline const char* nameOf(View view) { return kViewNames[static_cast<size_t>(view)]; }
 
 /// Where a picture lies on an area of the display. Lengths are display pixels from the top left corner of the area.

@@ -48,6 +48,10 @@ Placement placementOf(const ViewerOptions& options) {
 
 }  // namespace
 
+bool isTemporal(const ViewerOptions& options, bool live) {
+  return options.temporal == "on" || (options.temporal == "auto" && live);
+}
+
 Wanted wantedOf(const ViewerOptions& options) {
   if (!options.model.empty()) failingWith(ExitCode::model, [&] { Model{resolveModel(options.model)}; });
   if (!options.scene.empty()) failingWith(ExitCode::input, [&] { LiveScene::requireExisting(options.scene); });
@@ -193,8 +197,8 @@ bool Viewer::ready() const {
 }
 
 void Viewer::advancePlayback() {
-  if (!playback_.playing || playback_.frames.empty() || !report_.settled || Clock::now() < nextFrame_) return;
-  const bool last = playback_.index + 1 == playback_.frames.size();
+  if (!playback_.playing || !playback_.frames || !report_.settled || Clock::now() < nextFrame_) return;
+  const bool last = playback_.index + 1 == playback_.count();
   if (last && !playback_.looping) {
     playback_.playing = false;
     return needDrawing();
@@ -206,7 +210,10 @@ void Viewer::advancePlayback() {
 }
 
 void Viewer::updateWanted() {
-  if (!playback_.frames.empty()) wanted_.files = playback_.frames[playback_.index];
+  if (playback_.frames) {
+    wanted_.files = (*playback_.frames)[playback_.index].files;
+    wanted_.number = (*playback_.frames)[playback_.index].number;
+  }
   if (orbit_) wanted_.live.camera = orbit_->camera();
   wanted_.metrics = !playback_.playing;
   wanted_.slots = {};

@@ -22,7 +22,7 @@ struct ViewerOptions {
   std::string scene;                            // live: built-in or a file; with a scene there are no files
   std::string liveSize = "128x128";             // of its colour
   uint32_t samples = LiveWanted{}.mostSamples;  // of a pixel of it
-  std::string model, device, precision = kFp32, skip = "off", memory, tune = "auto";
+  std::string model, device, precision = kFp32, skip = "off", memory, tune = "auto", temporal = "auto";
   double framesPerSecond = 24;
   std::string size;                  // "WIDTHxHEIGHT"; empty: as it was left
   std::string script;                // file of steps to take
@@ -31,6 +31,9 @@ struct ViewerOptions {
   bool validation = false, statistics = false;
   bool headless = false;  // see viewer/headless.h
 };
+
+/// Whether the options ask for merged frames (Wanted::temporal), of a live view or a sequence.
+bool isTemporal(const ViewerOptions& options, bool live);
 
 /// What the options ask the worker for, but the source. Throws Failure.
 Wanted wantedOf(const ViewerOptions& options);

@@ -59,9 +59,10 @@ void Viewer::open(const std::vector<std::string>& files) {
   wanted.files = {};
   wanted.folder.clear();
   wanted.live.scene.clear();
-  wanted.inSequence = false;
+  wanted.sequence.reset();
+  wanted.temporal = isTemporal(options_, false);
   wanted.watching = options_.watch;
-  playback.frames.clear();
+  playback.frames.reset();
   playback.index = 0;
   playback.playing = false;
   if (files.size() == 1 && fs::is_directory(files[0])) {
@@ -70,9 +71,9 @@ void Viewer::open(const std::vector<std::string>& files) {
   } else if (isSequence(files[0])) {
     FrameFiles patterns{files[0], files.size() > 1 ? files[1] : "", options_.reference};
     if (files.size() > 2) patterns.reference = files[2];
-    playback.frames = sequenceOf(patterns);
+    playback.frames = std::make_shared<const Sequence>(sequenceOf(patterns));
     wanted.watching = false;
-    wanted.inSequence = true;
+    wanted.sequence = playback.frames;
   } else if (options_.watch) {  // they need not be there yet
     wanted.files = {files[0], files.size() > 1 ? files[1] : "", options_.reference};
     if (files.size() > 2) wanted.files.reference = files[2];
@@ -83,7 +84,7 @@ void Viewer::open(const std::vector<std::string>& files) {
   ++wanted.reload;
   wanted_ = std::move(wanted);
   playback_ = std::move(playback);
-  if (!playback_.frames.empty()) wanted_.files = playback_.frames[0];
+  if (playback_.frames) wanted_.files = playback_.frames->front().files;
   display_.title(fs::path(files[0]).filename().string() + " - xrds");
 }
 
@@ -123,6 +124,9 @@ void Viewer::perform(Command command, int digit) {
     case Command::skip:
       wanted_.skip.mode = static_cast<SkipChoice::Mode>((static_cast<int>(wanted_.skip.mode) + 1) % 3);
       break;
+    case Command::temporal:
+      wanted_.temporal = !wanted_.temporal;
+      break;
     case Command::reload:
       ++wanted_.reload;
       break;
@@ -152,6 +156,10 @@ bool Viewer::performView(Command command, int digit) {
       return view_.right = static_cast<View>(digit), true;
     case Command::showLeft:
       return view_.left = static_cast<View>(digit), view_.wiping = true;
+    case Command::flickerRight:
+      return view_.right = view_.right == View::flicker ? View::output : View::flicker, true;
+    case Command::flickerLeft:
+      return view_.left = View::flicker, view_.wiping = true;
     case Command::zoomIn:
       return viewport.zoomAbout(middleX, middleY, viewport.zoomStep(1)), true;
     case Command::zoomOut:
@@ -182,7 +190,7 @@ bool Viewer::performView(Command command, int digit) {
 }
 
 bool Viewer::performFrame(Command command) {
-  const size_t count = playback_.frames.size();
+  const size_t count = playback_.count();
   if (command == Command::loop) return playback_.looping = !playback_.looping, true;
   if (command == Command::play) {
     if (count == 0) return true;
@@ -234,10 +242,12 @@ bool Viewer::performLive(Command command) {
 void Viewer::showScene(const std::string& scene) {
   wanted_.files = {};
   wanted_.folder.clear();
-  wanted_.watching = wanted_.inSequence = false;
+  wanted_.watching = false;
+  wanted_.sequence.reset();
+  wanted_.temporal = isTemporal(options_, true);
   wanted_.live.scene = scene;
   wanted_.live.camera.reset();
-  playback_.frames.clear();
+  playback_.frames.reset();
   orbit_.reset();
   display_.title(fs::path(scene).filename().string() + " - xrds");
 }

@@ -13,10 +13,11 @@ bool samePixels(const AovRequest& a, const AovRequest& b) {
 }
 
 bool Wanted::operator==(const Wanted& other) const {
-  return files == other.files && watching == other.watching && inSequence == other.inSequence &&
-         folder == other.folder && samePixels(layers, other.layers) && merge.never == other.merge.never &&
-         live == other.live && model == other.model && fp16 == other.fp16 && skip.bound() == other.skip.bound() &&
-         memoryBytes == other.memoryBytes && slots == other.slots && metrics == other.metrics && reload == other.reload;
+  return files == other.files && watching == other.watching && sequence == other.sequence && number == other.number &&
+         temporal == other.temporal && folder == other.folder && samePixels(layers, other.layers) &&
+         merge.never == other.merge.never && live == other.live && model == other.model && fp16 == other.fp16 &&
+         skip.bound() == other.skip.bound() && memoryBytes == other.memoryBytes && slots == other.slots &&
+         metrics == other.metrics && reload == other.reload;
 }
 
 }  // namespace xrds

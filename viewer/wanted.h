@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "viewer/live_scene.h"
@@ -20,10 +21,12 @@ struct SkipChoice {
 
 /// What is to be upscaled, and how.
 struct Wanted {
-  FrameFiles files;              // of one frame; no colour: nothing
-  bool watching = false;         // files that are written again and again
-  bool inSequence = false;       // the next files are likely to look alike
-  std::filesystem::path folder;  // watched for new files; empty: `files` are meant
+  FrameFiles files;                          // of one frame; no colour: nothing
+  bool watching = false;                     // files that are written again and again
+  std::shared_ptr<const Sequence> sequence;  // that the files are of, if any
+  int number = 0;                            // of the frame in it
+  bool temporal = false;                     // merge frames with those around them, a live view with what it has shown
+  std::filesystem::path folder;              // watched for new files; empty: `files` are meant
   AovRequest layers;
   MergeRequest merge;
   LiveWanted live;    // goes before files
@@ -32,7 +35,7 @@ struct Wanted {
   SkipChoice skip;
   uint64_t memoryBytes = 0;  // of the device; 0: most of it
   Upscaler::Tune tune = Upscaler::Tune::automatic;
-  std::array<bool, kSlotCount> slots{};  // of bicubic, demodulated and guided: those that are looked at
+  std::array<bool, kSlotCount> slots{};  // of bicubic, demodulated, guided and flicker: those that are looked at
   bool metrics = true;
   uint64_t reload = 0;  // another number reads the files again
   bool operator==(const Wanted&) const;

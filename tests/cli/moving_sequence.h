@@ -18,9 +18,10 @@ inline float noise(int frame, int x, int y, int c) {
 struct MotionTold {
   std::string layer = "Vector", channels = "XYZW";
   bool byCameras = false;
+  int step = 3;  // pixels of the full resolution to the right, a frame
 };
 
-/// Frames 1 to 6 of a pattern that moves by 3 pixels of the full resolution to the right a frame, under noisy light, as
+/// Frames 1 to 6 of a pattern that moves to the right, under noisy light, as
 /// colour.0001.exr and aux.0001.exr.
 struct MovingSequence {
   TemporaryFolder folder;
@@ -38,19 +39,21 @@ struct MovingSequence {
     writeParts(
         at("colour", frame),
         {{low, low, {Layer{"", "RGB", [=](int x, int y, int c) { return 0.3F + 0.6F * noise(frame, x, y, c); }}}}});
-    const Layer albedo{"albedo", "RGB",
-                       [=](int x, int y, int) { return (x - 3 * frame + 30) / 6 % 2 == y / 6 % 2 ? 0.3F : 0.7F; }};
+    const Layer albedo{"albedo", "RGB", [=](int x, int y, int) {
+                         return (x - told.step * frame + 30) / 6 % 2 == y / 6 % 2 ? 0.3F : 0.7F;
+                       }};
     Part part{full, full, {albedo, normalLayer("normal", 4 * kWidth)}};
     if (told.byCameras) {
-      // Parallel rays along z, a world's unit to a pixel: the camera moves by 3 to the left.
+      // Parallel rays along z, a world's unit to a pixel: the camera moves by the step to the left.
       constexpr float kWide = 1.F / (4 * kWidth), kHigh = 1.F / (4 * kHeight);
-      const auto shift = static_cast<float>(3 * frame);
+      const auto shift = static_cast<float>(told.step * frame);
       part.layers.push_back({"depth", "Z", [](int, int, int) { return 5.F; }});
       part.matrices["worldToNDC"] = {kWide, 0, 0, 0, 0, -kHigh, 0, 0, 0, 0, 1, 0, kWide * shift, 1, 0, 1};
       part.matrices["worldToCamera"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, shift, 0, 0, 1};
     } else {
-      // Of Cycles' four: previous less present is -3, and present less next as well.
-      part.layers.push_back({told.layer, told.channels, [](int, int, int c) { return c % 2 == 0 ? -3.F : 0.F; }});
+      // Of Cycles' four: previous less present is minus the step, and present less next as well.
+      part.layers.push_back({told.layer, told.channels,
+                             [=](int, int, int c) { return c % 2 == 0 ? static_cast<float>(-told.step) : 0.F; }});
     }
     writeParts(at("aux", frame), {part});
   }

@@ -64,12 +64,12 @@ TEST(Sequence, IsOrderedByNumber) {
   EXPECT_FALSE(isSequence("a.0001.exr"));
   const auto frames = sequenceOf({folder / "a.####.exr", {}, {}});
   ASSERT_EQ(frames.size(), 3u);
-  EXPECT_EQ(frames[0].colour.filename(), "a.0009.exr");
-  EXPECT_EQ(frames[2].colour.filename(), "a.12345.exr");
+  EXPECT_EQ(frames[0].files.colour.filename(), "a.0009.exr");
+  EXPECT_EQ(frames[2].files.colour.filename(), "a.12345.exr");
   EXPECT_THROW(sequenceOf({folder / "a.####.exr", folder / "b.####.exr", {}}), Error);  // b has no 12345
   fs::remove(folder / "a.12345.exr");
-  EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.####.exr", {}})[1].auxiliary.filename(), "b.0010.exr");
-  EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.0009.exr", {}})[1].auxiliary.filename(), "b.0009.exr");
+  EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.####.exr", {}})[1].files.auxiliary.filename(), "b.0010.exr");
+  EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.0009.exr", {}})[1].files.auxiliary.filename(), "b.0009.exr");
   EXPECT_THROW(sequenceOf({folder / "c.##.exr", {}, {}}), Error);
 }
 

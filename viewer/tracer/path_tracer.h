@@ -47,9 +47,10 @@ class PathTracer {
 
   /// [height, width, 4] floats: mean linear radiance and 0.
   const DeviceBuffer& colour() const;
-  /// [scale height, 2, scale width, 4] floats: of each row first albedo and 0, then normals in camera space (x right, y
-  /// up, z away from the camera), facing it, and 0. As Cycles' denoising data: smooth metal and glass show what they
-  /// reflect, tinted; light sources and sky have their radiance for an albedo; the sky has no normal (0, 0, 0).
+  /// [scale height, 2, scale width, 4] floats: of each row first albedo and nearness (of the first hit, 1 / distance
+  /// along the viewing direction, 0 of the sky), then normals in camera space (x right, y up, z away from the camera),
+  /// facing it, and 0. As Cycles' denoising data: smooth metal and glass show what they reflect, tinted; light sources
+  /// and sky have their radiance for an albedo; the sky has no normal (0, 0, 0).
   const DeviceBuffer& auxiliary() const;
 
  private:

@@ -1,16 +1,18 @@
-// picture = mean albedo and camera-space normal of all samples so far, sums = their sums and number: [height, 2, width,
-// 4]. One pixel an invocation. The rule is that of Cycles' denoising passes: a path goes on through glass and smooth
-// metal, tinted, to the first rough surface, whose albedo and normal count; light that it meets counts as albedo.
+// picture = mean (albedo, nearness) and (camera-space normal, 0) of all samples so far, sums = their sums and number:
+// [height, 2, width, 4]. One pixel an invocation. The nearness is that of the first hit, 1 / its depth; 0 of the sky.
+// The rule of the others is that of Cycles' denoising passes: a path goes on through glass and smooth metal, tinted, to
+// the first rough surface, whose albedo and normal count; light that it meets counts as albedo.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "viewer/tracer/trace_camera.glsl"
 #include "viewer/tracer/trace_light.glsl"
 #include "viewer/tracer/trace_surface.glsl"
 
-const float kLeastRoughAlpha = 0.075;
+const float kLeastRoughAlpha = 0.075, kLeastDepth = 1e-6;
 
 struct Features {
   vec3 albedo, normal;
+  float nearness;
 };
 
 vec3 inCamera(vec3 direction) {
@@ -19,13 +21,15 @@ vec3 inCamera(vec3 direction) {
 }
 
 Features traceFeatures(Ray ray) {
-  Features features = Features(vec3(0), vec3(0));
+  Features features = Features(vec3(0), vec3(0), 0.0);
   vec3 throughput = vec3(1);
   int bounce = 0;
   while (bounce <= p.maxBounces) {
     const Hit hit = intersect(ray, kFar, false);
     const Surface surface = surfaceAt(ray, hit);
     const bool isMissed = hit.triangle < 0;
+    if (bounce == 0 && !isMissed)
+      features.nearness = 1.0 / max(hit.distance * dot(ray.direction, texelFetch(view, 3).xyz), kLeastDepth);
     features.albedo += throughput * (isMissed ? skyFrom(ray.direction).rgb : surface.emission);
     const bool isRough =
         surface.kind == kDiffuse || surface.kind == kMetal && alphaOf(surface.roughness) > kLeastRoughAlpha;
@@ -51,7 +55,7 @@ void main() {
   while (left > 0) {
     startRandom(uint(at.y * p.width + at.x), uint(second.w), p.seed + 1u);
     const Features features = traceFeatures(cameraRay(at));
-    first += vec4(features.albedo, 0);
+    first += vec4(features.albedo, features.nearness);
     second += vec4(features.normal, 1);
     left--;
   }
