@@ -34,6 +34,13 @@ void downscale(Layers& layers, TensorView x, const TensorView& into) {
                      .inFours = true});
 }
 
+// u + v, two values.
+TensorView sum(Layers& layers, const std::string& name, const TensorView& u, const TensorView& v) {
+  const TensorView into = layers.create(name, u, u.channels);
+  layers.graph.nodes.push_back({name, GatedSum{.input = u, .output = into, .addend = v}});
+  return into;
+}
+
 // RDG: residual dense blocks, plus x. A block's input is the start of its concatenation `dense`.
 TensorView group(Layers& layers, const std::string& name, const TensorView& x) {
   const uint32_t c = x.channels, blocks = layers.config.blocks;

@@ -199,17 +199,6 @@ void denormalize(Layers& layers, const std::string& name, uint32_t inputs, uint3
   layers.derive(name + ".bias", std::move(shifted));
 }
 
-TensorView sum(Layers& layers, const std::string& name, const TensorView& u, const TensorView& v) {
-  const uint32_t c = u.channels;
-  std::vector<float> weight(size_t{c} * c);
-  for (uint32_t i = 0; i < c; ++i) weight[size_t{i} * c + i] = 1;
-  Linear op{.input = u, .output = layers.create(name, u, c), .residual = v};
-  op.weight = layers.graph.keep(std::move(weight));
-  op.bias = layers.graph.keep(std::vector<float>(c));
-  layers.graph.nodes.push_back({name, op});
-  return op.output;
-}
-
 void upscale(Layers& layers, const TensorView& u, const Prepared& prepared, const std::vector<std::string>& doublings,
              const std::string& output) {
   std::vector<Doubling> all;

@@ -29,9 +29,6 @@ TensorView normalizedColour(Layers& layers, const TensorView& x);
 /// give y / range + mean of its result y. Its channels are an equal number for each of the three colours.
 void denormalize(Layers& layers, const std::string& name, uint32_t inputs, uint32_t outputs);
 
-/// u + v as a linear layer of u.
-TensorView sum(Layers& layers, const std::string& name, const TensorView& u, const TensorView& v);
-
 /// The picture of the features u: y = pixel_shuffle(conv3x3(y, C -> 4 C)) for each of the convolutions, then the
 /// convolution `output` to the three colours, decoded; in a sweep over rows.
 void upscale(Layers& layers, const TensorView& u, const Prepared& prepared, const std::vector<std::string>& doublings,

@@ -14,10 +14,11 @@ XRDS_SHARED_END
 #include "shaders/common/operator_facts.h"
 namespace xrds {
 
-/// y = x * gate + addend, one gate a channel (channel attention's last step, RCAN, Zhang et al. 2018, equation 9).
+/// y = x * gate + addend, one gate a channel (channel attention's last step, RCAN, Zhang et al. 2018, equation 9);
+/// without a gate y = x + addend.
 struct GatedSum {
   TensorView input, output;  // [h, w, c]
-  TensorView gate;           // [1, 1, c] f32, of ChannelGate
+  TensorView gate{};         // [1, 1, c] f32, of ChannelGate; optional
   TensorView addend;         // as the output, but another value: lanes make a last column several times
   RowRange rows{};
 };
