@@ -15,9 +15,9 @@ namespace {
 
 using Frame = test::NoiseFrame;
 
-// The first of the stress, with its auxiliary images as they come.
+// "full" of the stress, with its auxiliary images as they come.
 const NetworkConfig kSmall = [] {
-  NetworkConfig config = stressConfigs().front();
+  NetworkConfig config = stressConfig("full");
   config.auxKernels = 0;
   return config;
 }();
@@ -71,14 +71,11 @@ INSTANTIATE_TEST_SUITE_P(Session, Aliasing,
 INSTANTIATE_TEST_SUITE_P(OfGpus, Aliasing,
                          testing::Values(std::tuple{BlockKind::rdst, Precision::fp16, KernelFamily::tile}));
 
-// Every scale, kind of block, way to join and full-resolution stage occurs.
-const std::vector<NetworkConfig> kBanded = stressConfigs();
-
-class Banding : public testing::TestWithParam<std::tuple<size_t, Precision, KernelFamily>> {};
+class Banding : public testing::TestWithParam<std::tuple<const char*, Precision, KernelFamily>> {};
 
 TEST_P(Banding, NeverChangesABit) {
   const auto [which, precision, family] = GetParam();
-  const NetworkConfig& config = kBanded[which];
+  const NetworkConfig config = stressConfig(which);
   Gpu& gpu = test::gpu();
   const DeviceTraits traits = gpu.traits();
   DeviceTraits wanted = traits;
@@ -107,18 +104,19 @@ TEST_P(Banding, NeverChangesABit) {
   gpu.setTraits(traits);
 }
 
+// Every scale, kind of block, way to join and full-resolution stage occurs.
 INSTANTIATE_TEST_SUITE_P(Session, Banding,
-                         testing::Combine(testing::Values(0, 1, 2, 3),
+                         testing::Combine(testing::Values("full", "dense", "plain", "bare"),
                                           testing::Values(Precision::fp32, Precision::fp16),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane)));
 INSTANTIATE_TEST_SUITE_P(OtherArchitectures, Banding,
-                         testing::Combine(testing::Values(7, 8, 9, 10),
+                         testing::Combine(testing::Values("swinir", "edsr", "msspl", "rcan"),
                                           testing::Values(Precision::fp32, Precision::fp16),
                                           testing::Values(KernelFamily::lane)));
-INSTANTIATE_TEST_SUITE_P(OfGpus, Banding, testing::Values(std::tuple{size_t{0}, Precision::fp16, KernelFamily::tile}));
+INSTANTIATE_TEST_SUITE_P(OfGpus, Banding, testing::Values(std::tuple{"full", Precision::fp16, KernelFamily::tile}));
 
 TEST(Session, BandsReadOnlyWhatTheyHold) {
-  for (const NetworkConfig& config : kBanded) {
+  for (const auto& [name, config, inShortForm] : stressNetworks()) {
     const NetworkModel model = NetworkModel::random(config, 3);
     const FrameShape shape{20, 6};
     const Frame frame(config, shape);

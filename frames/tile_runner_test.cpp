@@ -25,16 +25,18 @@ struct Frame : test::NoiseFrame {
 // Those of the stress run, in which every scale, kind of block, way to join, filter and full-resolution stage occurs;
 // then a window of 8 pixels, no network, and the other architectures but RCAN, whose tiles are not exact.
 std::vector<NetworkConfig> tiledConfigs() {
-  const std::vector<NetworkConfig> stress = stressConfigs();
-  NetworkConfig narrow = stress.at(0);
+  NetworkConfig narrow = stressConfig("full");
   narrow.groups = 1;
   NetworkConfig wide = narrow;
   wide.scale = 4;
   wide.blocks = 1;
   wide.window = 8;
   wide.auxKernels = 0;
-  return {narrow,       wide,         stress.at(1), stress.at(2), stress.at(3), {.scale = 4, .groups = 0},
-          stress.at(6), stress.at(7), stress.at(8), stress.at(9)};
+  std::vector<NetworkConfig> all{narrow, wide};
+  for (const char* name : {"dense", "plain", "bare"}) all.push_back(stressConfig(name));
+  all.push_back({.scale = 4, .groups = 0});
+  for (const char* name : {"merged", "swinir", "edsr", "msspl"}) all.push_back(stressConfig(name));
+  return all;
 }
 const std::vector<NetworkConfig> kConfigs = tiledConfigs();
 

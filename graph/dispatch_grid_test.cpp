@@ -26,8 +26,11 @@ bool isGrid(const Dispatch& launch) {
 // The paper's size, that of the shipped compact models, the largest heads and the most of them, and all that a stress
 // run tries.
 std::vector<NetworkConfig> configs() {
-  std::vector<NetworkConfig> all = stressConfigs();
-  for (NetworkConfig& config : all) config.groups = config.blocks = 1;
+  std::vector<NetworkConfig> all;
+  for (const StressNetwork& network : stressNetworks()) {
+    all.push_back(network.config);
+    all.back().groups = all.back().blocks = 1;
+  }
   all.push_back({.groups = 1, .blocks = 1});
   all.push_back({.channels = 32,
                  .auxChannels = 16,

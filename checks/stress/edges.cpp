@@ -86,7 +86,7 @@ const std::vector<WeightEdge>& weightEdges() {
   return kEdges;
 }
 
-std::vector<NetworkConfig> stressConfigs() {
+std::vector<StressNetwork> stressNetworks() {
   NetworkConfig full{.scale = 2,
                      .channels = 16,
                      .auxChannels = 8,
@@ -166,7 +166,16 @@ std::vector<NetworkConfig> stressConfigs() {
   const NetworkConfig edsr = configOf("edsr", {{"blocks", "2"}, {"residual_divisor", "10"}, {"range", "255"}});
   const NetworkConfig msspl =
       configOf("msspl", {{"groups", "1"}, {"blocks", "2"}, {"aux_inputs", "colour,albedo,normal"}});
-  return {full, dense, plain, bare, linear, folded, merged, swinir, edsr, msspl, rcan};
+  return {{"full", full, true}, {"dense", dense},         {"plain", plain},         {"bare", bare},
+          {"linear", linear},   {"folded", folded, true}, {"merged", merged, true}, {"swinir", swinir, true},
+          {"edsr", edsr},       {"msspl", msspl},         {"rcan", rcan, true}};
+}
+
+NetworkConfig stressConfig(const std::string& name) {
+  for (StressNetwork& network : stressNetworks())
+    if (network.name == name) return std::move(network.config);
+  XRDS_CHECK(false);
+  return {};
 }
 
 }  // namespace xrds

@@ -20,7 +20,17 @@ struct WeightEdge {
 /// power of two behind them leave the network's output as it was.
 const std::vector<WeightEdge>& weightEdges();
 
-/// Random models of every scale, kind of block, way to join, base image, transfer and architecture for upscaling.
-std::vector<NetworkConfig> stressConfigs();
+/// A network that a stress run tries with random weights.
+struct StressNetwork {
+  std::string name;
+  NetworkConfig config;
+  bool inShortForm = false;  // together they have every operator, those of xrds with one group of one block
+};
+
+/// Of every scale, kind of block, way to join, base image, transfer and architecture for upscaling.
+std::vector<StressNetwork> stressNetworks();
+
+/// That of the name. Throws std::logic_error if there is none.
+NetworkConfig stressConfig(const std::string& name);
 
 }  // namespace xrds

@@ -334,13 +334,12 @@ std::vector<std::string> StressReport::exceptions() const {
 
 StressReport runStress(Gpu& gpu, const std::vector<StressModel>& models, const StressOptions& options) {
   std::vector<StressModel> all;
-  auto configs = stressConfigs();
-  if (options.shortForm) {  // the five have every operator
-    configs = {configs.front(), configs.at(5), configs.at(6), configs.at(7), configs.back()};
-    configs[0].groups = configs[0].blocks = 1;
+  for (StressNetwork& network : stressNetworks()) {
+    if (!options.randomModels || (options.shortForm && !network.inShortForm)) continue;
+    if (options.shortForm && network.config.architecture == NetworkConfig{}.architecture)
+      network.config.groups = network.config.blocks = 1;
+    all.push_back({"random " + network.name, NetworkModel::random(network.config, options.seed)});
   }
-  for (size_t i = 0; options.randomModels && i < configs.size(); ++i)
-    all.push_back({"random " + std::to_string(i + 1), NetworkModel::random(configs[i], options.seed)});
   all.insert(all.end(), models.begin(), models.end());
   return StressRun(gpu, options).run(all);
 }

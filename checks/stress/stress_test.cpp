@@ -28,7 +28,7 @@ const std::vector<NetworkModel>& allModels() {
         if (name.ends_with(".safetensors") && !name.ends_with(".io.safetensors"))
           found.push_back(NetworkModel::read(entry.path()));
       }
-    for (const NetworkConfig& config : stressConfigs()) found.push_back(NetworkModel::random(config, 1));
+    for (const StressNetwork& network : stressNetworks()) found.push_back(NetworkModel::random(network.config, 1));
     return found;
   }();
   return models;
@@ -144,7 +144,7 @@ TEST(OperatorFacts, KnowsWhatBandsFoldsAndFusedLayersAloneHave) {
   std::set<std::string> programs;
   for (const KernelFamily family : {KernelFamily::lane, KernelFamily::fused})
     for (const Precision precision : {Precision::fp32, Precision::fp16})
-      for (const NetworkConfig& config : stressConfigs()) {
+      for (const auto& [name, config, inShortForm] : stressNetworks()) {
         const DeviceTraits device = usualTraits(family);
         for (const Node& node : graphOf(NetworkModel::random(config, 1), device, precision, config.window).nodes) {
           programs.insert(programOf(node, device));
