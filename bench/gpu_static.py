@@ -31,6 +31,7 @@ FRAME = 256  # a side of the low-resolution frame
 MATRIX_KERNELS = ("conv3x3", "linear", "swin_layer")
 WARP_SCHEDULERS = 4  # of a multiprocessor of NVIDIA, which share its warps
 MODELS = sorted(path.stem for path in (ROOT / "models").glob("*.safetensors"))
+OTHERS = ("edsr", "rcan", "swinir", "msspl")  # networks of others, with random weights
 
 
 class Mesa:
@@ -110,7 +111,7 @@ def read_network(raw, compute_units):
 
 def measure(mesa, program, spirv, gpu, models, *options):
     """What the program says of one GPU, read."""
-    paths = [ROOT / "models" / f"{model}.safetensors" for model in models]
+    paths = [model if model in OTHERS else ROOT / "models" / f"{model}.safetensors" for model in models]
     raw = json.loads(mesa.run(program, *paths, "--programs", spirv, "--width", FRAME, "--height", FRAME, "--memory-bytes",
                               MEMORY_BYTES.get(gpu, 8 << 30), *options, gpu=gpu))
     return {"gpu": gpu, "device": raw["device"], "driver": raw["driver"], "computeUnits": COMPUTE_UNITS[gpu],
@@ -133,7 +134,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=ROOT / "build" / "release" / "bench" / "xrds_gpu_static")
     parser.add_argument("--gpus", default=",".join(COMPUTE_UNITS))
-    parser.add_argument("--models", default=",".join(MODELS))
+    parser.add_argument("--models", default=",".join((*MODELS, *OTHERS)))
     parser.add_argument("--print", action="store_true", help="print the kernels of each model and write nothing")
     options = parser.parse_args()
     names = options.gpus.split(",")

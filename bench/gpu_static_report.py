@@ -6,8 +6,8 @@ import subprocess
 SHOWN_MODEL = "xrds-x4-compact"
 HEAD = """# The kernels under the compilers of GPUs
 
-Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}: RADV on its null device compiled every pipeline of every shipped model for
-GPUs of AMD that were not there, and NVK for those of NVIDIA (Turing, chip 164; Ampere, chip 174) on a kernel interface that does nothing (Debian's `mesa-drm-shim`).
+Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}: RADV on its null device compiled every pipeline of every shipped model,
+and of EDSR, RCAN, SwinIR and MSSPL in their published sizes with random weights, for GPUs of AMD that were not there, and NVK for those of NVIDIA (Turing, chip 164; Ampere, chip 174) on a kernel interface that does nothing (Debian's `mesa-drm-shim`).
 Nothing ran, so these are counts and a compiler's estimates, not times. ACO guesses how often a loop runs: its latency and inverse throughput compare variants of
 one kernel with the same loops, and nothing else. Of NVIDIA's, latency is NAK's count of cycles, waves are warps of a scheduler, and counts are of
 the whole program. On gfx1200 this Mesa offers no matrix units yet, and of Ada (chip 192) the shim knows too little. `bench/results/gpu_static.json` has every pipeline.

@@ -1,6 +1,6 @@
 """Asserts what compilers of real GPUs make of the kernels: python3 bench/gpu_static_test.py PROGRAM [MODEL ...]
 
-Two models by default, bench/gpu_static.py has all. Where Mesa 25.0 is not in its folder it says so and ends with 77,
+Two models by default on all GPUs, and the networks of others on one of AMD and one of NVIDIA; bench/gpu_static.py has all. Where Mesa 25.0 is not in its folder it says so and ends with 77,
 which the suite takes for skipped; where Mesa 26 is not, the GPUs of NVIDIA alone are left out.
 """
 import collections
@@ -20,12 +20,24 @@ KNOWN_WAVES = {("vega10", "window_attention_tile"): 2, ("vega10", "window_attent
 # Loads from shared memory for a product of the fused layer of 96 channels: a third of the 116 for 24 products that it had.
 SWIN_LOADS_A_PRODUCT = 116 / 24 / 3
 MODELS = ["xrds-x4-compact", "xrds-x4-full"]
+OTHERS_ON = ["navi31", "ampere"]  # the networks of others
+# Of a frame, in which nothing is made in bands: RCAN and SwinIR have as many layers, EDSR's are cut for the watchdog.
+MOST_DISPATCHES = {"edsr": 430, "rcan": 1030, "swinir": 290}
 SMALL = {"--shared-bytes": 16384, "--group-invocations": 128}
 
 
 def stem(program):
     """linear_matrix_khr_f16 -> linear_matrix"""
     return "_".join(part for part in program.split("_") if part not in ("khr", "nv", "f16", "f32"))
+
+
+def least_share(pipeline):
+    """Of products in the inner loop of a matrix kernel that multiplies four fragments. Convolutions of the networks of others guard
+    every read where inputs are no whole stages (SwinIR's 180), and compute more addresses where they are unshuffled (MSSPL)."""
+    if pipeline["program"].startswith("conv3x3"):
+        are_whole, is_unshuffled = pipeline["specialization"][11:13]
+        return 0.74 if is_unshuffled else 0.8 if are_whole else 0.79
+    return 0.8
 
 
 class GpuStatic(unittest.TestCase):
@@ -87,7 +99,8 @@ class GpuStatic(unittest.TestCase):
                     programs = [(gpu["pipelines"][pipeline]["program"], groups) for pipeline, groups in network["tooSmall"]]
                     self.assertEqual(programs, [], where)
                     self.assertGreaterEqual(network["filling"], 0.9, where)
-                    self.assertLessEqual(network["dispatches"], 250 if gpu["gpu"] in gpu_static.MEMORY_BYTES else 200, where)
+                    most = MOST_DISPATCHES.get(network["model"], 250 if gpu["gpu"] in gpu_static.MEMORY_BYTES else 200)
+                    self.assertLessEqual(network["dispatches"], most, where)
                     self.assertLessEqual(network["largestGrid"], 65535, where)
 
     def test_most_of_the_inner_loops_time_is_products(self):
@@ -98,7 +111,7 @@ class GpuStatic(unittest.TestCase):
                 for pipeline in self.kernels(gpu, ("matrix",), LARGE):
                     four_fragments = "_matrix_" in pipeline["program"] and pipeline["specialization"][1] == 4
                     if four_fragments:  # of 16 outputs
-                        self.assertGreaterEqual(pipeline["loop"]["productShare"], 0.8, (pipeline["program"], pipeline["specialization"]))
+                        self.assertGreaterEqual(pipeline["loop"]["productShare"], least_share(pipeline), (pipeline["program"], pipeline["specialization"]))
 
     def test_shared_memory_is_read_in_whole_texels(self):
         """A third of what it was: 136 loads for linear, 204 for convolutions of 64 outputs."""
@@ -135,6 +148,8 @@ def main():
         sys.exit(f"There is no {program}.")
     gpus = [gpu for gpu in gpu_static.COMPUTE_UNITS if gpu_static.mesa_of(gpu).exists()]
     GpuStatic.gpus = gpu_static.measure_all(program, gpus, models)
+    if models == MODELS:
+        GpuStatic.gpus += gpu_static.measure_all(program, [gpu for gpu in OTHERS_ON if gpu in gpus], gpu_static.OTHERS, "--precisions", "fp16")
     small = [str(word) for option in SMALL.items() for word in option]
     GpuStatic.small = gpu_static.measure_all(program, ["navi31"], models[:1], *small)[0]
     unittest.main(argv=sys.argv[:1])

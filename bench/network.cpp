@@ -9,6 +9,7 @@
 
 #include "checks/matrix_proof.h"
 #include "frames/session.h"
+#include "network/published.h"
 #include "shaders/programs.h"
 #include "xrds/error.h"
 
@@ -57,7 +58,7 @@ void printKernels(const std::vector<DispatchTime>& times) {
 
 void run(const BenchOptions& options) {
   const NetworkModel model =
-      options.model.empty() ? NetworkModel::random(options.config, 1) : NetworkModel::read(options.model);
+      options.model.empty() ? NetworkModel::random(options.config, 1) : readOrPublished(options.model);
   if (!options.writeModel.empty()) writeTensors(options.writeModel, model.file(), DataType::f16);
   Gpu gpu({.select = options.device, .kernelFamily = options.family, .programs = embeddedProgram});
   if (!proveMatrixKernels(gpu)) std::printf("the matrix kernels are wrong here: tile kernels run instead\n");
@@ -96,7 +97,9 @@ void run(const BenchOptions& options) {
 int main(int argc, char** argv) {
   xrds::BenchOptions options;
   CLI::App app("Times a whole network with random weights or a model file", "xrds_bench_network");
-  app.add_option("--model", options.model, "Model file (default: random weights of the symbols below)");
+  app.add_option(
+      "--model", options.model,
+      "Model file, or edsr, rcan, swinir, ... with random weights (default: random weights of the symbols below)");
   app.add_option("--scale", options.config.scale, "s")->capture_default_str();
   app.add_option("--channels", options.config.channels, "C")->capture_default_str();
   app.add_option("--aux-channels", options.config.auxChannels, "Ca")->capture_default_str();

@@ -13,6 +13,8 @@
 #include "bench/peaks.h"
 #include "bench/timing.h"
 #include "checks/matrix_proof.h"
+#include "network/fields.h"
+#include "network/published.h"
 #include "shaders/programs.h"
 #include "xrds/error.h"
 
@@ -33,16 +35,22 @@ struct Bench {
   int failures = 0;
 };
 
-NetworkConfig configOf(const std::string& network) {
-  if (network == "paper") return {};
-  if (network == "bicubic") return {.auxInputs = {}, .groups = 0, .base = BaseImage::bicubic};
-  return {
-      .channels = 32, .auxChannels = 16, .blocks = 1, .kernels = 5, .auxSkip = true, .auxKernels = 5, .outputSide = 1};
-}
+// Of xrds.
+const std::map<std::string, NetworkConfig> kNetworks{
+    {"paper", {}},
+    {"bicubic", {.auxInputs = {}, .groups = 0, .base = BaseImage::bicubic}},
+    {"compact",
+     {.channels = 32,
+      .auxChannels = 16,
+      .blocks = 1,
+      .kernels = 5,
+      .auxSkip = true,
+      .auxKernels = 5,
+      .outputSide = 1}}};
 
 NetworkModel modelOf(const std::string& network) {
-  if (network.ends_with(".safetensors")) return NetworkModel::read(network);
-  return NetworkModel::random(configOf(network), 1);
+  const auto own = kNetworks.find(network);
+  return own != kNetworks.end() ? NetworkModel::random(own->second, 1) : readOrPublished(network);
 }
 
 std::string nameOf(const std::string& network) { return std::filesystem::path(network).stem().string(); }
@@ -133,8 +141,10 @@ int run(const OperatorsOptions& options) {
 }
 
 std::string validNetwork(const std::string& text) {
-  const bool known = text == "paper" || text == "compact" || text == "bicubic" || text.ends_with(".safetensors");
-  return known ? "" : "expected paper, compact, bicubic or a .safetensors file, found '" + text + "'";
+  std::vector<std::string> names = publishedNames();
+  for (const auto& [name, config] : kNetworks) names.push_back(name);
+  if (text.ends_with(".safetensors") || std::find(names.begin(), names.end(), text) != names.end()) return "";
+  return "expected a .safetensors file or one of " + joinedList(names) + ", found '" + text + "'";
 }
 
 }  // namespace
@@ -148,7 +158,9 @@ int main(int argc, char** argv) {
       "double-precision reference. Options of Google Benchmark are taken too: --benchmark_filter=linear,\n"
       "--benchmark_out=operators.json, ...",
       "xrds_bench_operators");
-  app.add_option("--network", options.networks, "paper, compact, bicubic (random weights), or a model file")
+  app.add_option(
+         "--network", options.networks,
+         "Model files, or names of networks that get random weights: paper, compact, bicubic, edsr, rcan, swinir, ...")
       ->check(CLI::Validator(xrds::bench::validNetwork, "NETWORK"))
       ->delimiter(',')
       ->capture_default_str();

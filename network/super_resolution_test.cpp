@@ -7,45 +7,14 @@
 #include "engine/kernel_family.h"
 #include "frames/tile_choice.h"
 #include "network/halo.h"
-#include "network/network_model.h"
+#include "network/published.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
 
-Metadata fieldsOf(const char* architecture, const Metadata& own) {
-  Metadata fields{{"format", "xrds"}, {"version", "1"},   {"architecture", architecture},
-                  {"scale", "4"},     {"channels", "64"}, {"transfer", "none"}};
-  for (const auto& [key, value] : own) fields[key] = value;
-  return fields;
-}
-
-const Metadata kEdsrFields =
-    fieldsOf("edsr", {{"channels", "256"}, {"blocks", "32"}, {"residual_divisor", "10"}, {"range", "255"}});
-const Metadata kEdsrBaselineFields = fieldsOf("edsr", {{"blocks", "16"}, {"residual_divisor", "1"}, {"range", "255"}});
-const Metadata kRcanFields =
-    fieldsOf("rcan", {{"groups", "10"}, {"blocks", "20"}, {"reduction", "16"}, {"range", "255"}});
-const Metadata kSwinIrFields = fieldsOf("swinir", {{"channels", "180"},
-                                                   {"groups", "6"},
-                                                   {"blocks", "6"},
-                                                   {"window", "8"},
-                                                   {"head_channels", "30"},
-                                                   {"mlp_ratio", "2"},
-                                                   {"upsampler", "pixelshuffle"},
-                                                   {"range", "1"}});
-const Metadata kSwinIrLightFields = fieldsOf("swinir", {{"channels", "60"},
-                                                        {"groups", "4"},
-                                                        {"blocks", "6"},
-                                                        {"window", "8"},
-                                                        {"head_channels", "10"},
-                                                        {"mlp_ratio", "2"},
-                                                        {"upsampler", "pixelshuffledirect"},
-                                                        {"range", "1"}});
-const Metadata kMssplFields = fieldsOf("msspl", {{"groups", "3"}, {"blocks", "5"}, {"aux_inputs", "albedo,normal"}});
-
 struct Size {
-  const char* name;
-  const Metadata* fields;
+  const char* name;          // of publishedFields()
   double millionParameters;  // as published; SwinIR's without its tables of relative positions
   double gigaMultiplyAdds;   // as others count them for 1280 x 720 at scale 4; 0: not published
 };
@@ -53,7 +22,7 @@ struct Size {
 class PublishedSize : public testing::TestWithParam<Size> {};
 
 TEST_P(PublishedSize, IsThatOfTheForwardPass) {
-  const NetworkConfig config = parseConfig(*GetParam().fields);
+  const NetworkConfig config = parseConfig(publishedFields(GetParam().name));
   const NetworkModel model = NetworkModel::fromTensors(makeTensors(config, [](const auto&, auto&) {}), "zeros");
   uint64_t tables = 3;  // and the mean
   for (const auto& [name, tensor] : model.file().tensors)
@@ -67,49 +36,47 @@ TEST_P(PublishedSize, IsThatOfTheForwardPass) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PublishedSize,
-                         testing::Values(Size{"Edsr", &kEdsrFields, 43.09, 2895},
-                                         Size{"EdsrBaseline", &kEdsrBaselineFields, 1.518, 114},
-                                         Size{"Rcan", &kRcanFields, 15.59, 917},
-                                         Size{"SwinIr", &kSwinIrFields, 11.85, 0},
-                                         Size{"SwinIrLight", &kSwinIrLightFields, 0.897, 0}),
+                         testing::Values(Size{"edsr", 43.09, 2895}, Size{"edsr_baseline", 1.518, 114},
+                                         Size{"rcan", 15.59, 917}, Size{"swinir", 11.85, 0},
+                                         Size{"swinir_light", 0.897, 0}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST(SuperResolution, FieldsAreKept) {
-  for (const Metadata* fields :
-       {&kEdsrFields, &kEdsrBaselineFields, &kRcanFields, &kSwinIrFields, &kSwinIrLightFields, &kMssplFields})
-    EXPECT_EQ(describe(parseConfig(*fields)), *fields);
+  for (const std::string& name : publishedNames())
+    EXPECT_EQ(describe(parseConfig(publishedFields(name))), publishedFields(name));
 }
 
 TEST(SuperResolution, RefusesFieldsThatMakeNoNetwork) {
-  const auto with = [](Metadata fields, const char* key, const char* value) {
+  const auto with = [](const char* name, const char* key, const char* value) {
+    Metadata fields = publishedFields(name);
     fields[key] = value;
     return fields;
   };
-  EXPECT_THROW(parseConfig(with(kEdsrFields, "scale", "3")), Error);
-  EXPECT_THROW(parseConfig(with(kEdsrFields, "channels", "66")), Error);
-  EXPECT_THROW(parseConfig(with(kEdsrFields, "residual_divisor", "0")), Error);
-  EXPECT_THROW(parseConfig(with(kRcanFields, "reduction", "24")), Error);
-  EXPECT_THROW(parseConfig(with(kSwinIrFields, "head_channels", "32")), Error);
-  EXPECT_THROW(parseConfig(with(kSwinIrFields, "window", "7")), Error);
-  EXPECT_THROW(parseConfig(with(kSwinIrFields, "upsampler", "nearest+conv")), Error);
-  EXPECT_THROW(parseConfig(with(kMssplFields, "scale", "1")), Error);
-  EXPECT_THROW(parseConfig(with(kMssplFields, "aux_inputs", "albedo,albedo")), Error);
+  EXPECT_THROW(parseConfig(with("edsr", "scale", "3")), Error);
+  EXPECT_THROW(parseConfig(with("edsr", "channels", "66")), Error);
+  EXPECT_THROW(parseConfig(with("edsr", "residual_divisor", "0")), Error);
+  EXPECT_THROW(parseConfig(with("rcan", "reduction", "24")), Error);
+  EXPECT_THROW(parseConfig(with("swinir", "head_channels", "32")), Error);
+  EXPECT_THROW(parseConfig(with("swinir", "window", "7")), Error);
+  EXPECT_THROW(parseConfig(with("swinir", "upsampler", "nearest+conv")), Error);
+  EXPECT_THROW(parseConfig(with("msspl", "scale", "1")), Error);
+  EXPECT_THROW(parseConfig(with("msspl", "aux_inputs", "albedo,albedo")), Error);
 }
 
 // 2 blocks + 2 convolutions of EDSR see six pixels, and the way up three more.
 TEST(SuperResolution, SeesAsFarAsItsLayers) {
-  Metadata edsr = kEdsrFields;
+  Metadata edsr = publishedFields("edsr");
   edsr["channels"] = "16";
   edsr["blocks"] = "2";
   const NetworkConfig config = parseConfig(edsr);
   EXPECT_GE(exactHalo(config), 8u);
   EXPECT_LE(exactHalo(config), 40u);
   EXPECT_FALSE(seesWholeFrame(config));
-  EXPECT_TRUE(seesWholeFrame(parseConfig(kRcanFields)));
+  EXPECT_TRUE(seesWholeFrame(parseConfig(publishedFields("rcan"))));
 }
 
 TEST(SuperResolution, HasNoExactTilesWhereGatesAreOfTheWholeFrame) {
-  Metadata rcan = kRcanFields;
+  Metadata rcan = publishedFields("rcan");
   rcan["groups"] = rcan["blocks"] = "1";
   const NetworkModel model = NetworkModel::random(parseConfig(rcan), 1);
   MemoryLimits limits{.byteSize = uint64_t{1} << 32, .traits = usualTraits(KernelFamily::lane)};

@@ -13,7 +13,7 @@
 #include "bench/gpu_static/compiled.h"
 #include "bench/gpu_static/null_device.h"
 #include "frames/session.h"
-#include "network/network_model.h"
+#include "network/published.h"
 #include "shaders/programs.h"
 
 namespace xrds {
@@ -121,7 +121,7 @@ class Report {
 int run(const Options& options) {
   Report report(options);
   for (const std::string& path : options.models) {
-    const NetworkModel model = NetworkModel::read(path);
+    const NetworkModel model = readOrPublished(path);
     for (const std::string& precision : options.precisions)
       for (const std::string& family : options.families)
         report.add(std::filesystem::path(path).stem().string(), model, precision, family);
@@ -136,7 +136,7 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   xrds::Options options;
   CLI::App app{"Compiles the pipelines of networks and prints what the compiler says of them"};
-  app.add_option("MODEL", options.models)->required();
+  app.add_option("MODEL", options.models, "Files, or names of published sizes: edsr, rcan, swinir, ...")->required();
   app.add_option("--families", options.families)->delimiter(',');
   app.add_option("--precisions", options.precisions)->delimiter(',');
   app.add_option("--programs", options.programs, "A folder of SPIR-V, NAME.spv, in place of the embedded programs");
