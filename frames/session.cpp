@@ -3,28 +3,25 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <tuple>
 
 #include "engine/bytes.h"
+#include "graph/in_place.h"
+#include "graph/kernel_table.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
 
-// A map that leaves the range of binary16 keeps its largest number, not an infinity.
-std::vector<std::byte> encodeWeights(std::vector<float> values, DataType type) {
-  if (type == DataType::f16)
-    for (float& value : values) value = std::clamp(value, -65504.0f, 65504.0f);
-  return encode(values, type);
-}
-
-/// The packed weights of every node, one behind the other.
+/// Where the packed weights of every node lie, one behind the other.
 struct PackedModel {
   struct Range {
     uint64_t offset = 0, byteSize = 0;
   };
   std::vector<Range> ranges;    // by node
   std::vector<PackedKey> keys;  // in the order of the bytes
-  std::vector<std::byte> bytes;
+  std::vector<uint32_t> nodes;  // the first that has each key
+  uint64_t byteSize = 0;
 };
 
 PackedKey keyOf(const std::string& program, const Operator& op) {
@@ -39,28 +36,51 @@ PackedKey keyOf(const std::string& program, const Operator& op) {
   return key;
 }
 
-PackedModel packModel(const Graph& graph, const DeviceTraits& device) {
+// As the node's kernel reads them. A map that leaves the range of binary16 keeps its largest number, not an infinity.
+std::vector<std::byte> packedBytes(const Node& node, const Dispatch& launch, const DeviceTraits& device) {
+  DataType type = DataType::f32;
+  for (const Binding& binding : launch.bindings)
+    if (binding.value == kWeights) type = binding.type;
+  std::vector<float> values = packedWeightsOf(node, device);
+  if (type == DataType::f16)
+    for (float& value : values) value = std::clamp(value, -65504.0f, 65504.0f);
+  return encode(values, type);
+}
+
+// Nodes with the same kernel on the same channels have as many weights, so few are packed to know their size.
+PackedModel packedModel(const Graph& graph, const DeviceTraits& device) {
   PackedModel packed;
   std::map<PackedKey, PackedModel::Range> known;  // bands of a layer share theirs
-  for (const Node& node : graph.nodes) {
+  std::map<std::tuple<std::string, std::string, std::vector<uint32_t>>, uint64_t> sizes;
+  for (uint32_t n = 0; n < graph.nodes.size(); ++n) {
+    const Node& node = graph.nodes[n];
     const Dispatch launch = dispatchOf(node, device);
     PackedKey key = keyOf(launch.program, node.op);
     if (node.kernel) key.shape = node.kernel->shape;
     const auto [range, isNew] = known.try_emplace(std::move(key));
     if (isNew) {
-      DataType type = DataType::f32;
-      for (const Binding& binding : launch.bindings)
-        if (binding.value == kWeights) type = binding.type;
-      const std::vector<std::byte> bytes = encodeWeights(packedWeightsOf(node, device), type);
-      range->second = {packed.bytes.size(), bytes.size()};
+      const auto [size, isNewSize] =
+          sizes.try_emplace({operatorKey(node.op), launch.program, launch.specialization}, 0);
+      if (isNewSize) size->second = packedBytes(node, launch, device).size();
+      range->second = {packed.byteSize, size->second};
       packed.keys.push_back(range->first);
-      packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
-      packed.bytes.resize(alignUp(packed.bytes.size(), kBindingAlignment));
+      packed.nodes.push_back(n);
+      packed.byteSize = alignUp(packed.byteSize + size->second, kBindingAlignment);
     }
     packed.ranges.push_back(range->second);
   }
-  if (packed.bytes.empty()) packed.bytes.resize(kBindingAlignment);
+  packed.byteSize = std::max(packed.byteSize, kBindingAlignment);
   return packed;
+}
+
+// Node by node, so that the host never holds all of them.
+void uploadWeights(const Graph& graph, const DeviceTraits& device, const PackedModel& packed, Buffer& to) {
+  for (const uint32_t n : packed.nodes) {
+    const Node& node = graph.nodes[n];
+    const std::vector<std::byte> bytes = packedBytes(node, dispatchOf(node, device), device);
+    XRDS_CHECK_EQ(bytes.size(), packed.ranges[n].byteSize);
+    to.upload(packed.ranges[n].offset, bytes);
+  }
 }
 
 void checkSize(const char* what, const PixelView& image, const TensorView& expected) {
@@ -103,7 +123,7 @@ MemoryNeeds memoryNeeds(const Graph& graph, const DeviceTraits& device) {
   needs.planned = planMemory(aliased).byteSize;
   needs.lowerBound = largestLiveSet(aliased);
   needs.unaliased = planWithoutAliasing(lifetimes(graph, ownStorage(graph))).byteSize;
-  needs.weights = packModel(graph, device).bytes.size();
+  needs.weights = packedModel(graph, device).byteSize;
   return needs;
 }
 
@@ -119,7 +139,7 @@ Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionO
   checkBindings(graph_, traits);
   const auto lives = lifetimes(graph_, storage_);
   plan_ = options.aliasing ? planMemory(lives) : planWithoutAliasing(lives);
-  const PackedModel packed = packModel(graph_, traits);
+  const PackedModel packed = packedModel(graph_, traits);
   packedKeys_ = packed.keys;
   const Session* lender = options.lender;
   const bool arenaFits = lender && lender->arena_->byteSize() >= alignUp(plan_.byteSize, kBindingAlignment);
@@ -127,8 +147,8 @@ Session::Session(Gpu& gpu, const NetworkModel& model, FrameShape frame, SessionO
   if (lender && lender->packedKeys_ == packedKeys_) {
     weights_ = lender->weights_;
   } else {
-    weights_ = &ownWeights_.emplace(gpu, packed.bytes.size());
-    weights_->upload(0, packed.bytes);
+    weights_ = &ownWeights_.emplace(gpu, packed.byteSize);
+    uploadWeights(graph_, traits, packed, *weights_);
   }
 
   const uint64_t mostWork =

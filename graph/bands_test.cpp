@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "graph/in_place.h"
 #include "network/network.h"
 
 namespace xrds {
@@ -107,6 +108,33 @@ TEST(Bands, ContinueAResidualOnlyOnceItIsRead) {
   add({0, 8});
   add({8, 16});  // the first rows of the sum would overwrite what this one reads, for all that the plan knows
   EXPECT_EQ(inPlaceStorage(graph)[graph.output.value], graph.output.value);
+}
+
+// Each band reads its own rows of x, or both the first ones.
+TEST(Bands, OverwriteTheTensorWhoseRowsEachReads) {
+  const std::vector<float> weight(16), bias(4);
+  for (const bool readsAll : {false, true}) {
+    Graph graph;
+    graph.colour = graph.create("colour", DataType::f32, {16, 4, 4});
+    graph.exposure = graph.create("exposure", DataType::f32, {1, 1, 4});
+    const TensorView x = graph.create("x", DataType::f32, {16, 4, 4});
+    const TensorView y = graph.create("y", DataType::f32, {16, 4, 4});
+    graph.output = graph.create("output", DataType::f32, {16, 4, 4});
+    copyRows(graph, "x", graph.colour, x);
+    for (const RowRange rows : {RowRange{0, 8}, RowRange{8, 16}}) {
+      const TensorView from = rowsOf(x, readsAll ? RowRange{0, 8} : rows);
+      Linear op{.input = from, .output = graph.create("band", DataType::f32, {8, 4, 4}), .residual = from};
+      op.weight = weight;
+      op.bias = bias;
+      graph.nodes.push_back({"band", op});
+      copyRows(graph, "y", op.output, rowsOf(y, rows));
+    }
+    copyRows(graph, "output", y, graph.output);
+    const std::vector<ValueId> storage = inPlaceStorage(graph);
+    EXPECT_EQ(storage[y.value], readsAll ? y.value : x.value);
+    const std::vector<Lifetime> lives = lifetimes(graph, storage);
+    EXPECT_EQ(lives[storage[y.value]].lastUse, 6u);
+  }
 }
 
 }  // namespace

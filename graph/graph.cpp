@@ -14,11 +14,6 @@ namespace {
 constexpr uint64_t kBindingSlack = kBindingAlignment;
 constexpr uint64_t kStepRows = 16;  // of a dispatch in a multiple, so that its kernels' strips of rows stay whole
 
-// The views of a node's bindings tell what it reads and writes; any traits will do for that.
-std::vector<Binding> bindingsOf(const Node& node) {
-  return std::visit([](const auto& op) { return dispatch(op, DeviceTraits{}).bindings; }, node.op);
-}
-
 // First rows of the dispatches, and the end: each fits a binding and a dispatch's share of work.
 template <class Op>
 std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, uint64_t multiplyAdds,
@@ -67,25 +62,6 @@ void addDispatches(uint32_t node, const std::string& label, Op op, const DeviceT
   }
   launch.label = label;
   lowered.push_back({node, std::move(launch)});
-}
-
-// Whether the views put the same element at the same byte of values of the same size.
-bool sameBytes(const TensorView& a, const TensorView& b) {
-  return a.type == b.type && a.shape() == b.shape() && a.channelOffset == b.channelOffset &&
-         a.channelStride == b.channelStride && a.firstRow == b.firstRow && a.storedRows() == b.storedRows();
-}
-
-// The residual of the node and its output, if writing over the residual keeps every other value intact.
-struct ResidualSum {
-  TensorView residual, output;
-};
-ResidualSum residualSum(const Node& node) {
-  return std::visit(
-      [](const auto& op) -> ResidualSum {
-        if constexpr (requires { op.residual; }) return {op.residual, op.output};
-        return {};
-      },
-      node.op);
 }
 
 }  // namespace
@@ -147,6 +123,10 @@ TensorView outputOf(const Node& node) {
   return std::visit([](const auto& op) { return op.output; }, node.op);
 }
 
+std::vector<Binding> bindingsOf(const Node& node) {
+  return std::visit([](const auto& op) { return dispatch(op, DeviceTraits{}).bindings; }, node.op);
+}
+
 RowRange outputRows(const Node& node) {
   return std::visit(
       [](const auto& op) -> RowRange {
@@ -197,29 +177,6 @@ std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& devic
         node.op);
   }
   return lowered;
-}
-
-std::vector<ValueId> inPlaceStorage(const Graph& graph) {
-  const auto count = static_cast<uint32_t>(graph.nodes.size());
-  std::vector<uint32_t> firstUse(graph.values.size(), count), lastUse(graph.values.size(), 0);
-  for (uint32_t n = 0; n < count; ++n)
-    for (const Binding& binding : bindingsOf(graph.nodes[n])) {
-      if (binding.value == kWeights) continue;
-      firstUse[binding.value] = std::min(firstUse[binding.value], n);
-      lastUse[binding.value] = n;
-    }
-
-  std::vector<ValueId> storage(graph.values.size());
-  std::iota(storage.begin(), storage.end(), ValueId{0});
-  for (uint32_t n = 0; n < count; ++n) {
-    const auto [residual, output] = residualSum(graph.nodes[n]);
-    if (!residual.exists() || !sameBytes(residual, output) || residual.value == output.value) continue;
-    if (lastUse[residual.value] != n || firstUse[output.value] != n) continue;
-    uint32_t readsOfResidual = 0;  // as the convolution's input, say: then neighbours would see the sum
-    for (const Binding& binding : bindingsOf(graph.nodes[n])) readsOfResidual += binding.value == residual.value;
-    if (readsOfResidual == 1) storage[output.value] = storage[residual.value];
-  }
-  return storage;
 }
 
 std::vector<Lifetime> lifetimes(const Graph& graph, const std::vector<ValueId>& storage) {

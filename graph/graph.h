@@ -104,10 +104,6 @@ inline constexpr uint64_t kMostWorkPerDispatch = uint64_t{8} << 30;
 std::vector<LoweredDispatch> lower(const Graph& graph, const DeviceTraits& device,
                                    uint64_t mostWork = kMostWorkPerDispatch);
 
-/// Which storage each value uses: itself, or the value whose bytes it continues. A residual sum is written over its
-/// residual when nothing reads that afterwards and the value of the sum begins with it. Pure.
-std::vector<ValueId> inPlaceStorage(const Graph& graph);
-
 /// When each storage holds bytes: step 0 is the upload of inputs, step i + 1 is node i, the last step is the download
 /// of the output. Values that continue another have size 0. Pure.
 std::vector<Lifetime> lifetimes(const Graph& graph, const std::vector<ValueId>& storage);
