@@ -254,10 +254,10 @@ uint64_t Layers::bandRows(const TensorView& image, uint32_t tensors) const {
   if (graphOptions.bandRows > 0) return graphOptions.bandRows;
   if (isSmall(image.height, image.width)) return kWholeFrame;
   const uint64_t ofGpu = ceilDivide(graphOptions.bandPixels, image.width);
-  const uint32_t share =
-      std::clamp(kBandChannels / config.channels, 1u, 2u);  // narrow features leave room for more rows
-  const uint64_t rows =
-      std::max<uint64_t>({ofGpu, share * image.height / tensors, ceilDivide(kLeastBandPixels, image.width)});
+  // Narrow features leave room for more rows, wide ones for fewer.
+  const uint64_t ofCaches =
+      std::min(2 * uint64_t{image.height}, uint64_t{kBandChannels} * image.height / config.channels) / tensors;
+  const uint64_t rows = std::max<uint64_t>({ofGpu, ofCaches, ceilDivide(kLeastBandPixels, image.width)});
   // Of whole multiples of eight windows, whose tokens large workgroups share out evenly.
   const uint32_t unit = config.window * (8 / std::gcd(image.width / config.window, 8u));
   return rows < unit ? rows : rows / unit * unit;

@@ -16,7 +16,7 @@ namespace {
 // Multiply-adds of a lane that the compiled body of the lane kernel may hold: beyond it the code leaves the
 // instruction cache and takes seconds to compile. A body of kGoodBody is large enough if kGoodTile outputs share a
 // fetched input.
-constexpr uint32_t kMaxBody = 6144, kGoodBody = 2048;
+constexpr uint32_t kMaxBody = 7200, kGoodBody = 2048;
 constexpr uint32_t kMaxTile = 64, kGoodTile = 48;
 constexpr uint32_t kMaxRows = 32;              // subgroups in a workgroup of the lane kernel
 constexpr uint32_t kAtOnce = 1, kInTurns = 2;  // KernelShape::rows of the lane kernel
@@ -56,13 +56,15 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
 }
 
 // Whether the subgroups of a workgroup of the lane kernel take turns. The code for vectors of 256 bits is longer,
-// because AVX2 reads a weight by an instruction of its own; from 64 inputs on it leaves the instruction cache. With
-// newer drivers, whose code is shorter, this was not tried.
+// because AVX2 reads a weight by an instruction of its own; from 64 inputs on it leaves the instruction cache. From 96
+// on, the tokens of the subgroups that wait for their turn leave the second-level cache, which is worse. With newer
+// drivers, whose code is shorter, this was not tried.
 bool takesTurns(const Linear& op, const DeviceTraits& device) {
-  constexpr uint32_t kLanes = 8, kInputs = 64;
+  constexpr uint32_t kLanes = 8, kLeastInputs = 64, kTooManyInputs = 96;
   if (laneTile(op, device) <= 8) return false;  // one turn
   if (device.shape.rows > 0) return device.shape.rows == kInTurns;
-  return device.subgroupSize == kLanes && inputChannels(op) >= kInputs && !device.knowsUniforms;
+  const uint32_t inputs = inputChannels(op);
+  return device.subgroupSize == kLanes && inputs >= kLeastInputs && inputs < kTooManyInputs && !device.knowsUniforms;
 }
 
 // A workgroup of the tile kernel: columns * rows invocations, each four outputs of `tokens` tokens.
