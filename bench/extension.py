@@ -1,12 +1,12 @@
-"""What the extension for Blender costs and gains: two scenes of samples/, beside full renders of as much processor time.
+"""What the extension for Blender costs and gains: three scenes of samples/, beside full renders of as much processor time.
 
-    for scene in interior glossy; do
+    for scene in interior glossy outdoor; do
       blender -b --factory-startup -noaudio -P bench/extension.py -- --scene $scene --out WORK --package build/release/python
     done
     python3 bench/extension.py --report WORK --xrds build/release/cli/xrds
 
-The first part needs Blender 3.4 or newer with the settings of samples/render.py, whose samples/*_gt.exr are the references. For each scene it renders, with
-512 x 384 pixels: by the extension, with path-traced and with cheap guides; and plainly, with as many samples as take the processor time of each, upscaling
+The first part needs Blender 3.4 or newer with the settings of samples/render.py, whose samples/*_gt.exr are the references. For each scene it renders, in
+their size: by the extension, with path-traced and with cheap guides; and plainly, with as many samples as take the processor time of each, upscaling
 included. Times are of the processor, of all threads, which neighbours on the machine hardly change. The second part denoises the plain renders by
 Open Image Denoise, which is Blender's denoiser and needs bench/oidn-requirements.txt (albedo and normals denoised first, its time not counted), and prints Markdown.
 """
@@ -20,14 +20,15 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-WIDTH, HEIGHT, SCALE, SAMPLES, GUIDE_SAMPLES = 512, 384, 4, 64, 16
+SIZES = {"interior": (512, 384), "glossy": (512, 384), "outdoor": (320, 240)}   # of samples/*_gt.exr
+SCALE, SAMPLES, GUIDE_SAMPLES = 4, 64, 16
 GUIDES = ("CYCLES", "CHEAP")
 
 
 def arguments():
     own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
     parser = argparse.ArgumentParser(prog="extension.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scene", help="of samples/scenes, to render")
+    parser.add_argument("--scene", choices=SIZES, help="of samples/scenes, to render")
     parser.add_argument("--out", type=pathlib.Path, help="folder for what is rendered")
     parser.add_argument("--package", help="folder that has the Python package xrds")
     parser.add_argument("--report", type=pathlib.Path, help="that folder, to print its table")
@@ -84,14 +85,15 @@ def render(ask):
     scene = bpy.context.scene
     importlib.import_module(ask.scene).build(scene)
     passes.configure(scene)
-    passes.expose(scene, WIDTH // SCALE, HEIGHT // SCALE)
+    width, height = SIZES[ask.scene]
+    passes.expose(scene, width // SCALE, height // SCALE)
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.seed = 7
-    scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
+    scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.image_settings.color_depth = "32"
     xrds_render.register()
     scene.xrds.samples, scene.xrds.guide_samples = SAMPLES, GUIDE_SAMPLES
-    warm(scene)
+    warm(width, height)
     found = {guides: extended(scene, guides, ask.out / f"{ask.scene}_{guides.lower()}_") for guides in GUIDES}
     first = plain(scene, GUIDE_SAMPLES, ask.out / f"{ask.scene}_plain.exr")
     for guides in GUIDES:
@@ -101,13 +103,13 @@ def render(ask):
     (ask.out / f"{ask.scene}.json").write_text(json.dumps(found, indent=1))
 
 
-def warm(scene):
+def warm(width, height):
     """Compiles the kernels of both models, which a machine does once."""
     import numpy
     import xrds
 
-    colour = numpy.ones((HEIGHT // SCALE, WIDTH // SCALE, 3), numpy.float32)
-    full = numpy.ones((HEIGHT, WIDTH, 3), numpy.float32)
+    colour = numpy.ones((height // SCALE, width // SCALE, 3), numpy.float32)
+    full = numpy.ones((height, width, 3), numpy.float32)
     for more in ({"full_colour": full}, {}):
         xrds.upscale(colour, albedo=full, normal=full, samples=(SAMPLES, GUIDE_SAMPLES), **more)
 
