@@ -7,10 +7,11 @@
 #include <numeric>
 #include <set>
 
-#include "api/state.h"
 #include "checks/known_frame.h"
 #include "checks/operator_examples.h"
 #include "checks/placed_operator.h"
+#include "engine/kernel_family.h"
+#include "frames/session.h"
 #include "shaders/common/tolerance.h"
 
 namespace xrds {
@@ -110,8 +111,7 @@ FrameExamination examineKnownFrame(Gpu& gpu, Precision precision, uint32_t runs)
   return found;
 }
 
-DeviceCapabilities Examination::capabilities(Device& device) {
-  Gpu& gpu = device.state_->gpu;
+DeviceCapabilities capabilitiesOf(const Gpu& gpu) {
   const DeviceTraits& traits = gpu.traits();
   return {.kernelFamily = nameOf(traits.family),
           .matrixUnits = nameOf(gpu.description().matrixUnits),
@@ -121,14 +121,6 @@ DeviceCapabilities Examination::capabilities(Device& device) {
           .timestamps = gpu.hasTimestamps(),
           .maxBindingBytes = traits.maxStorageBufferRange,
           .maxTensorTexels = traits.maxTexelBufferElements};
-}
-
-std::vector<KernelExamination> Examination::kernels(Device& device, bool fp16, uint32_t runs) {
-  return examineKernels(device.state_->gpu, fp16 ? Precision::fp16 : Precision::fp32, runs);
-}
-
-FrameExamination Examination::knownFrame(Device& device, bool fp16, uint32_t runs) {
-  return examineKnownFrame(device.state_->gpu, fp16 ? Precision::fp16 : Precision::fp32, runs);
 }
 
 }  // namespace xrds

@@ -6,7 +6,8 @@
 
 namespace xrds {
 
-/// Examination::kernels and ::knownFrame of an open device.
+/// Examination::capabilities, ::kernels and ::knownFrame of an open device.
+DeviceCapabilities capabilitiesOf(const Gpu& gpu);
 std::vector<KernelExamination> examineKernels(Gpu& gpu, Precision precision, uint32_t runs);
 FrameExamination examineKnownFrame(Gpu& gpu, Precision precision, uint32_t runs);
 

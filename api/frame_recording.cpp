@@ -1,10 +1,10 @@
-// Frames of an upscaler in command buffers and on a queue of another program.
+#include "api/frame_recording.h"
+
 #include <list>
 
 #include "api/arguments.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
-#include "api/engine_access.h"
 #include "engine/host_device.h"
 #include "engine/host_recording.h"
 #include "frames/frame_runner.h"
@@ -14,8 +14,8 @@ namespace xrds {
 
 using c::checkSize, c::numberOf, c::required, c::taken;
 
-struct [[gnu::visibility("hidden")]] FrameRecording::State {  // its functions are no part of the API
-  State(Upscaler & upscaler, const XrdsVulkanFrame& given);
+struct RecordedFrame::State {
+  State(FrameUpscaler& upscaler, const XrdsVulkanFrame& given);
   HostPicture pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale);
   void takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures);
 
@@ -64,8 +64,8 @@ HostPixels pixelsOf(const XrdsVulkanImage& image, const std::string& what) {
   return pixels;
 }
 
-Gpu& sharedDevice(const Upscaler& upscaler) {
-  Gpu& gpu = EngineAccess::gpu(upscaler);
+Gpu& sharedDevice(const FrameUpscaler& upscaler) {
+  Gpu& gpu = upscaler.gpu();
   if (!gpu.isShared())
     throw InvalidArgument(
         "The upscaler is on a device of the library's own, which no command buffer of yours belongs to: open yours "
@@ -85,7 +85,7 @@ std::vector<TimelinePoint> pointsOf(std::span<const XrdsTimelinePoint> given, co
 
 }  // namespace
 
-HostPicture FrameRecording::State::pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale) {
+HostPicture RecordedFrame::State::pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale) {
   checkSize(image);
   checkSizes(image, what, scale * shape.width, scale * shape.height);
   HostPicture picture{.pixels = pixelsOf(image, what)};
@@ -100,7 +100,7 @@ HostPicture FrameRecording::State::pictureOf(const XrdsVulkanImage& image, const
   return picture;
 }
 
-void FrameRecording::State::takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures) {
+void RecordedFrame::State::takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures) {
   pictures.exposure = options.exposure;
   if (!given.exposure) return;
   if (!pictures.exposure)
@@ -114,11 +114,8 @@ void FrameRecording::State::takeExposure(const XrdsVulkanFrame& given, HostPictu
   pictures.exposureOffset = given.exposureOffset;
 }
 
-FrameRecording::State::State(Upscaler& upscaler, const XrdsVulkanFrame& given)
-    : gpu(sharedDevice(upscaler)),
-      options(EngineAccess::options(upscaler)),
-      config(EngineAccess::config(upscaler)),
-      shape(EngineAccess::shape(upscaler)) {
+RecordedFrame::State::State(FrameUpscaler& upscaler, const XrdsVulkanFrame& given)
+    : gpu(sharedDevice(upscaler)), options(upscaler.options()), config(upscaler.config()), shape(upscaler.shape()) {
   const auto& inputs = config.auxInputs;
   if (given.auxiliaryCount != inputs.size())
     throw InvalidArgument("The model takes " + std::to_string(inputs.size()) + " auxiliary images, found " +
@@ -132,26 +129,24 @@ FrameRecording::State::State(Upscaler& upscaler, const XrdsVulkanFrame& given)
   if (!pictures.exposure && takesBinnedExposure(config))
     throw InvalidArgument(
         "The exposure of this network is computed on the host: create the upscaler with the option exposure.");
-  parts = EngineAccess::parts(upscaler);
+  parts = upscaler.parts();
   frame.emplace(gpu, parts, pictures);
   recording.emplace(gpu, frame->dispatches());
 }
 
-FrameRecording::FrameRecording(Upscaler& upscaler, const XrdsVulkanFrame& frame)
+RecordedFrame::RecordedFrame(FrameUpscaler& upscaler, const XrdsVulkanFrame& frame)
     : state_(std::make_unique<State>(upscaler, taken(frame, xrdsVulkanFrameDefault()))) {}
-FrameRecording::~FrameRecording() = default;
-FrameRecording::FrameRecording(FrameRecording&&) noexcept = default;
-FrameRecording& FrameRecording::operator=(FrameRecording&&) noexcept = default;
+RecordedFrame::~RecordedFrame() = default;
 
-void FrameRecording::record(VkCommandBuffer commands) const {
+void RecordedFrame::record(VkCommandBuffer commands) const {
   state_->recording->recordInto(&required(commands, "commandBuffer"));
 }
 
-void FrameRecording::submit(std::span<const XrdsTimelinePoint> waits, std::span<const XrdsTimelinePoint> signals) {
+void RecordedFrame::submit(std::span<const XrdsTimelinePoint> waits, std::span<const XrdsTimelinePoint> signals) {
   state_->recording->submit(pointsOf(waits, "waits"), pointsOf(signals, "signals"));
 }
 
-bool FrameRecording::run(const Upscaler::Progress& progress) {
+bool RecordedFrame::run(const Upscaler::Progress& progress) {
   const RecordingOptions asked{.timestamps = state_->options.profile,
                                .multiplyAddsPerSubmission = state_->options.multiplyAddsPerSubmission,
                                .measuresPace = true};
@@ -159,9 +154,9 @@ bool FrameRecording::run(const Upscaler::Progress& progress) {
   return state_->ownRuns->run(countingShare(progress));
 }
 
-float FrameRecording::exposure() const { return state_->parts.front().session->exposure(); }
+float RecordedFrame::exposure() const { return state_->parts.front().session->exposure(); }
 
-std::vector<Upscaler::ProfileRow> FrameRecording::profile() const {
+std::vector<Upscaler::ProfileRow> RecordedFrame::profile() const {
   if (!state_->ownRuns) return {};
   return profileRows(timesOf(state_->frame->dispatches(), state_->ownRuns->gpuMicroseconds()));
 }

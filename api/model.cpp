@@ -1,10 +1,11 @@
+#include "api/model.h"
+
 #include <algorithm>
 #include <cstdio>
 
 #include "api/arguments.h"
-#include "api/state.h"
 #include "engine/kernel_family.h"
-#include "frames/quiet_windows.h"
+#include "frames/session.h"
 #include "frames/tile_choice.h"
 #include "network/halo.h"
 #include "xrds/error.h"
@@ -61,9 +62,7 @@ Tiling tilingOf(const NetworkModel& model, FrameShape frame, bool fp16, const Ti
   return tiling;
 }
 
-Model::Model(const std::filesystem::path& file) : state_(new State{NetworkModel::read(file)}) {}
-Model::Model(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Model Model::untrained(uint32_t scale, const std::string& base, const std::string& transfer) {
+NetworkModel untrainedModel(uint32_t scale, const std::string& base, const std::string& transfer) {
   NetworkConfig none{.scale = scale, .groups = 0};
   if (base == "bicubic") none.auxInputs.clear();
   Metadata metadata = describe(none);
@@ -71,37 +70,27 @@ Model Model::untrained(uint32_t scale, const std::string& base, const std::strin
   metadata["transfer"] = transfer;
   TensorFile file;
   file.metadata = std::move(metadata);
-  // NOLINTNEXTLINE(modernize-make-unique): an aggregate
-  return Model(std::unique_ptr<State>(new State{NetworkModel::fromTensors(std::move(file), "untrained model")}));
+  return NetworkModel::fromTensors(std::move(file), "untrained model");
 }
-Model::~Model() = default;
-Model::Model(Model&&) noexcept = default;
-Model& Model::operator=(Model&&) noexcept = default;
-uint32_t Model::scale() const { return state_->weights.config().scale; }
-const std::vector<std::string>& Model::auxiliaryInputs() const { return state_->weights.config().auxInputs; }
-const std::map<std::string, std::string>& Model::metadata() const { return state_->weights.file().metadata; }
 
-std::string Model::hash() const {
+std::string hashText(const NetworkModel& model) {
   char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(state_->weights.file().hash));
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(model.file().hash));
   return text;
 }
 
-std::string Model::whyNeverSkipped() const { return whyNeverQuiet(state_->weights.config()); }
-
-Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const std::string& kernelFamily) const {
-  const NetworkConfig& config = state_->weights.config();
+Model::Cost costOf(const NetworkModel& model, uint32_t outputWidth, uint32_t outputHeight, bool fp16,
+                   const std::string& kernelFamily) {
+  const NetworkConfig& config = model.config();
   const FrameShape frame = frameOf(config, outputWidth, outputHeight);
   const DeviceTraits device = usualTraits(kernelFamilyOf(kernelFamily));
-  const auto graphOf = [&](const GraphOptions& options) {
-    return buildGraph(config, frame, state_->weights.lookup(), options);
-  };
+  const auto graphOf = [&](const GraphOptions& options) { return buildGraph(config, frame, model.lookup(), options); };
   const Graph graph = graphOf(fastOn(device, {fp16 ? Precision::fp16 : Precision::fp32}));
   const NodeCost executed = xrds::cost(graph);
-  Cost sum{.parameters = state_->weights.parameterCount(),
-           .networkMultiplyAdds = xrds::cost(graphOf(kAsWritten)).multiplyAdds,
-           .multiplyAdds = executed.multiplyAdds,
-           .attentionMultiplyAdds = executed.attentionMultiplyAdds};
+  Model::Cost sum{.parameters = model.parameterCount(),
+                  .networkMultiplyAdds = xrds::cost(graphOf(kAsWritten)).multiplyAdds,
+                  .multiplyAdds = executed.multiplyAdds,
+                  .attentionMultiplyAdds = executed.attentionMultiplyAdds};
   const MemoryNeeds needs = memoryNeeds(graph, device);
   sum.plannedBytes = needs.planned;
   sum.lowerBoundBytes = needs.lowerBound;
@@ -110,15 +99,15 @@ Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16, 
   return sum;
 }
 
-Tiling Model::tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options,
-                     const std::string& kernelFamily) const {
-  const FrameShape frame = frameOf(state_->weights.config(), outputWidth, outputHeight);
+Tiling planTiles(const NetworkModel& model, uint32_t outputWidth, uint32_t outputHeight, bool fp16,
+                 const TileOptions& options, const std::string& kernelFamily) {
+  const FrameShape frame = frameOf(model.config(), outputWidth, outputHeight);
   checkOptions(options);
-  checkShape(state_->weights.config(), frame);
+  checkShape(model.config(), frame);
   constexpr uint64_t kNoLimit = uint64_t{1} << 50;
   MemoryLimits limits{options.memoryBytes ? options.memoryBytes : kNoLimit, usualTraits(kernelFamilyOf(kernelFamily))};
   limits.traits.maxAllocationBytes = limits.traits.maxTexelBufferElements = kNoLimit;
-  return tilingOf(state_->weights, frame, fp16, options, limits);
+  return tilingOf(model, frame, fp16, options, limits);
 }
 
 }  // namespace xrds

@@ -1,4 +1,4 @@
-#include "xrds/oidn_import.h"
+#include "api/oidn_import.h"
 
 #include <cstdlib>
 
@@ -16,7 +16,7 @@ fs::path folderOf(const char* variable) {
 
 }  // namespace
 
-std::vector<fs::path> importOidn(const fs::path& library, const fs::path& folder) {
+std::vector<fs::path> writeOidnModels(const fs::path& library, const fs::path& folder) {
   const std::vector<ImportedNetwork> networks = importNetworks(library);
   std::error_code error;
   fs::create_directories(folder, error);
@@ -29,7 +29,7 @@ std::vector<fs::path> importOidn(const fs::path& library, const fs::path& folder
   return files;
 }
 
-fs::path denoiserFolder() {
+fs::path folderOfDenoisers() {
   if (fs::path own = folderOf("XRDS_DENOISERS"); !own.empty()) return own;
 #if defined(_WIN32)
   const fs::path data = folderOf("LOCALAPPDATA");

@@ -1,11 +1,10 @@
-#include "xrds/temporal_filter.h"
+#include "api/temporal_filter.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "api/arguments.h"
-#include "api/state.h"
 #include "frames/history_merger.h"
 
 namespace xrds {
@@ -107,7 +106,7 @@ void takeCounts(std::span<const float> row, size_t stride, uint32_t y, std::vect
 
 }  // namespace
 
-struct TemporalFilter::State {
+struct FrameMerger::State {
   Size low, full;
   HistoryMerger merger;
 
@@ -124,20 +123,17 @@ struct TemporalFilter::State {
   }
 };
 
-TemporalFilter::TemporalFilter(Device& device, uint32_t width, uint32_t height, uint32_t scale) {
+FrameMerger::FrameMerger(Gpu& gpu, uint32_t width, uint32_t height, uint32_t scale) {
   if (width == 0 || height == 0 || scale == 0 || scale > 16 || (scale & (scale - 1)) != 0)
     throw InvalidArgument("A temporal filter of " + sizeText(width, height) + " pixels and scale " +
                           std::to_string(scale) + " was asked for; the scale must be 1, 2, 4, 8 or 16.");
-  state_.reset(new State{
-      {width, height}, {scale * width, scale * height}, HistoryMerger(device.state_->gpu, height, width, scale)});
+  state_.reset(new State{{width, height}, {scale * width, scale * height}, HistoryMerger(gpu, height, width, scale)});
 }
 
-TemporalFilter::~TemporalFilter() = default;
-TemporalFilter::TemporalFilter(TemporalFilter&&) noexcept = default;
-TemporalFilter& TemporalFilter::operator=(TemporalFilter&&) noexcept = default;
+FrameMerger::~FrameMerger() = default;
 
-TemporalFilter::Merged TemporalFilter::run(const Frame& present, std::span<const Frame> before,
-                                           std::span<const Frame> after) {
+TemporalFilter::Merged FrameMerger::run(const Frame& present, std::span<const Frame> before,
+                                        std::span<const Frame> after) {
   state_->check(present);
   const auto chainOf = [&](std::span<const Frame> frames) {
     std::vector<HistoryFrame> chain;
@@ -149,7 +145,7 @@ TemporalFilter::Merged TemporalFilter::run(const Frame& present, std::span<const
   };
   const auto past = chainOf(before), future = chainOf(after);
   const size_t low = state_->low.pixels(), full = state_->full.pixels();
-  Merged merged;
+  TemporalFilter::Merged merged;
   merged.colour.resize(3 * low);
   merged.lowCounts.resize(low);
   merged.fullCounts.resize(full);
@@ -171,6 +167,6 @@ TemporalFilter::Merged TemporalFilter::run(const Frame& present, std::span<const
   return merged;
 }
 
-uint64_t TemporalFilter::deviceBytes() const { return state_->merger.deviceBytes(); }
+uint64_t FrameMerger::deviceBytes() const { return state_->merger.deviceBytes(); }
 
 }  // namespace xrds

@@ -1,9 +1,10 @@
-#include "xrds/tuning.h"
+#include "api/tuning.h"
 
 #include <ctime>
 
 #include "api/arguments.h"
-#include "api/state.h"
+#include "api/model.h"
+#include "engine/kernel_family.h"
 #include "tuning/tuner.h"
 #include "xrds/error.h"
 
@@ -69,32 +70,28 @@ std::string dateText(int64_t seconds) {
 
 }  // namespace
 
-Tuning::Report Tuning::run(Device& device, const Model& model, uint32_t width, uint32_t height,
-                           const Options& options) {
-  Gpu& gpu = device.state_->gpu;
-  const NetworkModel& network = model.state_->weights;
+Tuning::Report tuneFor(Gpu& gpu, const NetworkModel& network, uint32_t width, uint32_t height,
+                       const Tuning::Options& options) {
   checkShape(network.config(), {height, width});
   requireOwnFamily(gpu);
   TuningOptions inner{.precision = precisionOf(options.fp16), .anew = options.anew};
   const uint32_t scale = network.config().scale;
-  inner.label = (options.label.empty() ? model.hash() : options.label) + ", " + precisionName(options.fp16) + ", " +
-                sizeText(scale * width, scale * height);
+  inner.label = (options.label.empty() ? hashText(network) : options.label) + ", " + precisionName(options.fp16) +
+                ", " + sizeText(scale * width, scale * height);
   if (options.progress)
     inner.progress = [&](const TuningStep& step) { return options.progress(step.share, step.text); };
   return reportOf(xrds::tune(gpu, network, {height, width}, inner), gpu.traits());
 }
 
-std::optional<Tuning::Report> Tuning::known(const Device& device, const Model& model, uint32_t width, uint32_t height,
-                                            bool fp16) {
-  const Gpu& gpu = device.state_->gpu;
-  checkShape(model.state_->weights.config(), {height, width});
-  const auto result = knownTuning(gpu, model.state_->weights, {height, width}, precisionOf(fp16));
+std::optional<Tuning::Report> tuningFor(const Gpu& gpu, const NetworkModel& network, uint32_t width, uint32_t height,
+                                        bool fp16) {
+  checkShape(network.config(), {height, width});
+  const auto result = knownTuning(gpu, network, {height, width}, precisionOf(fp16));
   if (!result) return std::nullopt;
   return reportOf(*result, gpu.traits());
 }
 
-std::vector<std::string> Tuning::summary(const Device& device) {
-  const Gpu& gpu = device.state_->gpu;
+std::vector<std::string> tuningSummary(const Gpu& gpu) {
   const TuningRecord record = knownRecord(gpu);
   const std::string family = nameOf(gpu.traits().family);
   std::vector<std::string> lines;

@@ -1,3 +1,4 @@
+#include "xrds/precision.h"
 #include "cli/tune_report.h"
 
 #include <algorithm>

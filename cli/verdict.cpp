@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cli/table.h"
+#include "xrds/precision.h"
 
 namespace xrds {
 namespace {

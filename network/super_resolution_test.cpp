@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "api/state.h"
+#include "api/model.h"
 #include "engine/kernel_family.h"
 #include "frames/tile_choice.h"
 #include "network/halo.h"

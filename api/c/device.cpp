@@ -1,21 +1,12 @@
-#include <algorithm>
-#include <cstring>
-#include <iterator>
-
 #include "api/c/handles.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
+#include "api/c/text.h"
+#include "engine/kernel_family.h"
 
 using namespace xrds::c;
 
 namespace {
-
-template <size_t N>
-void setText(char (&field)[N], const std::string& text) {
-  const size_t length = std::min(text.size(), N - 1);
-  std::memcpy(field, text.data(), length);
-  field[length] = 0;
-}
 
 void describe(const xrds::Device::Description& found, XrdsDeviceDescription& description) {
   XrdsDeviceDescription out{};
@@ -34,9 +25,14 @@ void describe(const xrds::Device::Description& found, XrdsDeviceDescription& des
 namespace xrds::c {
 
 Device::Options optionsOf(const XrdsDeviceOptions& given) {
-  const auto text = [](const char* words) { return std::string(words ? words : ""); };
-  Device::Options options{
-      .select = text(given.select), .cacheFolder = text(given.cacheFolder), .kernelFamily = text(given.kernelFamily)};
+  Device::Options options{.select = textOf(given.select),
+                          .cacheFolder = pathOf(given.cacheFolder),
+                          .kernelFamily = textOf(given.kernelFamily),
+                          .validation = given.validation != 0};
+  if (given.message)
+    options.onMessage = [hear = given.message, user = given.messageUser](std::string_view text) {
+      hear(user, std::string(text).c_str());
+    };
   if (given.preparation)
     options.onPreparation = [hear = given.preparation, user = given.preparationUser](const Preparation& now) {
       return hear(user, now.phase == Preparation::Phase::machineCode, now.done, now.total) != 0;
@@ -50,7 +46,7 @@ XrdsDeviceOptions xrdsDeviceOptionsDefault() { return {.structSize = sizeof(Xrds
 
 XrdsResult xrdsCountDevices(uint32_t* count) {
   return guarded([&] {
-    required(count, "count") = static_cast<uint32_t>(xrds::Device::list().size());
+    required(count, "count") = static_cast<uint32_t>(xrds::describeDevices().size());
     return XRDS_OK;
   });
 }
@@ -58,7 +54,7 @@ XrdsResult xrdsCountDevices(uint32_t* count) {
 XrdsResult xrdsDescribeDevice(uint32_t index, XrdsDeviceDescription* description) {
   return guarded([&] {
     checkedSize(required(description, "description"));
-    const auto devices = xrds::Device::list();
+    const auto devices = xrds::describeDevices();
     if (index >= devices.size())
       throw xrds::InvalidArgument("There is no device " + std::to_string(index) + ": there are " +
                                   std::to_string(devices.size()) + ".");
@@ -72,7 +68,7 @@ XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice** device)
     XrdsDevice*& out = required(device, "device");
     const XrdsDeviceOptions usual = xrdsDeviceOptionsDefault(), given = options ? taken(*options, usual) : usual;
     out = Devices::open().add(
-        std::make_shared<XrdsDevice>(xrds::Device(optionsOf(given)), given.preparation, given.preparationUser));
+        std::make_shared<XrdsDevice>(xrds::openGpu(optionsOf(given)), given.preparation, given.preparationUser));
     return XRDS_OK;
   });
 }
@@ -82,7 +78,7 @@ XrdsResult xrdsDescribeOpenDevice(XrdsDevice* device, XrdsDeviceDescription* des
     checkedSize(required(description, "description"));
     const auto found = Devices::open().opened(device, "device");
     const std::lock_guard lock(found->access);
-    describe(found->device.description(), *description);
+    describe(xrds::descriptionOf(found->gpu), *description);
     return XRDS_OK;
   });
 }
@@ -92,4 +88,14 @@ void xrdsCloseDevice(XrdsDevice* device) {
     Devices::open().remove(device);
     return XRDS_OK;
   });
+}
+
+const char* xrdsGetDeviceNote(XrdsDevice* device, uint32_t index) {
+  const auto found = Devices::open().find(device);
+  return found && index < found->gpu.notes().size() ? found->gpu.notes()[index].c_str() : nullptr;
+}
+
+const char* xrdsGetKernelFamily(uint32_t index) {
+  const auto names = xrds::kernelFamilyNames();
+  return index < names.size() ? names[index] : nullptr;
 }

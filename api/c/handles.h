@@ -5,23 +5,27 @@
 #include <optional>
 #include <unordered_map>
 
-#include "xrds/alpha.h"
+#include "api/device.h"
+#include "api/frame_upscaler.h"
+#include "api/model.h"
 #include "xrds/xrds.h"
-#include "xrds/xrds.hpp"
 
 /// A device, which one thread at a time may use.
 struct XrdsDevice {
-  XrdsDevice(xrds::Device opened, XrdsPreparation hear, void* user)
-      : device(std::move(opened)), preparation(hear), preparationUser(user) {}
-  xrds::Device device;
+  XrdsDevice(xrds::Gpu opened, XrdsPreparation hear, void* user)
+      : gpu(std::move(opened)), preparation(hear), preparationUser(user) {}
+  xrds::Gpu gpu;
   const XrdsPreparation preparation;  // may be null
   void* const preparationUser;
   std::mutex access;
 };
 
 struct XrdsModel {
-  explicit XrdsModel(const std::filesystem::path& file) : model(file) {}
-  const xrds::Model model;
+  explicit XrdsModel(xrds::NetworkModel read);
+  const xrds::NetworkModel model;
+  const std::string hash, whyNeverSkipped;
+  const std::vector<std::string>& inputs() const { return model.config().auxInputs; }
+  uint32_t scale() const { return model.config().scale; }
 };
 
 /// An upscaler with what it needs alive. `use` is held by the thread that runs it, `device->access` as well.
@@ -34,8 +38,9 @@ struct XrdsUpscaler {
   const std::shared_ptr<XrdsModel> model;
   const uint32_t width, height;
   const xrds::TileOptions tiles;
-  std::optional<xrds::Upscaler> upscaler;
-  std::optional<xrds::AlphaUpscaler> alpha;  // made when a frame has one
+  std::optional<xrds::FrameUpscaler> upscaler;
+  std::optional<xrds::NetworkModel> alphaModel;  // made when a frame has an alpha, as what upscales it
+  std::optional<xrds::FrameUpscaler> alpha;
   std::mutex use;
 };
 
@@ -79,7 +84,12 @@ class Handles {
   std::unordered_map<const T*, std::shared_ptr<T>> objects_;
 };
 
+/// What a caller has given; null: the defaults. Throws InvalidArgument if it cannot be.
 Device::Options optionsOf(const XrdsDeviceOptions& given);
+Upscaler::Options optionsOf(const XrdsUpscalerOptions* given);
+/// Text and paths of the C API, which are UTF-8.
+inline std::string textOf(const char* words) { return words ? words : ""; }
+inline std::filesystem::path pathOf(const char* words) { return call::path(textOf(words)); }
 
 using Devices = Handles<XrdsDevice>;
 using Models = Handles<XrdsModel>;

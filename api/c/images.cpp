@@ -3,9 +3,12 @@
 #include <cstring>
 
 #include "api/arguments.h"
+#include "api/c/result.h"
 #include "api/c/sized.h"
 #include "engine/half.h"
+#include "xrds/auxiliary_input.h"
 #include "xrds/error.h"
+#include "xrds/relative_depth.h"
 
 namespace xrds::c {
 namespace {
@@ -45,6 +48,13 @@ bool isInterleaved(const XrdsImage& image) {
          (image.height == 1 || image.rowStride == row) && reinterpret_cast<uintptr_t>(first) % alignof(float) == 0;
 }
 
+ReadImage readAuxiliary(const XrdsImage& image, const std::string& input) {
+  const AuxiliaryInput* kind = findAuxiliaryInput(input);
+  if (!kind || !kind->isDistance || image.channels[1]) return {image, input};
+  checkImage(image, input, 1);
+  return {relativeDepth(readChannel(image, 0)), image.width, image.height};
+}
+
 }  // namespace
 
 void checkImage(const XrdsImage& image, const std::string& what, uint32_t channels) {
@@ -77,6 +87,18 @@ ReadImage::ReadImage(const XrdsImage& image, const std::string& what) {
 
 ReadImage::ReadImage(std::vector<float> pixels, uint32_t width, uint32_t height)
     : copy_(std::move(pixels)), view_{copy_.data(), width, height} {}
+
+ReadImages::ReadImages(const std::vector<std::string>& inputs, const XrdsImage& low, const XrdsImage* auxiliary,
+                       uint32_t count)
+    : colour(low, "colour") {
+  if (count != inputs.size())
+    throw InvalidArgument("The model takes " + std::to_string(inputs.size()) + " auxiliary images, found " +
+                          std::to_string(count) + ".");
+  images.reserve(count);
+  for (uint32_t i = 0; i < count; ++i)
+    images.push_back(readAuxiliary((&required(auxiliary, "auxiliary"))[i], inputs[i]));
+  for (const ReadImage& image : images) views.push_back(image.view());
+}
 
 std::vector<float> readChannel(const XrdsImage& image, uint32_t channel) {
   std::vector<float> values;

@@ -27,6 +27,16 @@ class ReadImage {
   PixelView view_;
 };
 
+/// The images of a frame for a model with those inputs.
+struct ReadImages {
+  /// Throws InvalidArgument if their number is another one, or as checkImage() does.
+  ReadImages(const std::vector<std::string>& inputs, const XrdsImage& colour, const XrdsImage* auxiliary,
+             uint32_t count);
+  const ReadImage colour;
+  std::vector<ReadImage> images;
+  std::vector<PixelView> views;  // of the images
+};
+
 /// One channel, row by row.
 std::vector<float> readChannel(const XrdsImage& image, uint32_t channel);
 /// Writes it, from every `step`th of the values on.

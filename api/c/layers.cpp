@@ -17,9 +17,9 @@ void Layers::add(const XrdsLayerSet& given) {
   }
   for (uint32_t i = 0; i < given.colourCount; ++i) {
     const XrdsLayerColour& pass = checkSize((&required(given.colours, "colours"))[i]);
-    set.colours.push_back({.low = read(pass.low, "low-resolution colour pass"),
-                           .full = read(pass.full, "full-resolution colour pass"),
-                           .output = place(pass.output, "colour pass's output")});
+    set.colours.push_back(
+        {.low = read(pass.low, "low-resolution colour pass"), .output = place(pass.output, "colour pass's output")});
+    if (pass.full.channels[0]) set.colours.back().full = read(pass.full, "full-resolution colour pass");
   }
   if (given.whole) set.whole = read(*given.whole, "whole of the layers");
   sets_.push_back(std::move(set));

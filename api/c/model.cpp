@@ -1,22 +1,31 @@
 #include <cstring>
 
 #include "api/c/handles.h"
-#include "api/c/images.h"
 #include "api/c/result.h"
+#include "api/c/sized.h"
+#include "api/model_folders.h"
+#include "frames/quiet_windows.h"
 #include "xrds/auxiliary_input.h"
 #include "xrds/shipped_models.h"
+#include "xrds/xrds_report.h"
 
 using namespace xrds::c;
+
+XrdsModel::XrdsModel(xrds::NetworkModel read)
+    : model(std::move(read)), hash(xrds::hashText(model)), whyNeverSkipped(xrds::whyNeverQuiet(model.config())) {}
 
 namespace {
 
 // A name without a folder or an ending is a shipped model's.
 std::filesystem::path fileOf(const std::string& nameOrFile) {
-  if (nameOrFile.ends_with(".safetensors") || std::filesystem::path(nameOrFile).has_parent_path()) return nameOrFile;
-  std::filesystem::path file = xrds::findModel(nameOrFile);
+  if (const auto path = pathOf(nameOrFile.c_str());
+      nameOrFile.ends_with(".safetensors") || path.has_parent_path() || exists(path))
+    return path;
+  std::filesystem::path file = xrds::modelFile(nameOrFile);
   if (!file.empty()) return file;
   std::string folders;
-  for (const auto& folder : xrds::modelFolders()) folders += (folders.empty() ? "'" : " or '") + folder.string() + "'";
+  for (const auto& folder : xrds::foldersOfModels())
+    folders += (folders.empty() ? "'" : " or '") + folder.string() + "'";
   throw xrds::Error("There is no model '" + nameOrFile + "' in " + folders +
                     ": give a .safetensors file, or set XRDS_MODELS to the folder of the models.");
 }
@@ -33,9 +42,9 @@ std::string chosenModel(uint32_t scale, const std::vector<std::string_view>& inp
   constexpr uint32_t kScaleOfColourAlone = 4;
   const uint32_t known = inputs.empty() ? kScaleOfColourAlone : scale;
   std::string name = xrds::variantName(known, inputs, samples > 0 ? std::optional(samples) : std::nullopt);
-  if (!xrds::findModel(name).empty()) return name;
+  if (!xrds::modelFile(name).empty()) return name;
   constexpr std::string_view kBoth[] = {xrds::kAlbedo.name, xrds::kNormal.name};
-  if (name = inputs.empty() ? name : xrds::variantName(known, kBoth); !xrds::findModel(name).empty()) return name;
+  if (name = inputs.empty() ? name : xrds::variantName(known, kBoth); !xrds::modelFile(name).empty()) return name;
   throw xrds::Error("No model is shipped that upscales by " + std::to_string(known) + " (" + name +
                     "): render at another size, or name a .safetensors file.");
 }
@@ -55,7 +64,7 @@ XrdsResult xrdsChooseModel(uint32_t scale, const char* const* inputs, uint32_t i
 
 XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity) {
   return guarded([&] {
-    copyText(fileOf(&required(name, "name")).string(), path, "path", capacity);
+    copyText(xrds::call::text(fileOf(&required(name, "name"))), path, "path", capacity);
     return XRDS_OK;
   });
 }
@@ -63,7 +72,8 @@ XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity) {
 XrdsResult xrdsOpenModel(const char* nameOrFile, XrdsModel** model) {
   return guarded([&] {
     XrdsModel*& out = required(model, "model");
-    out = Models::open().add(std::make_shared<XrdsModel>(fileOf(&required(nameOrFile, "nameOrFile"))));
+    out = Models::open().add(
+        std::make_shared<XrdsModel>(xrds::NetworkModel::read(fileOf(&required(nameOrFile, "nameOrFile")))));
     return XRDS_OK;
   });
 }
@@ -77,18 +87,17 @@ void xrdsCloseModel(XrdsModel* model) {
 
 uint32_t xrdsGetModelScale(const XrdsModel* model) {
   const auto found = Models::open().find(model);
-  return found ? found->model.scale() : 0;
+  return found ? found->scale() : 0;
 }
 
 uint32_t xrdsCountModelInputs(const XrdsModel* model) {
   const auto found = Models::open().find(model);
-  return found ? static_cast<uint32_t>(found->model.auxiliaryInputs().size()) : 0;
+  return found ? static_cast<uint32_t>(found->inputs().size()) : 0;
 }
 
 const char* xrdsGetModelInput(const XrdsModel* model, uint32_t index) {
   const auto found = Models::open().find(model);
-  return found && index < found->model.auxiliaryInputs().size() ? found->model.auxiliaryInputs()[index].c_str()
-                                                                : nullptr;
+  return found && index < found->inputs().size() ? found->inputs()[index].c_str() : nullptr;
 }
 
 const char* xrdsGetModelMetadata(const XrdsModel* model, const char* key) {
@@ -96,38 +105,67 @@ const char* xrdsGetModelMetadata(const XrdsModel* model, const char* key) {
   guarded([&] {
     const auto found = Models::open().find(model);
     if (!found || !key) return XRDS_OK;
-    const auto& metadata = found->model.metadata();
+    const auto& metadata = found->model.file().metadata;
     if (const auto field = metadata.find(key); field != metadata.end()) text = field->second.c_str();
     return XRDS_OK;
   });
   return text;
 }
 
-XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double lowSamples, double fullSamples,
-                           const XrdsImage* merged) {
+const char* xrdsGetModelMetadataKey(const XrdsModel* model, uint32_t index) {
+  const auto found = Models::open().find(model);
+  if (!found || index >= found->model.file().metadata.size()) return nullptr;
+  return std::next(found->model.file().metadata.begin(), index)->first.c_str();
+}
+
+const char* xrdsGetModelHash(const XrdsModel* model) {
+  const auto found = Models::open().find(model);
+  return found ? found->hash.c_str() : "";
+}
+
+const char* xrdsWhyNeverSkipped(const XrdsModel* model) {
+  const auto found = Models::open().find(model);
+  return found ? found->whyNeverSkipped.c_str() : "";
+}
+
+const char* xrdsGetModelFolder(uint32_t index) {
+  thread_local std::string text;
+  const char* folder = nullptr;
+  guarded([&] {
+    const auto folders = xrds::foldersOfModels();
+    if (index >= folders.size()) return XRDS_OK;
+    text = xrds::call::text(folders[index]);
+    folder = text.c_str();
+    return XRDS_OK;
+  });
+  return folder;
+}
+
+XrdsResult xrdsCreateUntrainedModel(uint32_t scale, const char* base, const char* transfer, XrdsModel** model) {
   return guarded([&] {
-    const ReadImage colour(required(low, "low"), "low-resolution"), detail(required(full, "full"), "full-resolution");
-    checkImage(required(merged, "merged"), "merged", 3);
-    if (merged->width != low->width || merged->height != low->height)
-      throw xrds::InvalidArgument("The merged image must have the size of the low-resolution one.");
-    const bool known = lowSamples != 0 || fullSamples != 0;
-    const double share = known ? xrds::fullShare({lowSamples, fullSamples}, full->width / low->width)
-                               : xrds::estimatedFullShare(colour.view(), detail.view());
-    const std::vector<float> pixels = xrds::mergedColour(colour.view(), detail.view(), share);
-    const std::vector<float> alpha = low->channels[3] ? readChannel(*low, 3) : std::vector<float>();
-    for (uint32_t c = 0; c < 3; ++c) writeChannel(*merged, c, &pixels[c], 3);
-    if (merged->channels[3]) {
-      const float opaque = 1;
-      writeChannel(*merged, 3, alpha.empty() ? &opaque : alpha.data(), alpha.empty() ? 0 : 1);
-    }
+    XrdsModel*& out = required(model, "model");
+    out = Models::open().add(std::make_shared<XrdsModel>(
+        xrds::untrainedModel(scale, &required(base, "base"), &required(transfer, "transfer"))));
     return XRDS_OK;
   });
 }
 
-XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double* difference) {
+XrdsResult xrdsGetModelCost(const XrdsModel* model, uint32_t outputWidth, uint32_t outputHeight, int32_t fp16,
+                            const char* kernelFamily, XrdsModelCost* cost) {
   return guarded([&] {
-    const ReadImage colour(required(low, "low"), "low-resolution"), detail(required(full, "full"), "full-resolution");
-    required(difference, "difference") = xrds::colourDifference(colour.view(), detail.view());
+    const auto found = Models::open().opened(model, "model");
+    const xrds::Model::Cost sum =
+        xrds::costOf(found->model, outputWidth, outputHeight, fp16 != 0, &required(kernelFamily, "kernelFamily"));
+    give<XrdsModelCost>({.structSize = sizeof(XrdsModelCost),
+                         .parameters = sum.parameters,
+                         .networkMultiplyAdds = sum.networkMultiplyAdds,
+                         .multiplyAdds = sum.multiplyAdds,
+                         .attentionMultiplyAdds = sum.attentionMultiplyAdds,
+                         .plannedBytes = sum.plannedBytes,
+                         .lowerBoundBytes = sum.lowerBoundBytes,
+                         .unaliasedBytes = sum.unaliasedBytes,
+                         .weightBytes = sum.weightBytes},
+                        required(cost, "cost"));
     return XRDS_OK;
   });
 }

@@ -1,7 +1,8 @@
 // Frames of an upscaler in command buffers and on a queue of the caller's.
 #include "api/c/handles.h"
+#include "api/c/report.h"
 #include "api/c/result.h"
-#include "xrds/xrds_vulkan.hpp"
+#include "api/frame_recording.h"
 
 using namespace xrds::c;
 
@@ -16,7 +17,7 @@ struct XrdsRecording {
   }
 
   const std::shared_ptr<XrdsUpscaler> upscaler;
-  std::optional<xrds::FrameRecording> frame;
+  std::optional<xrds::RecordedFrame> frame;
 };
 
 namespace {
@@ -104,4 +105,14 @@ float xrdsGetRecordingExposure(const XrdsRecording* recording) {
     return XRDS_OK;
   });
   return exposure;
+}
+
+XrdsResult xrdsGetRecordingProfile(XrdsRecording* recording, XrdsHearProfile hear, void* user) {
+  return guarded([&] {
+    const auto found = Recordings::open().opened(recording, "recording");
+    required(hear, "hear");
+    const std::lock_guard lock(found->upscaler->device->access);
+    tellProfile(found->frame->profile(), hear, user);
+    return XRDS_OK;
+  });
 }

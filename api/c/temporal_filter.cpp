@@ -1,16 +1,19 @@
+#include <algorithm>
+
 #include "api/c/handles.h"
 #include "api/c/images.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
+#include "api/temporal_filter.h"
 
 using namespace xrds::c;
 
 /// A filter with the device that it needs. `use` is held by the thread that runs it, `device->access` as well.
 struct XrdsTemporalFilter {
   XrdsTemporalFilter(std::shared_ptr<XrdsDevice> on, uint32_t width, uint32_t height, uint32_t scale)
-      : device(std::move(on)), pixels(size_t{scale} * width * scale * height) {
+      : device(std::move(on)), low(size_t{width} * height), full(size_t{scale} * width * scale * height) {
     const std::lock_guard lock(device->access);
-    filter.emplace(device->device, width, height, scale);
+    filter.emplace(device->gpu, width, height, scale);
   }
   ~XrdsTemporalFilter() {
     const std::lock_guard lock(device->access);
@@ -18,8 +21,8 @@ struct XrdsTemporalFilter {
   }
 
   const std::shared_ptr<XrdsDevice> device;
-  const size_t pixels;  // of the full resolution
-  std::optional<xrds::TemporalFilter> filter;
+  const size_t low, full;  // pixels
+  std::optional<xrds::FrameMerger> filter;
   std::mutex use;
 };
 
@@ -28,8 +31,9 @@ namespace {
 /// A frame of the caller, and copies of images that the library cannot read where they are.
 class ReadFrame {
  public:
-  ReadFrame(const XrdsTemporalFrame& given, size_t pixels) {
+  ReadFrame(const XrdsTemporalFrame& given, const XrdsTemporalFilter& filter) {
     checkSize(given);
+    const size_t pixels = filter.full;
     frame_.colour = read(given.colour, "colour");
     if (given.fullColour.channels[0]) frame_.fullColour = read(given.fullColour, "full-resolution colour");
     if (given.albedo.channels[0]) frame_.albedo = read(given.albedo, "albedo");
@@ -37,6 +41,8 @@ class ReadFrame {
     if (given.depth) frame_.depth = {given.depth, pixels};
     if (given.toPrevious) frame_.toPrevious = {given.toPrevious, 2 * pixels};
     if (given.toNext) frame_.toNext = {given.toNext, 2 * pixels};
+    if (given.lowCounts) frame_.lowCounts = {given.lowCounts, filter.low};
+    if (given.fullCounts) frame_.fullCounts = {given.fullCounts, pixels};
   }
   const xrds::TemporalFilter::Frame& frame() const { return frame_; }
 
@@ -84,13 +90,13 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
     const std::unique_lock lock(found->use, std::try_to_lock);
     if (!lock) return failed(XRDS_ERROR_BUSY, "The filter is in use on another thread: create one for each thread.");
     const XrdsTemporalFrame& out = checkSize(required(merged, "merged"));
-    const ReadFrame now(required(present, "present"), found->pixels);
+    const ReadFrame now(required(present, "present"), *found);
     std::vector<ReadFrame> kept;
     kept.reserve(size_t{beforeCount} + afterCount);
     const auto framesOf = [&](const XrdsTemporalFrame* given, uint32_t count, const char* name) {
       std::vector<xrds::TemporalFilter::Frame> frames;
       for (uint32_t i = 0; i < count; ++i)
-        frames.push_back(kept.emplace_back((&required(given, name))[i], found->pixels).frame());
+        frames.push_back(kept.emplace_back((&required(given, name))[i], *found).frame());
       return frames;
     };
     const auto past = framesOf(before, beforeCount, "before"), future = framesOf(after, afterCount, "after");
@@ -100,6 +106,20 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
     write(result.fullColour, out.fullColour, "full-resolution colour");
     write(result.albedo, out.albedo, "albedo");
     write(result.normal, out.normal, "normal");
+    if (out.lowCounts) std::copy(result.lowCounts.begin(), result.lowCounts.end(), out.lowCounts);
+    if (out.fullCounts) std::copy(result.fullCounts.begin(), result.fullCounts.end(), out.fullCounts);
     return XRDS_OK;
   });
+}
+
+uint64_t xrdsGetTemporalDeviceBytes(const XrdsTemporalFilter* filter) {
+  uint64_t bytes = 0;
+  guarded([&] {
+    if (const auto found = Handles<XrdsTemporalFilter>::open().find(filter)) {
+      const std::lock_guard lock(found->device->access);
+      bytes = found->filter->deviceBytes();
+    }
+    return XRDS_OK;
+  });
+  return bytes;
 }

@@ -1,9 +1,10 @@
+#include <limits>
+
 #include "api/c/handles.h"
 #include "api/c/images.h"
 #include "api/c/layers.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
-#include "xrds/auxiliary_input.h"
 
 using namespace xrds::c;
 
@@ -11,7 +12,7 @@ XrdsUpscaler::XrdsUpscaler(std::shared_ptr<XrdsDevice> on, std::shared_ptr<XrdsM
                            uint32_t frameHeight, const xrds::Upscaler::Options& options)
     : device(std::move(on)), model(std::move(of)), width(frameWidth), height(frameHeight), tiles(options.tiles) {
   const std::lock_guard lock(device->access);
-  upscaler.emplace(device->device, model->model, width, height, options);
+  upscaler.emplace(device->gpu, model->model, xrds::FrameShape{height, width}, options);
 }
 
 XrdsUpscaler::~XrdsUpscaler() {
@@ -20,32 +21,37 @@ XrdsUpscaler::~XrdsUpscaler() {
   upscaler.reset();
 }
 
-namespace {
-
-xrds::Upscaler::Options optionsOf(const XrdsUpscalerOptions& given) {
-  xrds::Upscaler::Options options{.fp16 = given.fp16 != 0, .ensemble = given.ensemble};
-  if (given.exposure != 0) options.exposure = given.exposure;
-  options.tiles.memoryBytes = given.memoryBytes;
-  constexpr xrds::Upscaler::Tune kTunes[] = {xrds::Upscaler::Tune::automatic, xrds::Upscaler::Tune::never,
-                                             xrds::Upscaler::Tune::now};
+xrds::Upscaler::Options xrds::c::optionsOf(const XrdsUpscalerOptions* options) {
+  const XrdsUpscalerOptions usual = xrdsUpscalerOptionsDefault(), given = options ? taken(*options, usual) : usual;
+  constexpr Upscaler::Tune kTunes[] = {Upscaler::Tune::automatic, Upscaler::Tune::never, Upscaler::Tune::now};
   if (const int tune = numberOf(given.tune); tune < XRDS_TUNE_AUTO || tune > XRDS_TUNE_NOW)
-    throw xrds::InvalidArgument("The option tune is " + std::to_string(tune) +
-                                ", expected XRDS_TUNE_AUTO, XRDS_TUNE_NEVER or XRDS_TUNE_NOW.");
-  options.tune = kTunes[given.tune];
-  options.skip = {.bound = given.skipBound, .keepUnchanged = given.keepUnchanged != 0};
-  return options;
+    throw InvalidArgument("The option tune is " + std::to_string(tune) +
+                          ", expected XRDS_TUNE_AUTO, XRDS_TUNE_NEVER or XRDS_TUNE_NOW.");
+  if (given.tileHalo > std::numeric_limits<uint32_t>::max())
+    throw InvalidArgument("A tileHalo of " + std::to_string(given.tileHalo) + " pixels is larger than any frame.");
+  Upscaler::Options asked{.fp16 = given.fp16 != 0,
+                          .profile = given.profile != 0,
+                          .ensemble = given.ensemble,
+                          .tiles = {.memoryBytes = given.memoryBytes,
+                                    .exact = given.exactTiles != 0,
+                                    .wrap = given.wrap != 0,
+                                    .columns = given.tileColumns,
+                                    .rows = given.tileRows},
+                          .skip = {.bound = given.skipBound, .keepUnchanged = given.keepUnchanged != 0},
+                          .multiplyAddsPerSubmission = given.multiplyAddsPerSubmission,
+                          .tune = kTunes[given.tune]};
+  if (given.exposure != 0) asked.exposure = given.exposure;
+  if (given.tileHalo >= 0) asked.tiles.halo = static_cast<uint32_t>(given.tileHalo);
+  if (given.tuning)
+    asked.onTuning = [hear = given.tuning, user = given.tuningUser](double share) { return hear(user, share) != 0; };
+  return asked;
 }
 
-ReadImage readAuxiliary(const XrdsImage& image, const std::string& input) {
-  const xrds::AuxiliaryInput* kind = xrds::findAuxiliaryInput(input);
-  if (!kind || !kind->isDistance || image.channels[1]) return {image, input};
-  checkImage(image, input, 1);
-  return {xrds::relativeDepth(readChannel(image, 0)), image.width, image.height};
-}
+namespace {
 
 void checkOutput(const XrdsUpscaler& upscaler, const XrdsImage& output) {
   checkImage(output, "output", 3);
-  const uint32_t scale = upscaler.model->model.scale();
+  const uint32_t scale = upscaler.model->scale();
   if (output.width != scale * upscaler.width || output.height != scale * upscaler.height)
     throw xrds::InvalidArgument("The output image is " + std::to_string(output.width) + " x " +
                                 std::to_string(output.height) + " pixels, expected " +
@@ -61,10 +67,13 @@ void writeAlpha(XrdsUpscaler& upscaler, const XrdsImage& colour, const XrdsImage
     writeChannel(output, 3, &opaque, 0);
     return;
   }
-  if (!upscaler.alpha)
-    upscaler.alpha.emplace(upscaler.device->device, upscaler.width, upscaler.height, upscaler.model->model.scale(),
-                           upscaler.tiles);
-  writeChannel(output, 3, upscaler.alpha->run(readChannel(colour, 3)).data(), 1);
+  if (!upscaler.alpha) {
+    upscaler.alphaModel.emplace(xrds::untrainedModel(upscaler.model->scale(), "bicubic", "none"));
+    upscaler.alpha.emplace(upscaler.device->gpu, *upscaler.alphaModel,
+                           xrds::FrameShape{upscaler.height, upscaler.width},
+                           xrds::Upscaler::Options{.exposure = 1.F, .tiles = upscaler.tiles});
+  }
+  writeChannel(output, 3, xrds::upscaledAlpha(*upscaler.alpha, readChannel(colour, 3)).data(), 1);
 }
 
 bool runInto(XrdsUpscaler& upscaler, const ReadImage& colour, const std::vector<xrds::PixelView>& auxiliary,
@@ -91,26 +100,15 @@ struct Frame {
 
 XrdsResult upscale(XrdsUpscaler& upscaler, const XrdsImage& colour, const Frame& frame, const XrdsImage& output,
                    const xrds::Upscaler::Progress& progress) {
-  const auto& inputs = upscaler.model->model.auxiliaryInputs();
-  if (frame.count != inputs.size())
-    throw xrds::InvalidArgument("The model takes " + std::to_string(inputs.size()) + " auxiliary images, found " +
-                                std::to_string(frame.count) + ".");
   checkOutput(upscaler, output);
-  const ReadImage low(colour, "colour");
-  std::vector<ReadImage> images;
-  images.reserve(frame.count);
-  for (uint32_t i = 0; i < frame.count; ++i)
-    images.push_back(readAuxiliary((&required(frame.auxiliary, "auxiliary"))[i], inputs[i]));
-  std::vector<xrds::PixelView> views;
-  views.reserve(frame.count);
-  for (const ReadImage& image : images) views.push_back(image.view());
+  const ReadImages images(upscaler.model->inputs(), colour, frame.auxiliary, frame.count);
   Layers layers;
   for (uint32_t i = 0; i < frame.setCount; ++i) {
     layers.add((&required(frame.sets, "sets"))[i]);
     if (frame.reports) checkSize(frame.reports[i]);
   }
   const std::lock_guard lock(upscaler.device->access);
-  if (!runInto(upscaler, low, views, output, layers.sets(), progress))
+  if (!runInto(upscaler, images.colour, images.views, output, layers.sets(), progress))
     return failed(XRDS_CANCELLED, "The frame was cancelled.");
   writeAlpha(upscaler, colour, output);
   layers.write();
@@ -135,7 +133,7 @@ XrdsResult upscaleGuarded(XrdsUpscaler* upscaler, const XrdsImage* colour, const
 
 // What `read` says of an open upscaler; zero of another or of one in use.
 template <class Number>
-Number ofUpscaler(const XrdsUpscaler* handle, Number (xrds::Upscaler::*read)() const) {
+Number ofUpscaler(const XrdsUpscaler* handle, Number (xrds::FrameUpscaler::*read)() const) {
   Number number{};
   guarded([&] {
     if (const auto upscaler = Upscalers::open().find(handle))
@@ -147,16 +145,20 @@ Number ofUpscaler(const XrdsUpscaler* handle, Number (xrds::Upscaler::*read)() c
 
 }  // namespace
 
-XrdsUpscalerOptions xrdsUpscalerOptionsDefault() { return {.structSize = sizeof(XrdsUpscalerOptions), .ensemble = 1}; }
+XrdsUpscalerOptions xrdsUpscalerOptionsDefault() {
+  return {.structSize = sizeof(XrdsUpscalerOptions),
+          .ensemble = 1,
+          .multiplyAddsPerSubmission = xrds::Upscaler::Options{}.multiplyAddsPerSubmission,
+          .tileHalo = -1};
+}
 
 XrdsResult xrdsCreateUpscaler(XrdsDevice* device, const XrdsModel* model, uint32_t width, uint32_t height,
                               const XrdsUpscalerOptions* options, XrdsUpscaler** upscaler) {
   return guarded([&] {
     XrdsUpscaler*& out = required(upscaler, "upscaler");
-    const XrdsUpscalerOptions usual = xrdsUpscalerOptionsDefault();
-    auto given = optionsOf(options ? taken(*options, usual) : usual);
+    auto given = optionsOf(options);
     const auto on = Devices::open().opened(device, "device");
-    if (on->preparation)
+    if (!given.onTuning && on->preparation)
       given.onTuning = [&on](double share) {
         return on->preparation(on->preparationUser, 2, static_cast<size_t>(1000 * share), 1000) != 0;
       };
@@ -184,9 +186,11 @@ XrdsResult xrdsUpscaleLayers(XrdsUpscaler* upscaler, const XrdsImage* colour, co
   return upscaleGuarded(upscaler, colour, {auxiliary, auxiliaryCount, sets, setCount, reports}, output, progress, user);
 }
 
-float xrdsGetExposure(const XrdsUpscaler* upscaler) { return ofUpscaler(upscaler, &xrds::Upscaler::exposure); }
+float xrdsGetExposure(const XrdsUpscaler* upscaler) { return ofUpscaler(upscaler, &xrds::FrameUpscaler::exposure); }
 
-uint64_t xrdsGetDeviceBytes(const XrdsUpscaler* upscaler) { return ofUpscaler(upscaler, &xrds::Upscaler::deviceBytes); }
+uint64_t xrdsGetDeviceBytes(const XrdsUpscaler* upscaler) {
+  return ofUpscaler(upscaler, &xrds::FrameUpscaler::deviceBytes);
+}
 
 XrdsImage xrdsInterleavedImage(void* pixels, XrdsFormat format, uint32_t channelCount, uint32_t width,
                                uint32_t height) {

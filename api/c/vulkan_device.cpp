@@ -2,11 +2,8 @@
 #include "api/c/handles.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
-#include "api/engine_access.h"
-#include "checks/matrix_proof.h"
-#include "engine/environment.h"
 #include "engine/host_device.h"
-#include "shaders/programs.h"
+#include "xrds/xrds_vulkan.h"
 
 using namespace xrds::c;
 
@@ -55,22 +52,9 @@ const std::vector<const char*>& extensionNames(const xrds::HostFeatures& feature
 
 }  // namespace
 
-xrds::Device xrds::openVulkanDevice(const XrdsVulkanDevice& vulkan, const Device::Options& options) {
-  const HostDevice host = hostOf(taken(vulkan));
-  if (!options.select.empty())
-    throw InvalidArgument("A device was given and one is to be selected: leave the option select NULL.");
-  Gpu gpu({.cacheFolder = options.cacheFolder,
-           .kernelFamily = options.kernelFamily,
-           .onPreparation = options.onPreparation,
-           .programs = embeddedProgram},
-          host);
-  proveAskedKernels(gpu, options.kernelFamily.empty() ? wantedKernelFamily() : options.kernelFamily);
-  return EngineAccess::open(std::move(gpu));
-}
-
 XrdsResult xrdsPrepareVulkan(const char* cacheFolder, int draws) {
   return guarded([&] {
-    xrds::prepareDrivers(cacheFolder ? cacheFolder : "", draws != 0);
+    xrds::prepareDrivers(pathOf(cacheFolder), draws != 0);
     return XRDS_OK;
   });
 }
@@ -80,7 +64,7 @@ XrdsResult xrdsSelectVulkanDevice(PFN_vkGetInstanceProcAddr loader, VkInstance i
   return guarded([&] {
     VkPhysicalDevice& out = required(physicalDevice, "physicalDevice");
     required(instance, "instance");
-    out = xrds::selectPhysicalDevice({.loader = loader, .instance = instance}, select ? select : "");
+    out = xrds::selectPhysicalDevice({.loader = loader, .instance = instance}, textOf(select));
     return XRDS_OK;
   });
 }
@@ -112,10 +96,10 @@ XrdsResult xrdsGetVulkanFeatures(PFN_vkGetInstanceProcAddr loader, VkInstance in
 XrdsResult xrdsOpenVulkanDevice(const XrdsVulkanDevice* vulkan, const XrdsDeviceOptions* options, XrdsDevice** device) {
   return guarded([&] {
     XrdsDevice*& out = required(device, "device");
-    const XrdsVulkanDevice& host = required(vulkan, "vulkan");
+    const xrds::HostDevice host = hostOf(taken(required(vulkan, "vulkan")));
     const XrdsDeviceOptions usual = xrdsDeviceOptionsDefault(), given = options ? taken(*options, usual) : usual;
-    out = Devices::open().add(std::make_shared<XrdsDevice>(xrds::openVulkanDevice(host, optionsOf(given)),
-                                                           given.preparation, given.preparationUser));
+    out = Devices::open().add(
+        std::make_shared<XrdsDevice>(xrds::openGpu(optionsOf(given), host), given.preparation, given.preparationUser));
     return XRDS_OK;
   });
 }

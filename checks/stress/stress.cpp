@@ -287,50 +287,7 @@ class StressRun {
   StressReport report_;
 };
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", value);
-  return text;
-}
-
 }  // namespace
-
-uint64_t StressReport::cases() const {
-  uint64_t sum = 0;
-  for (const StressRow& row : rows) sum += row.cases;
-  return sum;
-}
-
-std::vector<std::string> StressReport::exceptions() const {
-  std::vector<std::string> found;
-  for (const StressRow& row : rows) {
-    const std::string what = row.model + ", weights " + row.weights + ", " + row.precision + ", " + row.family + ": ";
-    const double bound = row.precision == kFp32 ? fp32Bound : fp16Bound;
-    if (row.nonFiniteOutputs > 0)
-      found.push_back(what + std::to_string(row.nonFiniteOutputs) + " of " + std::to_string(row.cases) +
-                      " outputs are not finite.");
-    if (!row.replaysExactly) found.push_back(what + "a replay gave other bits.");
-    if (!row.tilesExactly) found.push_back(what + "exact tiles gave other bits than one piece.");
-    if (!row.bandsExactly) found.push_back(what + "bands of rows gave other bits than one piece.");
-    if (row.litFromBlack > 0)
-      found.push_back(what + std::to_string(row.litFromBlack) + " pixels of black frames are lit.");
-    if (!row.bounded) continue;
-    const double scalingBound = row.precision == kFp32 ? fp32ScalingBound : fp16ScalingBound;
-    if (!(row.worstScaling <= scalingBound))
-      found.push_back(what + "scaling the colour changes the result by " + number(row.worstScaling) + ", more than " +
-                      number(scalingBound) + ".");
-    if (!(row.worstError <= bound))
-      found.push_back(what + "the error " + number(row.worstError) + " exceeds " + number(bound) + " on '" +
-                      row.worstInput + "'.");
-    if (row.lostPixels > 0)
-      found.push_back(what + "the network was not finite at " + std::to_string(row.lostPixels) + " pixels.");
-  }
-  for (const StressOperator& op : operators)
-    if (!(op.worstError <= op.budget))
-      found.push_back("Operator " + op.name + " in " + op.precision + ", " + op.family + ": the error " +
-                      number(op.worstError) + " exceeds its budget " + number(op.budget) + " at " + op.where + ".");
-  return found;
-}
 
 StressReport runStress(Gpu& gpu, const std::vector<StressModel>& models, const StressOptions& options) {
   std::vector<StressModel> all;

@@ -8,14 +8,15 @@
 #include <string_view>
 #include <vector>
 
-#include "xrds/error.h"
-#include "xrds/export.h"
+#include "xrds/call.h"
 #include "xrds/preparation.h"
+
+struct XrdsVulkanDevice;  // xrds/xrds_vulkan.h
 
 namespace xrds {
 
 /// A Vulkan 1.2 device, opened for compute.
-class XRDS_API Device {
+class Device {
  public:
   struct Description {
     std::string name;
@@ -52,22 +53,118 @@ class XRDS_API Device {
   /// Throws Error if no device fits, naming those there are, or if it cannot run the kernels that were asked for.
   explicit Device(const Options& options);
   Device() : Device(Options{}) {}
-  ~Device();
-  Device(Device&&) noexcept;
-  Device& operator=(Device&&) noexcept;
   Description description() const;
   /// What a user should know of how the device was opened, a sentence each: a cache folder that cannot be written.
   std::vector<std::string> notes() const;
 
+  /// For the functions of the C API; valid as long as the device is open.
+  XrdsDevice* handle() const { return handle_.get(); }
+  /// Throws what a listener of the options has thrown during a call, else what the call's result stands for.
+  void finish(XrdsResult result) const;
+
  private:
-  friend class TemporalFilter;
-  friend class Upscaler;
-  friend struct EngineAccess;
-  friend struct Examination;
-  friend struct Tuning;
-  struct State;
-  explicit Device(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  friend Device openVulkanDevice(const XrdsVulkanDevice& vulkan, const Options& options);
+
+  // What C calls: behind a pointer, which stays when the device is moved.
+  struct Listener {
+    PreparationProgress onPreparation{};
+    std::function<void(std::string_view)> onMessage{};
+    std::exception_ptr thrown{};
+  };
+  template <class Open>
+  Device(const Options& options, const Open& open);
+  static Description described(const XrdsDeviceDescription& found);
+  static int hear(void* listener, int machineCode, size_t done, size_t total) noexcept;
+  static void listen(void* listener, const char* text) noexcept;
+
+  std::unique_ptr<Listener> listener_;
+  call::Owned<XrdsDevice> handle_;  // closed before its listener goes
 };
+
+inline std::vector<Device::Description> Device::list() {
+  uint32_t count = 0;
+  call::check(xrdsCountDevices(&count));
+  std::vector<Description> descriptions;
+  for (uint32_t i = 0; i < count; ++i) {
+    auto found = call::sized<XrdsDeviceDescription>();
+    call::check(xrdsDescribeDevice(i, &found));
+    descriptions.push_back(described(found));
+  }
+  return descriptions;
+}
+
+inline std::vector<std::string> Device::kernelFamilies() {
+  std::vector<std::string> names;
+  while (const char* name = xrdsGetKernelFamily(static_cast<uint32_t>(names.size()))) names.emplace_back(name);
+  return names;
+}
+
+template <class Open>
+Device::Device(const Options& options, const Open& open)
+    : listener_(new Listener{options.onPreparation, options.onMessage}) {
+  const std::string cacheFolder = call::text(options.cacheFolder);
+  XrdsDeviceOptions asked = xrdsDeviceOptionsDefault();
+  asked.select = options.select.c_str();
+  asked.cacheFolder = cacheFolder.c_str();
+  asked.kernelFamily = options.kernelFamily.c_str();
+  asked.validation = options.validation;
+  if (options.onPreparation) asked.preparation = hear;
+  if (options.onMessage) asked.message = listen;
+  asked.preparationUser = asked.messageUser = listener_.get();
+  XrdsDevice* opened = nullptr;
+  const XrdsResult result = open(&asked, &opened);
+  handle_.reset(opened);
+  finish(result);
+}
+
+inline Device::Device(const Options& options) : Device(options, xrdsOpenDevice) {}
+
+inline int Device::hear(void* listener, int machineCode, size_t done, size_t total) noexcept {
+  auto& self = *static_cast<Listener*>(listener);
+  if (machineCode > 1) return 1;  // of a tuning, which upscalers tell of
+  try {
+    using Phase = Preparation::Phase;
+    return self.onPreparation({machineCode ? Phase::machineCode : Phase::pipelines, done, total}) ? 1 : 0;
+  } catch (...) {
+    self.thrown = std::current_exception();
+    return 0;
+  }
+}
+
+inline void Device::listen(void* listener, const char* text) noexcept {
+  auto& self = *static_cast<Listener*>(listener);
+  try {
+    self.onMessage(text);
+  } catch (...) {
+    self.thrown = std::current_exception();
+  }
+}
+
+inline void Device::finish(XrdsResult result) const {
+  if (listener_->thrown) std::rethrow_exception(std::exchange(listener_->thrown, nullptr));
+  call::check(result);
+}
+
+inline Device::Description Device::described(const XrdsDeviceDescription& found) {
+  return {.name = found.name,
+          .kind = found.kind,
+          .uuid = found.uuid,
+          .driver = found.driver,
+          .apiVersion = found.apiVersion,
+          .memoryBytes = found.memoryBytes,
+          .kernelFamily = found.kernelFamily};
+}
+
+inline Device::Description Device::description() const {
+  auto found = call::sized<XrdsDeviceDescription>();
+  call::check(xrdsDescribeOpenDevice(handle(), &found));
+  return described(found);
+}
+
+inline std::vector<std::string> Device::notes() const {
+  std::vector<std::string> notes;
+  while (const char* note = xrdsGetDeviceNote(handle(), static_cast<uint32_t>(notes.size()))) notes.emplace_back(note);
+  return notes;
+}
 
 }  // namespace xrds

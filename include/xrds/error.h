@@ -3,38 +3,36 @@
 #include <stdexcept>
 #include <string>
 
-#include "xrds/export.h"
-
 namespace xrds {
 
 /// A failure of the world around the library: a file, a device, an image of the wrong size. Its text is one
 /// sentence that says what failed, what was expected and found, and what to do about it.
-class XRDS_API Error : public std::runtime_error {
+class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 /// What the caller gave cannot be: an image of the wrong size, an option out of range.
-class XRDS_API InvalidArgument : public Error {
+class InvalidArgument : public Error {
  public:
   using Error::Error;
 };
 
 /// A device has no room for what was asked of it. Less may fit.
-class XRDS_API OutOfMemory : public Error {
+class OutOfMemory : public Error {
  public:
   using Error::Error;
 };
 
 /// A device stopped working, or did not answer for minutes. What was made on it is of no more use; another device may
 /// do, or the same one opened again.
-class XRDS_API DeviceLost : public Error {
+class DeviceLost : public Error {
  public:
   using Error::Error;
 };
 
 /// The caller stopped the preparation of a device or a frame (PreparationProgress). The device works on.
-class XRDS_API Cancelled : public Error {
+class Cancelled : public Error {
  public:
   using Error::Error;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "xrds/export.h"
-#include "xrds/xrds.hpp"
+#include "xrds/device.h"
+#include "xrds/xrds_examine.h"
 
 namespace xrds {
 
@@ -44,7 +44,7 @@ struct FrameExamination {
 
 /// Whether a device computes what it should: each takes seconds, most of them to compile programs. Throws Error if the
 /// device fails.
-struct XRDS_API Examination {
+struct Examination {
   static DeviceCapabilities capabilities(Device& device);
 
   /// Every kernel with which the device runs networks like the shipped ones, each `runs` times (at least once).
@@ -53,5 +53,52 @@ struct XRDS_API Examination {
   /// A network of a shipped one's shape with made-up weights, on a made-up frame, `runs` times (at least once).
   static FrameExamination knownFrame(Device& device, bool fp16, uint32_t runs);
 };
+
+inline DeviceCapabilities Examination::capabilities(Device& device) {
+  auto found = call::sized<XrdsDeviceCapabilities>();
+  call::check(xrdsGetDeviceCapabilities(device.handle(), &found));
+  return {.kernelFamily = found.kernelFamily,
+          .matrixUnits = found.matrixUnits,
+          .matrixTrusted = found.matrixTrusted != 0,
+          .subgroupSize = found.subgroupSize,
+          .int64 = found.int64 != 0,
+          .timestamps = found.timestamps != 0,
+          .maxBindingBytes = found.maxBindingBytes,
+          .maxTensorTexels = found.maxTensorTexels};
+}
+
+inline std::vector<KernelExamination> Examination::kernels(Device& device, bool fp16, uint32_t runs) {
+  std::vector<KernelExamination> kernels;
+  const auto add = [&](const XrdsKernelExamination* found) {
+    kernels.push_back({.program = found->program,
+                       .node = found->node,
+                       .shapes = found->shapes,
+                       .rms = found->rms,
+                       .max = found->max,
+                       .rmsBound = found->rmsBound,
+                       .maxBound = found->maxBound,
+                       .finite = found->finite != 0,
+                       .repeatable = found->repeatable != 0,
+                       .microseconds = found->microseconds});
+  };
+  call::Heard heard(add);
+  const XrdsResult result = xrdsExamineKernels(
+      device.handle(), fp16, runs, decltype(heard)::template listen<const XrdsKernelExamination*>, heard.user());
+  heard.finish(XRDS_OK);
+  device.finish(result);
+  return kernels;
+}
+
+inline FrameExamination Examination::knownFrame(Device& device, bool fp16, uint32_t runs) {
+  auto found = call::sized<XrdsFrameExamination>();
+  device.finish(xrdsExamineKnownFrame(device.handle(), fp16, runs, &found));
+  return {.width = found.width,
+          .height = found.height,
+          .rms = found.rms,
+          .rmsBound = found.rmsBound,
+          .finite = found.finite != 0,
+          .repeatable = found.repeatable != 0,
+          .microseconds = found.microseconds};
+}
 
 }  // namespace xrds

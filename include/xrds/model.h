@@ -7,32 +7,31 @@
 #include <string>
 #include <vector>
 
-#include "xrds/error.h"
-#include "xrds/export.h"
+#include "xrds/call.h"
 #include "xrds/tiling.h"
+#include "xrds/xrds_report.h"
 
 namespace xrds {
 
 /// A trained network, checked to be complete. Immutable: may be shared between threads.
-class XRDS_API Model {
+class Model {
  public:
   /// Reads a safetensors model file. Throws Error if it is no complete, finite model of a known architecture.
   explicit Model(const std::filesystem::path& file);
   /// A model without a network, the rivals to beat: base "bicubic" (no auxiliary image), "demodulated" (albedo, normal)
   /// or "guided" (albedo, normal); transfer "log1p" or "none". Throws Error for any other name.
   static Model untrained(uint32_t scale, const std::string& base, const std::string& transfer = "log1p");
-  ~Model();
-  Model(Model&&) noexcept;
-  Model& operator=(Model&&) noexcept;
 
-  uint32_t scale() const;
+  uint32_t scale() const { return xrdsGetModelScale(handle()); }
   /// The images that go with the colour, in the order in which Upscaler::run takes them: names of kAuxiliaryInputs, of
   /// which "depth" is as relativeDepth() makes it.
-  const std::vector<std::string>& auxiliaryInputs() const;
-  const std::map<std::string, std::string>& metadata() const;
+  const std::vector<std::string>& auxiliaryInputs() const { return inputs_; }
+  const std::map<std::string, std::string>& metadata() const { return metadata_; }
   /// Of the file's bytes, as 16 hexadecimal digits.
-  std::string hash() const;
-  std::string whyNeverSkipped() const;  // as the end of a sentence; empty if SkipOptions::bound may be set
+  std::string hash() const { return xrdsGetModelHash(handle()); }
+  std::string whyNeverSkipped() const {
+    return xrdsWhyNeverSkipped(handle());
+  }  // as the end of a sentence; empty if SkipOptions::bound may be set
 
   /// What an output of width x height pixels costs in one piece. `networkMultiplyAdds` is the count of papers: linear
   /// maps and convolutions of the network as it is written, without the token pairs of attention. All else is of what
@@ -52,12 +51,58 @@ class XRDS_API Model {
   Tiling tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options,
                 const std::string& kernelFamily = "tile") const;
 
+  /// For the functions of the C API; valid as long as the model lives.
+  XrdsModel* handle() const { return handle_.get(); }
+
  private:
-  friend class Upscaler;
-  friend struct Tuning;
-  struct State;
-  explicit Model(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Model(call::Owned<XrdsModel> opened);
+
+  call::Owned<XrdsModel> handle_;
+  std::vector<std::string> inputs_;
+  std::map<std::string, std::string> metadata_;
 };
+
+inline Model::Model(call::Owned<XrdsModel> opened) : handle_(std::move(opened)) {
+  for (uint32_t i = 0; const char* input = xrdsGetModelInput(handle(), i); ++i) inputs_.emplace_back(input);
+  for (uint32_t i = 0; const char* key = xrdsGetModelMetadataKey(handle(), i); ++i)
+    metadata_.emplace(key, xrdsGetModelMetadata(handle(), key));
+}
+
+inline Model::Model(const std::filesystem::path& file)
+    : Model([&] {
+        XrdsModel* opened = nullptr;
+        call::check(xrdsOpenModel(call::text(file).c_str(), &opened));
+        return call::Owned<XrdsModel>(opened);
+      }()) {}
+
+inline Model Model::untrained(uint32_t scale, const std::string& base, const std::string& transfer) {
+  XrdsModel* made = nullptr;
+  call::check(xrdsCreateUntrainedModel(scale, base.c_str(), transfer.c_str(), &made));
+  return Model(call::Owned<XrdsModel>(made));
+}
+
+inline Model::Cost Model::cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16,
+                               const std::string& kernelFamily) const {
+  auto found = call::sized<XrdsModelCost>();
+  call::check(xrdsGetModelCost(handle(), outputWidth, outputHeight, fp16, kernelFamily.c_str(), &found));
+  return {.parameters = found.parameters,
+          .networkMultiplyAdds = found.networkMultiplyAdds,
+          .multiplyAdds = found.multiplyAdds,
+          .attentionMultiplyAdds = found.attentionMultiplyAdds,
+          .plannedBytes = found.plannedBytes,
+          .lowerBoundBytes = found.lowerBoundBytes,
+          .unaliasedBytes = found.unaliasedBytes,
+          .weightBytes = found.weightBytes};
+}
+
+inline Tiling Model::tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options,
+                            const std::string& kernelFamily) const {
+  XrdsUpscalerOptions asked = xrdsUpscalerOptionsDefault();
+  options.fill(asked);
+  asked.fp16 = fp16;
+  auto found = call::sized<XrdsTiling>();
+  call::check(xrdsPlanTiles(handle(), outputWidth, outputHeight, &asked, kernelFamily.c_str(), &found));
+  return Tiling::of(found);
+}
 
 }  // namespace xrds

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "xrds/export.h"
+#include "xrds/call.h"
 
 namespace xrds {
 
@@ -13,12 +13,18 @@ namespace xrds {
 /// the files. A model of them is one of scale 1: it takes the noise out of a colour, with the help of albedo and
 /// normal, or out of an albedo or a normal, which then is its colour; an Upscaler runs it. Throws Error if the file is
 /// none of these or is damaged, or if a model file cannot be written.
-XRDS_API std::vector<std::filesystem::path> importOidn(const std::filesystem::path& library,
-                                                       const std::filesystem::path& folder);
+inline std::vector<std::filesystem::path> importOidn(const std::filesystem::path& library,
+                                                     const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const char* file) { files.push_back(call::path(file)); };
+  call::Heard heard(add);
+  heard.finish(xrdsImportOidn(call::text(library).c_str(), call::text(folder).c_str(),
+                              decltype(heard)::template listen<const char*>, heard.user()));
+  return files;
+}
 
 /// Where `xrds import` puts them and `xrds denoise` looks for them: $XRDS_DENOISERS; $XDG_DATA_HOME/xrds/denoisers,
-/// else
-/// ~/.local/share/xrds/denoisers; %LOCALAPPDATA%\xrds\denoisers on Windows. Empty if the environment names none.
-XRDS_API std::filesystem::path denoiserFolder();
+/// else ~/.local/share/xrds/denoisers; %LOCALAPPDATA%\xrds\denoisers on Windows. Empty if the environment names none.
+inline std::filesystem::path denoiserFolder() { return call::path(xrdsGetDenoiserFolder()); }
 
 }  // namespace xrds

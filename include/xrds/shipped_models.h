@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -8,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "xrds/export.h"
+#include "xrds/auxiliary_input.h"
+#include "xrds/call.h"
+#include "xrds/xrds_report.h"
 
 namespace xrds {
 
@@ -16,10 +19,19 @@ namespace xrds {
 /// share/xrds/models of the library's own folder (of the program's, if it is linked statically) and of each above it,
 /// two up, which finds lib/x86_64-linux-gnu, lib and bin beside share; the source tree that it was built from, except
 /// in packages. On Windows and macOS the same: there the library is bin/libxrds.dll and lib/libxrds.dylib.
-XRDS_API std::vector<std::filesystem::path> modelFolders();
+inline std::vector<std::filesystem::path> modelFolders() {
+  std::vector<std::filesystem::path> folders;
+  while (const char* folder = xrdsGetModelFolder(static_cast<uint32_t>(folders.size())))
+    folders.push_back(call::path(folder));
+  return folders;
+}
 
 /// The file of a shipped model by its name, as "xrds-x4-compact"; empty if none of the folders has it.
-XRDS_API std::filesystem::path findModel(const std::string& name);
+inline std::filesystem::path findModel(const std::string& name) {
+  for (const std::filesystem::path& folder : modelFolders())
+    if (std::filesystem::path file = folder / (name + ".safetensors"); std::filesystem::exists(file)) return file;
+  return {};
+}
 
 /// Of the low-resolution colour: with at most so many samples a pixel the models of few samples make the better picture
 /// (bench/budgets.md).
@@ -28,7 +40,16 @@ inline constexpr double kFewSamples = 4;
 /// The name of the model that suits frames with these auxiliary images (names of AuxiliaryInput), whether it is shipped
 /// for the scale or not: of the colour alone, without normals, with the full-resolution colour, of few samples a pixel
 /// of the low-resolution colour, where these are known, or "xrds-x4-compact" with the scale in the place of the 4.
-XRDS_API std::string variantName(uint32_t scale, std::span<const std::string_view> inputs,
-                                 std::optional<double> samples = {});
+inline std::string variantName(uint32_t scale, std::span<const std::string_view> inputs,
+                               std::optional<double> samples = {}) {
+  const auto has = [&](const AuxiliaryInput& input) {
+    return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
+  };
+  const std::string name = "xrds-x" + std::to_string(scale);
+  if (inputs.empty()) return name + "-compact-plain";
+  if (!has(kNormal)) return name + "-compact-albedo";
+  if (has(kFullColour)) return name + "-full";
+  return name + (samples && *samples <= kFewSamples ? "-live" : "-compact");
+}
 
 }  // namespace xrds

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "xrds/xrds.hpp"
+#include "xrds/upscaler.h"
+#include "xrds/xrds_examine.h"
 
 namespace xrds {
 
@@ -65,3 +67,5 @@ struct StressReport {
 };
 
 }  // namespace xrds
+
+#include "xrds/stress_inline.h"

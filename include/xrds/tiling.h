@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "xrds/xrds_report.h"
+
 namespace xrds {
 
 /// How a frame that does not fit into memory as a whole may be cut into tiles. Each tile is upscaled with a halo around
@@ -15,6 +17,16 @@ struct TileOptions {
   bool wrap = false;               // the left and right borders continue into each other, as in a panorama
   std::optional<uint32_t> halo{};  // low-resolution pixels, whole windows, in place of the two above
   uint32_t columns = 0, rows = 0;  // of the grid; 0: what fits the memory with the least work
+
+  /// As the C API has them.
+  void fill(XrdsUpscalerOptions& asked) const {
+    asked.memoryBytes = memoryBytes;
+    asked.exactTiles = exact;
+    asked.wrap = wrap;
+    asked.tileHalo = halo ? static_cast<int64_t>(*halo) : -1;
+    asked.tileColumns = columns;
+    asked.tileRows = rows;
+  }
 };
 
 /// The tiles of a frame: one and no halo if the frame is taken as a whole.
@@ -24,6 +36,11 @@ struct Tiling {
   uint32_t tileWidth = 0, tileHeight = 0;    // of the largest with its halo, in pixels of the output
   double work = 1;                           // pixels computed over pixels of the frame
   uint64_t arenaBytes = 0, weightBytes = 0;  // device memory
+
+  static Tiling of(const XrdsTiling& found) {
+    return {found.columns,    found.rows, found.halo,       found.tileWidth,
+            found.tileHeight, found.work, found.arenaBytes, found.weightBytes};
+  }
 };
 
 }  // namespace xrds

@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "xrds/export.h"
-#include "xrds/xrds.hpp"
+#include "xrds/device.h"
+#include "xrds/model.h"
+#include "xrds/xrds_examine.h"
 
 namespace xrds {
 
 /// Finds out which kernels are the fastest on a device. Each kernel that may make an operator of a model is compared
 /// with double precision, timed on the device, and the winners are kept in the device's cache folder, for its driver.
 /// Upscalers take them from there: Upscaler::Options::tune. One thread and one process at a time.
-struct XRDS_API Tuning {
+struct Tuning {
   struct Options {
     bool fp16 = false;
     std::string label{};  // what summary() calls the model
@@ -62,6 +63,73 @@ struct XRDS_API Tuning {
 
   /// All that is known of the device: a line for each model and size, for people.
   static std::vector<std::string> summary(const Device& device);
+
+  /// As the C API has it.
+  static Report of(const XrdsTuningReport& found);
 };
+
+inline Tuning::Report Tuning::of(const XrdsTuningReport& found) {
+  Report report{.taken = found.taken != 0,
+                .normsInLinear = found.normsInLinear != 0,
+                .layersFused = found.layersFused != 0,
+                .seconds = found.seconds,
+                .fixedSeconds = found.fixedSeconds,
+                .tuningSeconds = found.tuningSeconds,
+                .date = found.date,
+                .measured = found.measured};
+  for (uint32_t i = 0; i < found.shapeCount; ++i) {
+    const XrdsTunedShape& shape = found.shapes[i];
+    report.shapes.push_back({.name = shape.name,
+                             .nodes = shape.nodes,
+                             .kernel = shape.kernel,
+                             .fixed = shape.fixed,
+                             .seconds = shape.seconds,
+                             .fixedSeconds = shape.fixedSeconds,
+                             .tried = shape.tried,
+                             .wrong = {shape.wrong, shape.wrong + shape.wrongCount}});
+  }
+  for (uint32_t i = 0; i < found.struckOffCount; ++i)
+    report.struckOff.push_back({found.struckOff[i].program, found.struckOff[i].why});
+  return report;
+}
+
+inline Tuning::Report Tuning::run(Device& device, const Model& model, uint32_t width, uint32_t height,
+                                  const Options& options) {
+  auto asked = call::sized<XrdsTuningOptions>();
+  asked.fp16 = options.fp16;
+  asked.anew = options.anew;
+  if (!options.label.empty()) asked.label = options.label.c_str();
+  const auto tell = [&](double share, const char* text) { return options.progress(share, text); };
+  call::Heard progress(tell);
+  if (options.progress) asked.progress = decltype(progress)::template hear<double, const char*>;
+  asked.user = progress.user();
+  Report report;
+  const auto take = [&](const XrdsTuningReport* found) { report = of(*found); };
+  call::Heard heard(take);
+  const XrdsResult result = xrdsTune(device.handle(), model.handle(), width, height, &asked,
+                                     decltype(heard)::template listen<const XrdsTuningReport*>, heard.user());
+  progress.finish(XRDS_OK);
+  heard.finish(XRDS_OK);
+  device.finish(result);
+  return report;
+}
+
+inline std::optional<Tuning::Report> Tuning::known(const Device& device, const Model& model, uint32_t width,
+                                                   uint32_t height, bool fp16) {
+  std::optional<Report> report;
+  const auto take = [&](const XrdsTuningReport* found) { report = of(*found); };
+  call::Heard heard(take);
+  heard.finish(xrdsGetTuning(device.handle(), model.handle(), width, height, fp16,
+                             decltype(heard)::template listen<const XrdsTuningReport*>, heard.user()));
+  return report;
+}
+
+inline std::vector<std::string> Tuning::summary(const Device& device) {
+  std::vector<std::string> lines;
+  const auto add = [&](const char* line) { lines.emplace_back(line); };
+  call::Heard heard(add);
+  heard.finish(xrdsDescribeTuning(device.handle(), decltype(heard)::template listen<const char*>, heard.user()));
+  return lines;
+}
 
 }  // namespace xrds

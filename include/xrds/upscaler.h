@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "xrds/device.h"
-#include "xrds/export.h"
 #include "xrds/layers.h"
 #include "xrds/model.h"
 #include "xrds/pixel_view.h"
@@ -24,7 +23,7 @@ struct StressReport;
 
 /// A model made ready for one frame size on one device: planned and recorded once, replayed for each frame. A frame
 /// that does not fit the device's memory or limits is cut into tiles.
-class XRDS_API Upscaler {
+class Upscaler {
  public:
   /// Whether an upscaler tunes the device's kernels for its frame where that was not done (xrds/tuning.h): never; by
   /// itself where paysToTune() says so; or now. What an earlier tuning found is used in any case, unless a kernel
@@ -78,9 +77,6 @@ class XRDS_API Upscaler {
   /// Device::Options::onPreparation says so. Small frames take the plain kernels on CPU devices unless a family was
   /// asked for (kernelFamily()): they start in a tenth of the time.
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
-  ~Upscaler();
-  Upscaler(Upscaler&&) noexcept;
-  Upscaler& operator=(Upscaler&&) noexcept;
 
   /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;
   /// output: 3 floats a pixel, [scale height, scale width], finite whatever the inputs: see repairs(). Throws Error if
@@ -94,7 +90,7 @@ class XRDS_API Upscaler {
   /// plans and records anew.
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
            std::span<const LayerSet> layers, const Progress& progress = {});
-  const std::vector<LayerReport>& layerReports() const;  // of the last run, one a set
+  const std::vector<LayerReport>& layerReports() const { return layerReports_; }  // of the last run, one a set
 
   /// Pixels of the last run that were not finite: of the inputs, filled from their finite neighbours, and of the
   /// network's output, which then was left out, so that the base image shows; of an ensemble, in any pass.
@@ -102,9 +98,11 @@ class XRDS_API Upscaler {
     uint64_t colour = 0, auxiliary = 0, output = 0;
   };
   Repairs repairs() const;
-  float exposure() const;        // of the last run (of its last pass, as all that follow)
-  uint64_t deviceBytes() const;  // arena and weights
-  const Tiling& tiling() const;
+  float exposure() const {
+    return xrdsGetExposure(handle());
+  }  // of the last run (of its last pass, as all that follow)
+  uint64_t deviceBytes() const { return xrdsGetDeviceBytes(handle()); }  // arena and weights
+  const Tiling& tiling() const { return tiling_; }
   SkipMap skipMap() const;                  // of the last run
   std::vector<ProfileRow> profile() const;  // of each dispatch in the last run; empty without Options::profile
 
@@ -115,10 +113,17 @@ class XRDS_API Upscaler {
   /// Tries hostile images and weights, as xrds/stress.h has it; minutes.
   static StressReport stress(Device& device, const StressOptions& options);
 
+  /// For the functions of the C API; valid as long as the upscaler lives.
+  XrdsUpscaler* handle() const { return handle_.get(); }
+
  private:
-  friend struct EngineAccess;
-  struct State;
-  std::unique_ptr<State> state_;
+  call::Owned<XrdsUpscaler> handle_;
+  std::vector<std::string> inputs_;  // of the model
+  uint32_t width_ = 0, height_ = 0;  // of the output
+  Tiling tiling_;
+  std::vector<LayerReport> layerReports_;
 };
 
 }  // namespace xrds
+
+#include "xrds/upscaler_inline.h"

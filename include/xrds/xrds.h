@@ -76,6 +76,9 @@ typedef struct XrdsDeviceDescription {
  * `done` thousandths of it being done. Returning 0 cancels. */
 typedef int (*XrdsPreparation)(void* user, int machineCode, size_t done, size_t total);
 
+/* Heard in any thread, with a text that is valid during the call. */
+typedef void (*XrdsMessage)(void* user, const char* text);
+
 typedef struct XrdsDeviceOptions {
   uint32_t structSize;
   const char* select;          /* number, part of the name, or UUID; default NULL: the best device */
@@ -83,6 +86,9 @@ typedef struct XrdsDeviceOptions {
   const char* kernelFamily;    /* default NULL: what suits the device */
   XrdsPreparation preparation; /* default NULL */
   void* preparationUser;
+  int32_t validation;  /* 1: with Vulkan's validation layers, whose messages go to `message`; default 0 */
+  XrdsMessage message; /* default NULL */
+  void* messageUser;
 } XrdsDeviceOptions;
 
 XRDS_API XrdsDeviceOptions xrdsDeviceOptionsDefault(void);
@@ -98,6 +104,13 @@ XRDS_API XrdsResult xrdsOpenDevice(const XrdsDeviceOptions* options, XrdsDevice*
 /* Of an open device. The caller sets description->structSize. */
 XRDS_API XrdsResult xrdsDescribeOpenDevice(XrdsDevice* device, XrdsDeviceDescription* description);
 XRDS_API void xrdsCloseDevice(XrdsDevice* device);
+
+/* What a user should know of how the device was opened, a sentence each: a cache folder that cannot be written. NULL
+ * beyond the last one. Valid until the device is closed. */
+XRDS_API const char* xrdsGetDeviceNote(XrdsDevice* device, uint32_t index);
+
+/* The names of the versions of the kernels; NULL beyond the last one. */
+XRDS_API const char* xrdsGetKernelFamily(uint32_t index);
 
 /* -------------------------------------------------------------------------------------------------------- Models */
 
@@ -128,6 +141,16 @@ XRDS_API const char* xrdsGetModelInput(const XrdsModel* model, uint32_t index);
 
 /* A field of the model file's metadata, as "license"; NULL if it has none. Valid until the model is closed. */
 XRDS_API const char* xrdsGetModelMetadata(const XrdsModel* model, const char* key);
+
+/* Reads the networks of Open Image Denoise's RT filter out of the user's own library, or of one file NAME.tza, and writes
+ * each as a model file folder/NAME.safetensors; the folder is made if it is not there. hear, which may be NULL, is told
+ * each file. Models of scale 1: they take the noise out of a colour, with albedo and normal, or of what they are named
+ * after, which then is their colour. */
+XRDS_API XrdsResult xrdsImportOidn(const char* library, const char* folder, XrdsMessage hear, void* user);
+
+/* Where such files are looked for: $XRDS_DENOISERS, $XDG_DATA_HOME/xrds/denoisers, ~/.local/share/xrds/denoisers, on
+ * Windows %LOCALAPPDATA%\xrds\denoisers. "" if the environment names none. Valid until the next call of this thread. */
+XRDS_API const char* xrdsGetDenoiserFolder(void);
 
 /* -------------------------------------------------------------------------------------------------------- Images */
 
@@ -164,6 +187,9 @@ XRDS_API XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* ful
  * tuning found is used in any case. */
 typedef enum XrdsTune { XRDS_TUNE_AUTO = 0, XRDS_TUNE_NEVER = 1, XRDS_TUNE_NOW = 2 } XrdsTune;
 
+/* Heard in the calling thread with the finished share in [0, 1]; returning 0 cancels. */
+typedef int (*XrdsProgress)(void* user, double share);
+
 typedef struct XrdsUpscalerOptions {
   uint32_t structSize;
   int32_t fp16;          /* 1: activations and weights are stored as halves, half of the memory; default 0 */
@@ -173,6 +199,16 @@ typedef struct XrdsUpscalerOptions {
   float skipBound;       /* windows that change by less are interpolated, as 0.005; default 0: none */
   int32_t keepUnchanged; /* 1: windows whose inputs did not change since the last run keep their result; default 0 */
   XrdsTune tune;         /* default XRDS_TUNE_AUTO */
+  /* A run is cut into submissions of about that much work, so that others need not wait longer for the device. */
+  uint64_t multiplyAddsPerSubmission; /* default 2^34 */
+  /* How a frame is cut that does not fit. */
+  int32_t exactTiles;             /* 1: with the bits of the whole frame, for more work; default 0 */
+  int32_t wrap;                   /* 1: its left and right borders continue into each other; default 0 */
+  int64_t tileHalo;               /* low-resolution pixels, whole windows; default -1: as exactTiles has it */
+  uint32_t tileColumns, tileRows; /* default 0: what fits with the least work */
+  XrdsProgress tuning;            /* hears of a tuning in place of the device's `preparation`; default NULL */
+  void* tuningUser;
+  int32_t profile; /* 1: each dispatch is timed for xrdsGetProfile(); default 0 */
 } XrdsUpscalerOptions;
 
 XRDS_API XrdsUpscalerOptions xrdsUpscalerOptionsDefault(void);
@@ -182,9 +218,6 @@ XRDS_API XrdsUpscalerOptions xrdsUpscalerOptionsDefault(void);
 XRDS_API XrdsResult xrdsCreateUpscaler(XrdsDevice* device, const XrdsModel* model, uint32_t width, uint32_t height,
                                        const XrdsUpscalerOptions* options, XrdsUpscaler** upscaler);
 XRDS_API void xrdsDestroyUpscaler(XrdsUpscaler* upscaler);
-
-/* Heard in the calling thread with the finished share in [0, 1]; returning 0 cancels. */
-typedef int (*XrdsProgress)(void* user, double share);
 
 /* Upscales one frame and waits for it. colour: [h, w] linear radiance. auxiliary: the model's inputs in their order,
  * each [scale h, scale w]; of "depth" one channel of distances in any unit. output: [scale h, scale w] linear radiance,
@@ -205,7 +238,7 @@ typedef struct XrdsLayer {
 /* A colour pass, as Cycles' DiffCol: its lights times it are radiance. */
 typedef struct XrdsLayerColour {
   uint32_t structSize;
-  XrdsImage low, full; /* [h, w] and [scale h, scale w] of the two renders */
+  XrdsImage low, full; /* [h, w] and [scale h, scale w] of the two renders; `full` NULL channels: `low`, filtered */
   XrdsImage output;    /* [scale h, scale w]: `full`, raised where a light has no place in it */
 } XrdsLayerColour;
 
@@ -245,7 +278,7 @@ XRDS_API uint64_t xrdsGetDeviceBytes(const XrdsUpscaler* upscaler);
 /* ---------------------------------------------------------------------------------------------------- Animations */
 
 /* A frame of an animation. Images whose channels are NULL are not there; every frame has the same ones. Of `merged` the
- * images are written, those that are not there left out; the numbers do not count. */
+ * images and counts are written, those that are not there left out; the other numbers do not count. */
 typedef struct XrdsTemporalFrame {
   uint32_t structSize;
   XrdsImage colour;                     /* [h, w] linear radiance */
@@ -254,6 +287,9 @@ typedef struct XrdsTemporalFrame {
   /* [scale h, scale w, 2] pixels from what a pixel shows to where the frame before and the one after it show that, x to
    * the right and y down; NULL: frames of that side cannot be used. */
   const float *toPrevious, *toNext;
+  /* [h, w] and [scale h, scale w]: how many frames a pixel of the two radiances is the mean of; NULL: one. Written of
+   * `merged`. For live pictures `before` is the last result alone, with its counts. */
+  float *lowCounts, *fullCounts;
 } XrdsTemporalFrame;
 
 XRDS_API XrdsTemporalFrame xrdsTemporalFrameDefault(void); /* nothing is there */
@@ -270,6 +306,9 @@ XRDS_API XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTempor
                                     const XrdsTemporalFrame* before, uint32_t beforeCount,
                                     const XrdsTemporalFrame* after, uint32_t afterCount,
                                     const XrdsTemporalFrame* merged);
+
+/* Device memory that a filter holds, bytes; 0 of a handle that is not open. */
+XRDS_API uint64_t xrdsGetTemporalDeviceBytes(const XrdsTemporalFilter* filter);
 
 #ifdef __cplusplus
 }

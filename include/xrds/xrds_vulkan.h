@@ -15,7 +15,7 @@
 
 #include <vulkan/vulkan_core.h>
 
-#include "xrds/xrds.h"
+#include "xrds/xrds_report.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -150,6 +150,9 @@ XRDS_API XrdsResult xrdsRun(XrdsRecording* recording, XrdsProgress progress, voi
 
 /* Of the last frame that ran, which must have ended; 0 of a handle that is not open. */
 XRDS_API float xrdsGetRecordingExposure(const XrdsRecording* recording);
+
+/* Of the last xrdsRun(), as xrdsGetProfile(). */
+XRDS_API XrdsResult xrdsGetRecordingProfile(XrdsRecording* recording, XrdsHearProfile hear, void* user);
 
 #ifdef __cplusplus
 }

@@ -1,14 +1,15 @@
+#include "api/frame_upscaler.h"
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
 
 #include "api/arguments.h"
-#include "api/engine_access.h"
 #include "api/finite_image.h"
 #include "api/layer_frame.h"
-#include "api/state.h"
+#include "api/model.h"
 #include "checks/reference.h"
-#include "checks/stress/stress.h"
+#include "engine/kernel_family.h"
 #include "frames/ensemble.h"
 #include "frames/frame_exposure.h"
 #include "frames/frame_runner.h"
@@ -17,6 +18,7 @@
 #include "network/halo.h"
 #include "network/oidn.h"
 #include "tuning/tuner.h"
+#include "xrds/alpha.h"
 
 namespace xrds {
 namespace {
@@ -65,7 +67,7 @@ SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options
   return {.bound = options.skip.bound, .keepUnchanged = options.skip.keepUnchanged, .reach = halo, .halo = halo};
 }
 
-bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Precision precision) {
+bool pays(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Precision precision) {
   const double pace = gpu.pace().mean;
   if (pace <= 0 || !mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, precision)) return false;
   const NodeCost work =
@@ -78,7 +80,7 @@ void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Up
   if (options.tune == Upscaler::Tune::never) return;
   if (options.tune == Upscaler::Tune::automatic && gpu.isShared()) return;  // who owns the queue wants it
   TuningOptions tuning{.precision = options.fp16 ? Precision::fp16 : Precision::fp32};
-  if (options.tune == Upscaler::Tune::automatic && !paysToTune(gpu, model, frame, tuning.precision)) return;
+  if (options.tune == Upscaler::Tune::automatic && !pays(gpu, model, frame, tuning.precision)) return;
   if (!mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, tuning.precision)) return;
   if (options.onTuning) tuning.progress = [&](const TuningStep& step) { return options.onTuning(step.share); };
   tune(gpu, model, frame, tuning);
@@ -90,7 +92,7 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 
 }  // namespace
 
-struct Upscaler::State {
+struct FrameUpscaler::State {
   State(Gpu& device, const NetworkModel& weights, FrameShape shape, const Options& given)
       : gpu(device), model(weights), config(model.config()), frame(shape), options(given) {
     if (options.ensemble == 8 && frame.width != frame.height) {
@@ -218,35 +220,21 @@ struct Upscaler::State {
   Tiling tiling;
   std::unique_ptr<FrameRunner> runner;
   std::unique_ptr<State> turned;  // an ensemble's, of frames that are not square, on their diagonal
-  Repairs repairs{};
+  Upscaler::Repairs repairs{};
 };
 
-Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
-    : state_((checkOptions(options), checkShape(model.state_->weights.config(), {height, width}),
-              tuneIfAsked(device.state_->gpu, model.state_->weights, {height, width}, options),
-              new State(device.state_->gpu, model.state_->weights, {height, width}, options))) {}
-Upscaler::~Upscaler() = default;
-Upscaler::Upscaler(Upscaler&&) noexcept = default;
-Upscaler& Upscaler::operator=(Upscaler&&) noexcept = default;
+FrameUpscaler::FrameUpscaler(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& options)
+    : state_((checkOptions(options), checkShape(model.config(), shape), tuneIfAsked(gpu, model, shape, options),
+              new State(gpu, model, shape, options))) {}
+FrameUpscaler::~FrameUpscaler() = default;
 
-std::string Upscaler::kernelFamily(const std::string& family, uint32_t width, uint32_t height) {
-  const bool small = uint64_t{width} * height <= kSmallFrame;
-  return small && family == nameOf(KernelFamily::lane) ? nameOf(KernelFamily::plain) : family;
+bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, bool fp16) {
+  checkShape(model.config(), frame);
+  return pays(gpu, model, frame, fp16 ? Precision::fp16 : Precision::fp32);
 }
 
-bool Upscaler::paysToTune(const Device& device, const Model& model, uint32_t width, uint32_t height, bool fp16) {
-  checkShape(model.state_->weights.config(), {height, width});
-  return xrds::paysToTune(device.state_->gpu, model.state_->weights, {height, width},
-                          fp16 ? Precision::fp16 : Precision::fp32);
-}
-
-bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
-                   const Progress& progress) {
-  return run(colour, auxiliary, output, std::span<const LayerSet>(), progress);
-}
-
-bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
-                   std::span<const LayerSet> layers, const Progress& progress) {
+bool FrameUpscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
+                        std::span<const LayerSet> layers, const Progress& progress) {
   checkImages(state_->config, state_->frame, colour, auxiliary);
   checkOutput(state_->config, state_->frame, output);
   uint32_t layerImages = 0;
@@ -255,7 +243,7 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
     layerImages += layerImageCount(state_->config, set);
   }
   state_->planLayers(layerImages);
-  Repairs repairs;
+  Upscaler::Repairs repairs;
   const FiniteImage finiteColour(colour, repairs.colour);
   std::vector<FiniteImage> finiteImages;
   std::vector<PixelView> views;
@@ -277,17 +265,17 @@ bool Upscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary
   return true;
 }
 
-const std::vector<LayerReport>& Upscaler::layerReports() const { return state_->layerReports; }
+const std::vector<LayerReport>& FrameUpscaler::layerReports() const { return state_->layerReports; }
 
-Upscaler::Repairs Upscaler::repairs() const { return state_->repairs; }
+Upscaler::Repairs FrameUpscaler::repairs() const { return state_->repairs; }
 
-float Upscaler::exposure() const { return state_->runner->exposure(); }
+float FrameUpscaler::exposure() const { return state_->runner->exposure(); }
 
-uint64_t Upscaler::deviceBytes() const {
+uint64_t FrameUpscaler::deviceBytes() const {
   return state_->runner->byteSize() + (state_->turned ? state_->turned->runner->byteSize() : 0);
 }
 
-SkipMap Upscaler::skipMap() const {
+SkipMap FrameUpscaler::skipMap() const {
   const NetworkConfig& config = state_->config;
   const WindowMask none(state_->frame, config.window, false);
   SkipMap map{.side = config.window * config.scale, .columns = none.columns, .rows = none.rows};
@@ -301,7 +289,7 @@ SkipMap Upscaler::skipMap() const {
   return map;
 }
 
-const Tiling& Upscaler::tiling() const { return state_->tiling; }
+const Tiling& FrameUpscaler::tiling() const { return state_->tiling; }
 
 std::vector<Upscaler::ProfileRow> profileRows(std::span<const DispatchTime> times) {
   std::vector<Upscaler::ProfileRow> rows;
@@ -310,50 +298,49 @@ std::vector<Upscaler::ProfileRow> profileRows(std::span<const DispatchTime> time
   return rows;
 }
 
-std::vector<Upscaler::ProfileRow> Upscaler::profile() const { return profileRows(state_->runner->times()); }
+std::vector<Upscaler::ProfileRow> FrameUpscaler::profile() const { return profileRows(state_->runner->times()); }
 
-std::vector<Upscaler::CheckRow> Upscaler::check(Device& device, const Model& model, const PixelView& colour,
-                                                std::span<const PixelView> auxiliary, const Options& options) {
+std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, const PixelView& colour,
+                                           std::span<const PixelView> auxiliary, const Upscaler::Options& options) {
   const FrameShape frame{colour.height, colour.width};
   checkOptions(options);
-  checkShape(model.state_->weights.config(), frame);
-  checkImages(model.state_->weights.config(), frame, colour, auxiliary);
-  Gpu& gpu = device.state_->gpu;
-  const CheckResult result = checkAgainstReference(gpu, model.state_->weights, frame,
-                                                   inputOf(model.state_->weights.config(), colour, auxiliary, options),
-                                                   sessionOptions(gpu, model.state_->weights, frame, options));
-  std::vector<CheckRow> rows;
+  checkShape(model.config(), frame);
+  checkImages(model.config(), frame, colour, auxiliary);
+  const CheckResult result = checkAgainstReference(gpu, model, frame, inputOf(model.config(), colour, auxiliary, options),
+                                                   sessionOptions(gpu, model, frame, options));
+  std::vector<Upscaler::CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
   return rows;
 }
 
-Gpu& EngineAccess::gpu(const Upscaler& upscaler) { return upscaler.state_->gpu; }
-const Upscaler::Options& EngineAccess::options(const Upscaler& upscaler) { return upscaler.state_->options; }
-const NetworkConfig& EngineAccess::config(const Upscaler& upscaler) { return upscaler.state_->config; }
-FrameShape EngineAccess::shape(const Upscaler& upscaler) { return upscaler.state_->frame; }
+Gpu& FrameUpscaler::gpu() const { return state_->gpu; }
+const Upscaler::Options& FrameUpscaler::options() const { return state_->options; }
+const NetworkConfig& FrameUpscaler::config() const { return state_->config; }
+FrameShape FrameUpscaler::shape() const { return state_->frame; }
 
-std::vector<FramePart> EngineAccess::parts(const Upscaler& upscaler) {
-  if (upscaler.state_->options.ensemble > 1)
-    throw InvalidArgument("An ensemble of " + std::to_string(upscaler.state_->options.ensemble) +
+std::vector<FramePart> FrameUpscaler::parts() const {
+  if (state_->options.ensemble > 1)
+    throw InvalidArgument("An ensemble of " + std::to_string(state_->options.ensemble) +
                           " passes cannot be recorded: create the upscaler with an ensemble of 1.");
-  auto parts = upscaler.state_->runner->parts();
+  auto parts = state_->runner->parts();
   if (parts.empty())
     throw InvalidArgument(
         "An upscaler that leaves out windows cannot be recorded, as their pixels decide: create it without skipBound "
-        "and "
-        "keepUnchanged.");
-  upscaler.state_->isRecorded = true;
+        "and keepUnchanged.");
+  state_->isRecorded = true;
   return parts;
 }
 
-StressReport Upscaler::stress(Device& device, const StressOptions& options) {
-  std::vector<StressModel> models;
-  for (const auto& [name, model] : options.models) {
-    if (!model) throw InvalidArgument("Model '" + name + "' of a stress run is a null pointer, expected a model.");
-    models.push_back({name, model->state_->weights, true});
-  }
-  return runStress(device.state_->gpu, models, options);
+std::vector<float> upscaledAlpha(FrameUpscaler& bicubic, std::span<const float> alpha) {
+  const FrameShape shape = bicubic.shape();
+  const uint32_t scale = bicubic.config().scale;
+  std::vector<float> spread(3 * alpha.size());
+  for (size_t i = 0; i < spread.size(); ++i) spread[i] = alpha[i / 3];
+  std::vector<float> upscaled(spread.size() * scale * scale), result(upscaled.size() / 3);
+  bicubic.run({spread.data(), shape.width, shape.height}, {}, upscaled, {});
+  for (size_t i = 0; i < result.size(); ++i) result[i] = snappedAlpha(upscaled[3 * i]);
+  return result;
 }
 
 }  // namespace xrds

@@ -1,14 +1,11 @@
-#include "xrds/shipped_models.h"
+#include "api/model_folders.h"
 
-#include <algorithm>
 #include <cstdlib>
 #if defined(_WIN32)
 #include <windows.h>
 #else
 #include <dlfcn.h>
 #endif
-
-#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -44,7 +41,7 @@ fs::path ownFolder() {
 
 }  // namespace
 
-std::vector<fs::path> modelFolders() {
+std::vector<fs::path> foldersOfModels() {
   std::vector<fs::path> folders;
 #if defined(_WIN32)  // getenv() would give what has no letter in the code page as '?'
   if (const wchar_t* folder = _wgetenv(L"XRDS_MODELS")) folders.emplace_back(folder);
@@ -59,21 +56,10 @@ std::vector<fs::path> modelFolders() {
   return folders;
 }
 
-fs::path findModel(const std::string& name) {
-  for (const fs::path& folder : modelFolders())
+fs::path modelFile(const std::string& name) {
+  for (const fs::path& folder : foldersOfModels())
     if (fs::path file = folder / (name + ".safetensors"); fs::exists(file)) return file;
   return {};
-}
-
-std::string variantName(uint32_t scale, std::span<const std::string_view> inputs, std::optional<double> samples) {
-  const auto has = [&](const AuxiliaryInput& input) {
-    return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
-  };
-  const std::string name = "xrds-x" + std::to_string(scale);
-  if (inputs.empty()) return name + "-compact-plain";
-  if (!has(kNormal)) return name + "-compact-albedo";
-  if (has(kFullColour)) return name + "-full";
-  return name + (samples && *samples <= kFewSamples ? "-live" : "-compact");
 }
 
 }  // namespace xrds

@@ -1,4 +1,4 @@
-#include "xrds/merged_colour.h"
+#include "api/colour.h"
 
 #include <algorithm>
 #include <array>
@@ -62,15 +62,7 @@ double median(std::vector<double>& values) {
 
 }  // namespace
 
-double fullShare(RenderSamples samples, uint32_t scale) {
-  if (!(samples.low > 0) || !(samples.full > 0) || !std::isfinite(samples.low) || !std::isfinite(samples.full))
-    throw InvalidArgument("Samples of " + std::to_string(samples.low) + " and " + std::to_string(samples.full) +
-                          " a pixel were given, expected two positive numbers.");
-  const double full = static_cast<double>(scale) * scale * samples.full;
-  return full / (samples.low + full);
-}
-
-double estimatedFullShare(const PixelView& low, const PixelView& full) {
+double shareByNoise(const PixelView& low, const PixelView& full) {
   const uint32_t scale = scaleOf(low, full);
   if (scale < 2)
     throw InvalidArgument("The noise of a colour of full resolution cannot be told from that of the other render.");
@@ -97,7 +89,7 @@ double estimatedFullShare(const PixelView& low, const PixelView& full) {
   return both > 0 ? std::clamp((both - means) / both, kLeastShare, 1 - kLeastShare) : 0.5;
 }
 
-double colourDifference(const PixelView& low, const PixelView& full) {
+double differenceOf(const PixelView& low, const PixelView& full) {
   const uint32_t scale = scaleOf(low, full);
   std::array<std::array<double, 2>, size_t{kParts} * kParts> sums{};
   for (uint32_t y = 0; y < low.height; ++y)
@@ -116,7 +108,7 @@ double colourDifference(const PixelView& low, const PixelView& full) {
   return median(differences);
 }
 
-std::vector<float> mergedColour(const PixelView& low, const PixelView& full, double share) {
+std::vector<float> mergedByShare(const PixelView& low, const PixelView& full, double share) {
   const uint32_t scale = scaleOf(low, full);
   std::vector<float> merged;
   merged.reserve(size_t{3} * low.width * low.height);
@@ -130,7 +122,7 @@ std::vector<float> mergedColour(const PixelView& low, const PixelView& full, dou
   return merged;
 }
 
-std::vector<float> levelledColour(const PixelView& full, const PixelView& merged) {
+std::vector<float> atLevelOf(const PixelView& full, const PixelView& merged) {
   const uint32_t scale = scaleOf(merged, full);
   const auto finite = [](float value) { return std::isfinite(value) ? std::max(value, 0.F) : 0.F; };
   double floor = 0;

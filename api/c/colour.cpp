@@ -1,0 +1,81 @@
+// The colours of a render's two images.
+#include "api/colour.h"
+
+#include "api/c/images.h"
+#include "api/c/result.h"
+#include "xrds/merged_colour.h"
+
+using namespace xrds::c;
+
+namespace {
+
+struct BothColours {
+  BothColours(const XrdsImage* lowImage, const XrdsImage* fullImage)
+      : low(required(lowImage, "low"), "low-resolution"), full(required(fullImage, "full"), "full-resolution") {}
+  const ReadImage low, full;
+};
+
+void writeColour(const XrdsImage& image, const std::vector<float>& pixels) {
+  for (uint32_t c = 0; c < 3; ++c) writeChannel(image, c, &pixels[c], 3);
+}
+
+void checkSameSize(const XrdsImage& image, const XrdsImage& as, const char* what, const char* other) {
+  checkImage(image, what, 3);
+  if (image.width != as.width || image.height != as.height)
+    throw xrds::InvalidArgument(std::string("The ") + what + " image must have the size of the " + other + " one.");
+}
+
+}  // namespace
+
+XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double lowSamples, double fullSamples,
+                           const XrdsImage* merged) {
+  return guarded([&] {
+    const BothColours colours(low, full);
+    checkSameSize(required(merged, "merged"), *low, "merged", "low-resolution");
+    const bool known = lowSamples != 0 || fullSamples != 0;
+    const double share = known ? xrds::fullShare({lowSamples, fullSamples}, full->width / low->width)
+                               : xrds::shareByNoise(colours.low.view(), colours.full.view());
+    const std::vector<float> pixels = xrds::mergedByShare(colours.low.view(), colours.full.view(), share);
+    const std::vector<float> alpha = low->channels[3] ? readChannel(*low, 3) : std::vector<float>();
+    writeColour(*merged, pixels);
+    if (merged->channels[3]) {
+      const float opaque = 1;
+      writeChannel(*merged, 3, alpha.empty() ? &opaque : alpha.data(), alpha.empty() ? 0 : 1);
+    }
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double* difference) {
+  return guarded([&] {
+    const BothColours colours(low, full);
+    required(difference, "difference") = xrds::differenceOf(colours.low.view(), colours.full.view());
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsEstimateFullShare(const XrdsImage* low, const XrdsImage* full, double* share) {
+  return guarded([&] {
+    const BothColours colours(low, full);
+    required(share, "share") = xrds::shareByNoise(colours.low.view(), colours.full.view());
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsMergeByShare(const XrdsImage* low, const XrdsImage* full, double share, const XrdsImage* merged) {
+  return guarded([&] {
+    const BothColours colours(low, full);
+    checkSameSize(required(merged, "merged"), *low, "merged", "low-resolution");
+    writeColour(*merged, xrds::mergedByShare(colours.low.view(), colours.full.view(), share));
+    return XRDS_OK;
+  });
+}
+
+XrdsResult xrdsLevelColour(const XrdsImage* full, const XrdsImage* merged, const XrdsImage* levelled) {
+  return guarded([&] {
+    const BothColours colours(merged, full);
+    checkSameSize(required(levelled, "levelled"), *full, "levelled", "full-resolution");
+    writeColour(*levelled, xrds::atLevelOf(colours.full.view(), colours.low.view()));
+    return XRDS_OK;
+  });
+}
