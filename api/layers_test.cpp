@@ -297,7 +297,8 @@ TEST(Layers, ThatDoNotFitAreRefused) {
   };
   expect("Light layer 1 is 20 x 13 pixels, expected 21 x 13",
          refusal([](Render&, LayerSet& layers) { layers.lights[1].light.width = 20; }));
-  expect("light layer image has no channel 0", refusal([](Render&, LayerSet& layers) { layers.lights[0].light.pixels = nullptr; }));
+  expect("light layer image has no channel 0",
+         refusal([](Render&, LayerSet& layers) { layers.lights[0].light.pixels = nullptr; }));
   expect("output of light layer 2 has room for 3 numbers",
          refusal([](Render&, LayerSet& layers) { layers.lights[2].output = layers.lights[2].output.first(3); }));
   expect("colour 1, but there are 1", refusal([](Render&, LayerSet& layers) { layers.lights[0].colour = 1; }));

@@ -1,4 +1,3 @@
-#include "xrds/precision.h"
 #include "cli/doctor_report.h"
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include "cli/device_json.h"
 #include "cli/json_text.h"
 #include "cli/table.h"
+#include "xrds/precision.h"
 
 namespace xrds {
 namespace {

@@ -246,7 +246,9 @@ TEST_F(CApi, TakesStructuresOfOlderHeaders) {
   options.structSize += 8;  // of a later header
   XrdsUpscaler* made = nullptr;
   EXPECT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, &options, &made), XRDS_ERROR_ARGUMENT);
-  EXPECT_NE(std::string(xrdsGetMessage()).find("structSize of " + std::to_string(sizeof options + 8)), std::string::npos) << xrdsGetMessage();
+  EXPECT_NE(std::string(xrdsGetMessage()).find("structSize of " + std::to_string(sizeof options + 8)),
+            std::string::npos)
+      << xrdsGetMessage();
 }
 
 TEST_F(CApi, RefusesHandlesThatAreNotOpen) {

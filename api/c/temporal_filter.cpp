@@ -1,10 +1,11 @@
+#include "api/temporal_filter.h"
+
 #include <algorithm>
 
 #include "api/c/handles.h"
 #include "api/c/images.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
-#include "api/temporal_filter.h"
 
 using namespace xrds::c;
 

@@ -26,13 +26,15 @@ inline XrdsImage image(const PixelView& view, const std::string& what) {
 /// names: of the model's inputs.
 inline std::vector<XrdsImage> images(std::span<const PixelView> views, std::span<const std::string> names) {
   std::vector<XrdsImage> images;
-  for (size_t i = 0; i < views.size(); ++i) images.push_back(image(views[i], i < names.size() ? names[i] : "auxiliary"));
+  for (size_t i = 0; i < views.size(); ++i)
+    images.push_back(image(views[i], i < names.size() ? names[i] : "auxiliary"));
   return images;
 }
 inline XrdsImage image(std::span<float> pixels, uint32_t width, uint32_t height) {
   return image(PixelView{pixels.data(), width, height}, "output");
 }
-/// Room for an output of width x height pixels; throws InvalidArgument, which calls it `what`, if there is more or less.
+/// Room for an output of width x height pixels; throws InvalidArgument, which calls it `what`, if there is more or
+/// less.
 inline XrdsImage output(const std::string& what, std::span<float> pixels, uint32_t width, uint32_t height) {
   const size_t numbers = size_t{3} * width * height;
   if (pixels.size() != numbers)

@@ -55,7 +55,8 @@ inline constexpr double kMostColourDifference = 0.1;
 /// not count, negative ones are 0. Throws Error if the sizes are no whole multiple of each other.
 inline std::vector<float> mergedColour(const PixelView& low, const PixelView& full, double share) {
   std::vector<float> merged(size_t{3} * low.width * low.height);
-  const XrdsImage images[] = {call::image(low, "low-resolution"), call::image(full, "full-resolution"), call::image(merged, low.width, low.height)};
+  const XrdsImage images[] = {call::image(low, "low-resolution"), call::image(full, "full-resolution"),
+                              call::image(merged, low.width, low.height)};
   call::check(xrdsMergeByShare(&images[0], &images[1], share, &images[2]));
   return merged;
 }
@@ -66,7 +67,8 @@ inline std::vector<float> mergedColour(const PixelView& low, const PixelView& fu
 /// alone. Of H what is negative or not finite is 0. Throws Error if the sizes are no whole multiple of each other.
 inline std::vector<float> levelledColour(const PixelView& full, const PixelView& merged) {
   std::vector<float> levelled(size_t{3} * full.width * full.height);
-  const XrdsImage images[] = {call::image(full, "full-resolution"), call::image(merged, "merged"), call::image(levelled, full.width, full.height)};
+  const XrdsImage images[] = {call::image(full, "full-resolution"), call::image(merged, "merged"),
+                              call::image(levelled, full.width, full.height)};
   call::check(xrdsLevelColour(&images[0], &images[1], &images[2]));
   return levelled;
 }

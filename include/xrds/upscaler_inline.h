@@ -66,10 +66,10 @@ inline bool Upscaler::run(const PixelView& colour, std::span<const PixelView> au
   std::vector<XrdsLayerReport> reports(layers.size(), call::sized<XrdsLayerReport>());
   for (const LayerSet& set : layers) sets.push_back(kept.emplace_back(set, width_, height_).given());
   call::Heard heard(progress);
-  const XrdsResult result = xrdsUpscaleLayers(
-      handle(), &low, images.data(), static_cast<uint32_t>(images.size()), &picture, sets.data(),
-      static_cast<uint32_t>(sets.size()), reports.data(),
-      progress ? decltype(heard)::template hear<double> : nullptr, heard.user());
+  const XrdsResult result =
+      xrdsUpscaleLayers(handle(), &low, images.data(), static_cast<uint32_t>(images.size()), &picture, sets.data(),
+                        static_cast<uint32_t>(sets.size()), reports.data(),
+                        progress ? decltype(heard)::template hear<double> : nullptr, heard.user());
   heard.finish(result == XRDS_CANCELLED ? XRDS_OK : result);
   if (result != XRDS_OK) return false;
   layerReports_.clear();

@@ -1,0 +1,93 @@
+#pragma once
+
+#include "xrds/device.h"
+
+namespace xrds {
+
+inline std::vector<Device::Description> Device::list() {
+  uint32_t count = 0;
+  call::check(xrdsCountDevices(&count));
+  std::vector<Description> descriptions;
+  for (uint32_t i = 0; i < count; ++i) {
+    auto found = call::sized<XrdsDeviceDescription>();
+    call::check(xrdsDescribeDevice(i, &found));
+    descriptions.push_back(described(found));
+  }
+  return descriptions;
+}
+
+inline std::vector<std::string> Device::kernelFamilies() {
+  std::vector<std::string> names;
+  while (const char* name = xrdsGetKernelFamily(static_cast<uint32_t>(names.size()))) names.emplace_back(name);
+  return names;
+}
+
+template <class Open>
+Device::Device(const Options& options, const Open& open)
+    : listener_(new Listener{options.onPreparation, options.onMessage}) {
+  const std::string cacheFolder = call::text(options.cacheFolder);
+  XrdsDeviceOptions asked = xrdsDeviceOptionsDefault();
+  asked.select = options.select.c_str();
+  asked.cacheFolder = cacheFolder.c_str();
+  asked.kernelFamily = options.kernelFamily.c_str();
+  asked.validation = options.validation;
+  if (options.onPreparation) asked.preparation = hear;
+  if (options.onMessage) asked.message = listen;
+  asked.preparationUser = asked.messageUser = listener_.get();
+  XrdsDevice* opened = nullptr;
+  const XrdsResult result = open(&asked, &opened);
+  handle_.reset(opened);
+  finish(result);
+}
+
+inline Device::Device(const Options& options) : Device(options, xrdsOpenDevice) {}
+
+inline int Device::hear(void* listener, int machineCode, size_t done, size_t total) noexcept {
+  auto& self = *static_cast<Listener*>(listener);
+  if (machineCode > 1) return 1;  // of a tuning, which upscalers tell of
+  try {
+    using Phase = Preparation::Phase;
+    return self.onPreparation({machineCode ? Phase::machineCode : Phase::pipelines, done, total}) ? 1 : 0;
+  } catch (...) {
+    self.thrown = std::current_exception();
+    return 0;
+  }
+}
+
+inline void Device::listen(void* listener, const char* text) noexcept {
+  auto& self = *static_cast<Listener*>(listener);
+  try {
+    self.onMessage(text);
+  } catch (...) {
+    self.thrown = std::current_exception();
+  }
+}
+
+inline void Device::finish(XrdsResult result) const {
+  if (listener_->thrown) std::rethrow_exception(std::exchange(listener_->thrown, nullptr));
+  call::check(result);
+}
+
+inline Device::Description Device::described(const XrdsDeviceDescription& found) {
+  return {.name = found.name,
+          .kind = found.kind,
+          .uuid = found.uuid,
+          .driver = found.driver,
+          .apiVersion = found.apiVersion,
+          .memoryBytes = found.memoryBytes,
+          .kernelFamily = found.kernelFamily};
+}
+
+inline Device::Description Device::description() const {
+  auto found = call::sized<XrdsDeviceDescription>();
+  call::check(xrdsDescribeOpenDevice(handle(), &found));
+  return described(found);
+}
+
+inline std::vector<std::string> Device::notes() const {
+  std::vector<std::string> notes;
+  while (const char* note = xrdsGetDeviceNote(handle(), static_cast<uint32_t>(notes.size()))) notes.emplace_back(note);
+  return notes;
+}
+
+}  // namespace xrds
