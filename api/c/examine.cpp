@@ -28,7 +28,15 @@ XrdsResult withDevice(XrdsDevice* device, const Action& action) {
   });
 }
 
-std::vector<const char*> pointersTo(const std::vector<std::string>& texts) {
+// Lists go to C as pointers, so that a program with an older header finds the next one, whatever the size.
+template <class T>
+std::vector<const T*> pointersTo(const std::vector<T>& rows) {
+  std::vector<const T*> pointers;
+  for (const T& row : rows) pointers.push_back(&row);
+  return pointers;
+}
+
+std::vector<const char*> textsOf(const std::vector<std::string>& texts) {
   std::vector<const char*> pointers;
   for (const std::string& text : texts) pointers.push_back(text.c_str());
   return pointers;
@@ -39,19 +47,22 @@ void tellTuning(const xrds::Tuning::Report& report, XrdsHearTuning hear, void* u
   std::vector<XrdsTunedShape> shapes;
   std::vector<XrdsStruckOff> struckOff;
   for (const xrds::Tuning::Shape& shape : report.shapes) {
-    wrong.push_back(pointersTo(shape.wrong));
-    shapes.push_back({.name = shape.name.c_str(),
+    wrong.push_back(textsOf(shape.wrong));
+    shapes.push_back({.structSize = sizeof(XrdsTunedShape),
+                      .nodes = shape.nodes,
+                      .name = shape.name.c_str(),
                       .kernel = shape.kernel.c_str(),
                       .fixed = shape.fixed.c_str(),
                       .seconds = shape.seconds,
                       .fixedSeconds = shape.fixedSeconds,
                       .tried = shape.tried,
                       .wrong = wrong.back().data(),
-                      .wrongCount = static_cast<uint32_t>(wrong.back().size()),
-                      .nodes = shape.nodes});
+                      .wrongCount = static_cast<uint32_t>(wrong.back().size())});
   }
   for (const xrds::Tuning::StruckOff& struck : report.struckOff)
-    struckOff.push_back({struck.program.c_str(), struck.why.c_str()});
+    struckOff.push_back({sizeof(XrdsStruckOff), struck.program.c_str(), struck.why.c_str()});
+  const auto shapeList = pointersTo(shapes);
+  const auto struckList = pointersTo(struckOff);
   const XrdsTuningReport told{.structSize = sizeof told,
                               .taken = report.taken,
                               .normsInLinear = report.normsInLinear,
@@ -61,15 +72,16 @@ void tellTuning(const xrds::Tuning::Report& report, XrdsHearTuning hear, void* u
                               .tuningSeconds = report.tuningSeconds,
                               .date = report.date,
                               .measured = report.measured,
-                              .shapes = shapes.data(),
-                              .struckOff = struckOff.data(),
+                              .shapes = shapeList.data(),
+                              .struckOff = struckList.data(),
                               .shapeCount = static_cast<uint32_t>(shapes.size()),
                               .struckOffCount = static_cast<uint32_t>(struckOff.size())};
   hear(user, &told);
 }
 
 XrdsStressRow stressRow(const xrds::StressRow& row, const std::vector<const char*>& promoted) {
-  return {.model = row.model.c_str(),
+  return {.structSize = sizeof(XrdsStressRow),
+          .model = row.model.c_str(),
           .weights = row.weights.c_str(),
           .precision = row.precision.c_str(),
           .family = row.family.c_str(),
@@ -94,17 +106,19 @@ XrdsStressRow stressRow(const xrds::StressRow& row, const std::vector<const char
 }
 
 void tellStress(const xrds::StressReport& report, XrdsHearStress hear, void* user) {
-  const auto colours = pointersTo(report.colours), auxiliaries = pointersTo(report.auxiliaries);
+  const auto colours = textsOf(report.colours), auxiliaries = textsOf(report.auxiliaries);
   std::vector<std::vector<const char*>> promoted;
   std::vector<XrdsStressRow> rows;
   std::vector<XrdsStressOperator> operators;
   for (const xrds::StressRow& row : report.rows) {
-    promoted.push_back(pointersTo(row.promoted));
+    promoted.push_back(textsOf(row.promoted));
     rows.push_back(stressRow(row, promoted.back()));
   }
   for (const xrds::StressOperator& op : report.operators)
-    operators.push_back(
-        {op.name.c_str(), op.precision.c_str(), op.family.c_str(), op.where.c_str(), op.worstError, op.budget});
+    operators.push_back({sizeof(XrdsStressOperator), op.name.c_str(), op.precision.c_str(), op.family.c_str(),
+                         op.where.c_str(), op.worstError, op.budget});
+  const auto rowList = pointersTo(rows);
+  const auto operatorList = pointersTo(operators);
   const XrdsStressReport told{.structSize = sizeof told,
                               .seed = report.seed,
                               .fp32Bound = report.fp32Bound,
@@ -117,8 +131,8 @@ void tellStress(const xrds::StressReport& report, XrdsHearStress hear, void* use
                               .auxiliaryCount = static_cast<uint32_t>(auxiliaries.size()),
                               .rowCount = static_cast<uint32_t>(rows.size()),
                               .operatorCount = static_cast<uint32_t>(operators.size()),
-                              .rows = rows.data(),
-                              .operators = operators.data()};
+                              .rows = rowList.data(),
+                              .operators = operatorList.data()};
   hear(user, &told);
 }
 

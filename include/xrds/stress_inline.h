@@ -41,9 +41,9 @@ inline StressReport stressReport(const XrdsStressReport& found) {
                       .fp16ScalingBound = found.fp16ScalingBound,
                       .colours = texts(found.colours, found.colourCount),
                       .auxiliaries = texts(found.auxiliaries, found.auxiliaryCount)};
-  for (uint32_t i = 0; i < found.rowCount; ++i) report.rows.push_back(stressRow(found.rows[i]));
+  for (uint32_t i = 0; i < found.rowCount; ++i) report.rows.push_back(stressRow(*found.rows[i]));
   for (uint32_t i = 0; i < found.operatorCount; ++i) {
-    const XrdsStressOperator& op = found.operators[i];
+    const XrdsStressOperator& op = *found.operators[i];
     report.operators.push_back({op.name, op.precision, op.family, op.worstError, op.budget, op.where});
   }
   return report;

@@ -78,7 +78,7 @@ inline Tuning::Report Tuning::of(const XrdsTuningReport& found) {
                 .date = found.date,
                 .measured = found.measured};
   for (uint32_t i = 0; i < found.shapeCount; ++i) {
-    const XrdsTunedShape& shape = found.shapes[i];
+    const XrdsTunedShape& shape = *found.shapes[i];
     report.shapes.push_back({.name = shape.name,
                              .nodes = shape.nodes,
                              .kernel = shape.kernel,
@@ -89,7 +89,7 @@ inline Tuning::Report Tuning::of(const XrdsTuningReport& found) {
                              .wrong = {shape.wrong, shape.wrong + shape.wrongCount}});
   }
   for (uint32_t i = 0; i < found.struckOffCount; ++i)
-    report.struckOff.push_back({found.struckOff[i].program, found.struckOff[i].why});
+    report.struckOff.push_back({found.struckOff[i]->program, found.struckOff[i]->why});
   return report;
 }
 

@@ -28,6 +28,7 @@ XRDS_API XrdsStressOptions xrdsStressOptionsDefault(void);
 /* One model with one change to its weights, in one precision and kernel family, over all inputs; the fields are those
  * of StressRow in stress.h. */
 typedef struct XrdsStressRow {
+  uint32_t structSize;
   const char *model, *weights, *precision, *family, *worstInput, *firstDegraded;
   const char* const* promoted;
   uint32_t promotedCount;
@@ -38,6 +39,7 @@ typedef struct XrdsStressRow {
 
 /* The largest error of an operator alone, on what the device gave it, over all natural inputs. */
 typedef struct XrdsStressOperator {
+  uint32_t structSize;
   const char *name, *precision, *family, *where;
   double worstError, budget;
 } XrdsStressOperator;
@@ -48,8 +50,8 @@ typedef struct XrdsStressReport {
   double fp32Bound, fp16Bound, fp32ScalingBound, fp16ScalingBound;
   const char *const *colours, *const *auxiliaries;
   uint32_t colourCount, auxiliaryCount, rowCount, operatorCount;
-  const XrdsStressRow* rows;
-  const XrdsStressOperator* operators;
+  const XrdsStressRow* const* rows;
+  const XrdsStressOperator* const* operators;
 } XrdsStressReport;
 typedef void (*XrdsHearStress)(void* user, const XrdsStressReport* report);
 

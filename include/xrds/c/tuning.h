@@ -22,16 +22,18 @@ typedef struct XrdsTuningOptions {
 
 /* One operator of the model, in all its places. */
 typedef struct XrdsTunedShape {
+  uint32_t structSize;
+  uint32_t nodes;               /* of the model */
   const char* name;             /* the operator and its channels: "linear 64 > 192" */
   const char *kernel, *fixed;   /* that won, and the fixed choice of the device's family */
   double seconds, fixedSeconds; /* of a frame, in this operator */
   uint64_t tried;               /* kernels */
   const char* const* wrong;     /* those that were, and how */
   uint32_t wrongCount;
-  uint32_t nodes; /* of the model */
 } XrdsTunedShape;
 
 typedef struct XrdsStruckOff {
+  uint32_t structSize;
   const char *program, *why;
 } XrdsStruckOff;
 
@@ -42,10 +44,10 @@ typedef struct XrdsTuningReport {
   int32_t normsInLinear, layersFused;
   double seconds, fixedSeconds; /* of a frame, measured in turns; 0: both are the same */
   double tuningSeconds;
-  int64_t date;                   /* when it was tuned, in seconds since 1970 */
-  uint64_t measured;              /* kernels that were tried now; 0: all was known */
-  const XrdsTunedShape* shapes;   /* the slowest first */
-  const XrdsStruckOff* struckOff; /* of the device's driver */
+  int64_t date;                          /* when it was tuned, in seconds since 1970 */
+  uint64_t measured;                     /* kernels that were tried now; 0: all was known */
+  const XrdsTunedShape* const* shapes;   /* the slowest first */
+  const XrdsStruckOff* const* struckOff; /* of the device's driver */
   uint32_t shapeCount, struckOffCount;
 } XrdsTuningReport;
 typedef void (*XrdsHearTuning)(void* user, const XrdsTuningReport* report);
