@@ -6,18 +6,10 @@
 #include <optional>
 
 #include "engine/half.h"
+#include "tests/c_api.h"
 #include "tests/vulkan_host.h"
 
 namespace xrds::test {
-
-inline const std::string kModel = XRDS_GOLDEN_FOLDER "/s4_guided.model.safetensors";
-inline constexpr uint32_t kScale = 4;
-
-inline std::vector<float> noise(size_t count, uint32_t seed) {
-  std::vector<float> values(count);
-  for (float& value : values) value = 0.05F + static_cast<float>((seed = seed * 1664525 + 1013904223) >> 8) * 0x1p-24F;
-  return values;
-}
 
 /// How pixels lie in a buffer.
 struct Layout {

@@ -9,62 +9,15 @@
 #include <thread>
 
 #include "engine/half.h"
+#include "tests/c_api.h"
 #include "tests/environment_variable.h"
-#include "xrds/xrds.h"
-#include "xrds/xrds.hpp"
 
 namespace xrds {
 namespace {
 
-constexpr uint32_t kWidth = 14, kHeight = 9, kScale = 4, kWide = kScale * kWidth, kHigh = kScale * kHeight;
-const std::string kModel = XRDS_GOLDEN_FOLDER "/s4_guided.model.safetensors";
+using namespace test;
+
 const std::string kDepthModel = XRDS_GOLDEN_FOLDER "/s4_depth.model.safetensors";
-
-std::vector<float> noise(size_t count, uint32_t seed) {
-  std::vector<float> values(count);
-  for (float& value : values) value = 0.05F + static_cast<float>((seed = seed * 1664525 + 1013904223) >> 8) * 0x1p-24F;
-  return values;
-}
-
-XrdsImage rgb(std::vector<float>& pixels, uint32_t width, uint32_t height) {
-  return xrdsInterleavedImage(pixels.data(), XRDS_FLOAT, 3, width, height);
-}
-
-/// A device, a model and an upscaler, with a frame for them.
-class CApi : public testing::Test {
- public:  // threads of a test use it
-  void SetUp() override {
-    ASSERT_EQ(xrdsOpenDevice(nullptr, &device), XRDS_OK) << xrdsGetMessage();
-    ASSERT_EQ(xrdsOpenModel(kModel.c_str(), &model), XRDS_OK) << xrdsGetMessage();
-    ASSERT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, nullptr, &upscaler), XRDS_OK) << xrdsGetMessage();
-  }
-  void TearDown() override {  // in the order that looks wrong
-    xrdsCloseDevice(device);
-    xrdsCloseModel(model);
-    xrdsDestroyUpscaler(upscaler);
-  }
-  XrdsResult run(XrdsProgress progress = nullptr, void* user = nullptr) {
-    return xrdsUpscale(upscaler, &colour, auxiliary, 2, &output, progress, user);
-  }
-  // What the C++ classes make of the frame.
-  std::vector<float> expected() const {
-    Device device;
-    const Model model(kModel);
-    Upscaler upscaler(device, model, kWidth, kHeight, {});
-    std::vector<float> output(outputPixels.size());
-    const PixelView auxiliary[] = {{albedo.data(), kWide, kHigh}, {normal.data(), kWide, kHigh}};
-    upscaler.run({colourPixels.data(), kWidth, kHeight}, auxiliary, output);
-    return output;
-  }
-
-  XrdsDevice* device = nullptr;
-  XrdsModel* model = nullptr;
-  XrdsUpscaler* upscaler = nullptr;
-  std::vector<float> colourPixels = noise(3 * kWidth * kHeight, 1), albedo = noise(3 * kWide * kHigh, 2),
-                     normal = noise(3 * kWide * kHigh, 3), outputPixels = std::vector<float>(3 * kWide * kHigh, -1);
-  XrdsImage colour = rgb(colourPixels, kWidth, kHeight), output = rgb(outputPixels, kWide, kHigh);
-  XrdsImage auxiliary[2] = {rgb(albedo, kWide, kHigh), rgb(normal, kWide, kHigh)};
-};
 
 TEST_F(CApi, GivesThePictureOfTheClasses) {
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
@@ -220,37 +173,6 @@ TEST_F(CApi, RefusesWhatCannotBe) {
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();  // nothing of it did any harm
 }
 
-// What a header of an older version did not have is behind the structure, which is the caller's own memory.
-TEST_F(CApi, TakesStructuresOfOlderHeaders) {
-  XrdsUpscalerOptions options;
-  std::memset(&options, 0x5A, sizeof options);
-  options.structSize = offsetof(XrdsUpscalerOptions, exposure);
-  options.fp16 = 0;
-  xrdsDestroyUpscaler(upscaler);
-  upscaler = nullptr;
-  ASSERT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, &options, &upscaler), XRDS_OK) << xrdsGetMessage();
-  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
-  EXPECT_EQ(outputPixels, expected());
-
-  XrdsDeviceDescription description;
-  std::memset(&description, 0x5A, sizeof description);
-  constexpr size_t kOlder = offsetof(XrdsDeviceDescription, kernelFamily) + 3;  // 600, a multiple of 4
-  description.structSize = kOlder;
-  ASSERT_EQ(xrdsDescribeOpenDevice(device, &description), XRDS_OK) << xrdsGetMessage();
-  EXPECT_EQ(description.structSize, kOlder);
-  EXPECT_STREQ(description.uuid, Device().description().uuid.c_str());
-  const auto* bytes = reinterpret_cast<const unsigned char*>(&description);
-  EXPECT_TRUE(std::all_of(bytes + kOlder, bytes + sizeof description, [](unsigned char byte) { return byte == 0x5A; }));
-
-  options = xrdsUpscalerOptionsDefault();
-  options.structSize += 8;  // of a later header
-  XrdsUpscaler* made = nullptr;
-  EXPECT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, &options, &made), XRDS_ERROR_ARGUMENT);
-  EXPECT_NE(std::string(xrdsGetMessage()).find("structSize of " + std::to_string(sizeof options + 8)),
-            std::string::npos)
-      << xrdsGetMessage();
-}
-
 TEST_F(CApi, RefusesHandlesThatAreNotOpen) {
   XrdsDevice* const closed = device;
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
@@ -312,7 +234,7 @@ TEST(CApiModels, AreFoundByName) {
   EXPECT_EQ(xrdsFindModel("xrds-x4-nano", path, 8), XRDS_ERROR_ARGUMENT);
   EXPECT_EQ(xrdsFindModel("none", path, sizeof path), XRDS_ERROR_FAILED);
   EXPECT_NE(std::string(xrdsGetMessage()).find("There is no model 'none' in '"), std::string::npos);
-  const test::EnvironmentVariable folder("XRDS_MODELS", XRDS_GOLDEN_FOLDER);
+  const EnvironmentVariable folder("XRDS_MODELS", XRDS_GOLDEN_FOLDER);
   ASSERT_EQ(xrdsFindModel("s4_guided.model", path, sizeof path), XRDS_OK) << xrdsGetMessage();
   XrdsModel* model = nullptr;
   EXPECT_EQ(xrdsOpenModel("/nowhere/x.safetensors", &model), XRDS_ERROR_FAILED);

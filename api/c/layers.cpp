@@ -1,22 +1,21 @@
 #include "api/c/layers.h"
 
-#include "api/c/result.h"
 #include "api/c/sized.h"
 
 namespace xrds::c {
 
-void Layers::add(const XrdsLayerSet& given) {
-  checkSize(given);
+void Layers::add(const XrdsLayerSet& asGiven) {
+  const XrdsLayerSet given = taken(asGiven, xrdsLayerSetDefault());
   LayerSet set;
   for (uint32_t i = 0; i < given.layerCount; ++i) {
-    const XrdsLayer& layer = checkSize((&required(given.layers, "layers"))[i]);
+    const XrdsLayer layer = taken(at(given.layers, i, "layers"), xrdsLayerDefault());
     set.lights.push_back({.light = read(layer.light, "light layer"),
                           .output = place(layer.output, "light layer's output"),
                           .colour = layer.colour,
                           .followsAlbedo = layer.followsAlbedo != 0});
   }
   for (uint32_t i = 0; i < given.colourCount; ++i) {
-    const XrdsLayerColour& pass = checkSize((&required(given.colours, "colours"))[i]);
+    const XrdsLayerColour pass = taken(at(given.colours, i, "colours"), xrdsLayerColourDefault());
     set.colours.push_back(
         {.low = read(pass.low, "low-resolution colour pass"), .output = place(pass.output, "colour pass's output")});
     if (pass.full.channels[0]) set.colours.back().full = read(pass.full, "full-resolution colour pass");

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
-#include "xrds/error.h"
+#include "api/c/result.h"
 
 namespace xrds::c {
 
@@ -12,7 +14,7 @@ namespace xrds::c {
 template <class T>
 size_t checkedSize(const T& structure) {
   const size_t size = structure.structSize;
-  if (size <= sizeof(structure.structSize) || size > sizeof(T) || size % sizeof(structure.structSize) != 0)
+  if (size <= sizeof(structure.structSize) || size > sizeof(T) || size % alignof(T) != 0)
     throw InvalidArgument("A structure has a structSize of " + std::to_string(size) + ", expected " +
                           std::to_string(sizeof(T)) +
                           " or, of an older header, less: set it to its sizeof, or take the library of that header.");
@@ -34,6 +36,20 @@ void give(const T& found, T& caller) {
   const auto size = static_cast<uint32_t>(checkedSize(caller));
   std::memcpy(&caller, &found, size);
   caller.structSize = size;
+}
+
+/// The structure at a place of a list, all of which have the size of the first. Throws
+/// InvalidArgument, which calls the list `name`, if one has another, and as checkedSize() does.
+template <class T>
+T& at(T* list, uint32_t index, const char* name) {
+  using Byte = std::conditional_t<std::is_const_v<T>, const std::byte, std::byte>;
+  const size_t size = checkedSize(required(list, name));
+  T& found = *reinterpret_cast<T*>(reinterpret_cast<Byte*>(list) + index * size);
+  if (found.structSize != size)
+    throw InvalidArgument("Structure " + std::to_string(index) + " of '" + name + "' has a structSize of " +
+                          std::to_string(found.structSize) + ", expected " + std::to_string(size) +
+                          ", as of the first: the structures of a list have one size.");
+  return found;
 }
 
 /// A structure that is part of others, so that its size never changes. Throws InvalidArgument if it has another one.

@@ -32,8 +32,8 @@ namespace {
 /// A frame of the caller, and copies of images that the library cannot read where they are.
 class ReadFrame {
  public:
-  ReadFrame(const XrdsTemporalFrame& given, const XrdsTemporalFilter& filter) {
-    checkSize(given);
+  ReadFrame(const XrdsTemporalFrame& asGiven, const XrdsTemporalFilter& filter) {
+    const XrdsTemporalFrame given = taken(asGiven, xrdsTemporalFrameDefault());
     const size_t pixels = filter.full;
     frame_.colour = read(given.colour, "colour");
     if (given.fullColour.channels[0]) frame_.fullColour = read(given.fullColour, "full-resolution colour");
@@ -90,14 +90,13 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
     const auto found = Handles<XrdsTemporalFilter>::open().opened(filter, "temporal filter");
     const std::unique_lock lock(found->use, std::try_to_lock);
     if (!lock) return failed(XRDS_ERROR_BUSY, "The filter is in use on another thread: create one for each thread.");
-    const XrdsTemporalFrame& out = checkSize(required(merged, "merged"));
+    const XrdsTemporalFrame out = taken(required(merged, "merged"), xrdsTemporalFrameDefault());
     const ReadFrame now(required(present, "present"), *found);
     std::vector<ReadFrame> kept;
     kept.reserve(size_t{beforeCount} + afterCount);
     const auto framesOf = [&](const XrdsTemporalFrame* given, uint32_t count, const char* name) {
       std::vector<xrds::TemporalFilter::Frame> frames;
-      for (uint32_t i = 0; i < count; ++i)
-        frames.push_back(kept.emplace_back((&required(given, name))[i], *found).frame());
+      for (uint32_t i = 0; i < count; ++i) frames.push_back(kept.emplace_back(at(given, i, name), *found).frame());
       return frames;
     };
     const auto past = framesOf(before, beforeCount, "before"), future = framesOf(after, afterCount, "after");

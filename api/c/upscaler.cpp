@@ -104,8 +104,8 @@ XrdsResult upscale(XrdsUpscaler& upscaler, const XrdsImage& colour, const Frame&
   const ReadImages images(upscaler.model->inputs(), colour, frame.auxiliary, frame.count);
   Layers layers;
   for (uint32_t i = 0; i < frame.setCount; ++i) {
-    layers.add((&required(frame.sets, "sets"))[i]);
-    if (frame.reports) checkSize(frame.reports[i]);
+    layers.add(at(frame.sets, i, "sets"));
+    if (frame.reports) at(frame.reports, i, "reports");
   }
   const std::lock_guard lock(upscaler.device->access);
   if (!runInto(upscaler, images.colour, images.views, output, layers.sets(), progress))
@@ -114,7 +114,8 @@ XrdsResult upscale(XrdsUpscaler& upscaler, const XrdsImage& colour, const Frame&
   layers.write();
   for (uint32_t i = 0; frame.reports && i < frame.setCount; ++i) {
     const xrds::LayerReport& report = upscaler.upscaler->layerReports()[i];
-    frame.reports[i] = {sizeof(XrdsLayerReport), report.share, report.raisedColours, report.unshared};
+    give<XrdsLayerReport>({sizeof(XrdsLayerReport), report.share, report.raisedColours, report.unshared},
+                          at(frame.reports, i, "reports"));
   }
   return XRDS_OK;
 }

@@ -18,9 +18,9 @@
  * Callbacks are heard while the device is taken: they must not call functions of it, nor throw.
  *
  * Structures. `structSize` is sizeof the structure. Later versions add fields behind those of today, which keep their
- * meaning; what a program was built without is as if the default were given, and is not written. XrdsImage,
- * XrdsVulkanImage and XrdsTimelinePoint stay as they are. The functions xrds...Default() fill a structure with what its
- * comments call the default.
+ * meaning; what a program was built without is as if the default were given, and is not written. The structures of a
+ * list have one size. XrdsImage, XrdsVulkanImage and XrdsTimelinePoint stay as they are. The functions xrds...Default()
+ * fill a structure with what its comments call the default.
  *
  * Strings are UTF-8, owned by the library unless a comment says otherwise. */
 #ifndef XRDS_XRDS_H
