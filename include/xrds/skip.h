@@ -26,7 +26,7 @@ struct SkipMap {
   enum class Window : uint8_t { computed, interpolated, kept };
   uint32_t side = 0;  // of a window, in pixels of the output; the last ones of a row or column may be smaller
   uint32_t columns = 0, rows = 0;
-  std::vector<Window> windows;
+  std::vector<Window> windows{};
   double work = 1;  // pixels computed, with the surroundings that are needed, over pixels of the frame
 
   double share(Window which) const {

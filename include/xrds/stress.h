@@ -58,8 +58,8 @@ struct StressReport {
   double fp32Bound = 0, fp16Bound = 0;  // of StressRow::worstError
   double fp32ScalingBound = 0, fp16ScalingBound = 0;
   std::vector<std::string> colours, auxiliaries;
-  std::vector<StressRow> rows;
-  std::vector<StressOperator> operators;
+  std::vector<StressRow> rows{};
+  std::vector<StressOperator> operators{};
 
   uint64_t cases() const;
   /// One sentence for each bar that is not met; empty: all are.

@@ -31,7 +31,7 @@ class TemporalFilter {
   /// The images of a frame, three floats a pixel, merged; empty those that it lacks. Counts: how many frames a pixel of
   /// the two radiances is the mean of.
   struct Merged {
-    std::vector<float> colour, fullColour, albedo, normal, lowCounts, fullCounts;
+    std::vector<float> colour{}, fullColour{}, albedo{}, normal{}, lowCounts{}, fullCounts{};
   };
 
   static constexpr uint32_t kRadius = 5;  // frames before and after that are worth it

@@ -44,10 +44,10 @@ struct Tuning {
     bool normsInLinear = false, layersFused = false;  // how the graph is written
     double seconds = 0, fixedSeconds = 0;             // of a frame, measured in turns; 0: both are the same
     double tuningSeconds = 0;
-    int64_t date = 0;                  // when it was tuned, in seconds since 1970
-    std::vector<Shape> shapes;         // the slowest first
-    uint64_t measured = 0;             // kernels that were tried now; 0: all was known
-    std::vector<StruckOff> struckOff;  // of the device's driver
+    int64_t date = 0;                    // when it was tuned, in seconds since 1970
+    std::vector<Shape> shapes{};         // the slowest first
+    uint64_t measured = 0;               // kernels that were tried now; 0: all was known
+    std::vector<StruckOff> struckOff{};  // of the device's driver
   };
 
   /// Tunes for frames of width x height low-resolution pixels; what is known already is not tried again. Seconds on a

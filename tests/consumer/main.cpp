@@ -4,6 +4,12 @@
 #include <span>
 #include <vector>
 
+#include "xrds/alpha.h"
+#include "xrds/examination.h"
+#include "xrds/oidn_import.h"
+#include "xrds/shipped_models.h"
+#include "xrds/stress.h"
+#include "xrds/tuning.h"
 #include "xrds/xrds.hpp"
 
 int main(int, char** arguments) {
