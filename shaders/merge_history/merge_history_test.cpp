@@ -122,11 +122,13 @@ TEST(MergeHistory, KnowsOfHowManySamplesAPixelIs) {
         }
     });
   };
-  const auto expected = [](double own, double other) {  // with a squared bias of 24 / 25 of the difference's variance
-    return own + other / (1 + shader::kHistoryBias * other * 24 / 25 * (own + other) / (own * other));
+  // 12 of 25 differences are 0.4, 13 are 0: their variance, and the squared bias of their mean.
+  const double variance = 0.16 * 12 * 13 / 625, bias = 0.16 * 12 * 12 / 625 - variance / 25;
+  const auto expected = [&](double own, double other) {
+    return own + other / (1 + shader::kHistoryBias * other * bias / variance * (own + other) / (own * other));
   };
   for (const auto& [own, other] : {std::pair{4.0, 4.0}, {2.0, 8.0}, {16.0, 1.0}})
-    EXPECT_NEAR(noisy(own, other).weight, expected(own, other), 0.01) << own << " " << other;
+    EXPECT_NEAR(noisy(own, other).weight, expected(own, other), 1e-3) << own << " " << other;
   EXPECT_EQ(noisy(0, 0).weight, 0);
 }
 
