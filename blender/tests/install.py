@@ -6,6 +6,7 @@
 by a Python that has the module bpy (`pip install bpy==4.2.23`, Python 3.11). Blender's folder of the user is a new one. Says what it saw, and ends with
 an error where something is not as it should be.
 """
+import importlib
 import os
 import pathlib
 import sys
@@ -43,8 +44,10 @@ def main():
     scene.render.filepath = os.path.join(HOME, "shot_")
     scene.xrds.model, scene.xrds.samples, scene.xrds.guide_samples = "xrds-x4-nano", 2, 1
     check(bpy.ops.xrds.render() == {"FINISHED"}, "rendered and upscaled")
-    result = bpy.data.images.load(os.path.join(HOME, f"shot_{scene.frame_current:04d}_xrds.exr"))
-    check(tuple(result.size) == (scene.render.resolution_x, scene.render.resolution_y), f"the frame has {result.size[0]} x {result.size[1]} pixels")
+    exr = importlib.import_module("bl_ext.user_default.xrds_render.exr")
+    result = exr.load(os.path.join(HOME, f"shot_{scene.frame_current:04d}_xrds.exr")).channels
+    height, width = next(iter(result.values())).shape
+    check((width, height) == (scene.render.resolution_x, scene.render.resolution_y), f"the frame has {width} x {height} pixels and {len(result)} channels")
 
     bpy.ops.extensions.package_uninstall(repo_index=repository(), pkg_id="xrds_render")
     check(not hasattr(bpy.types.Scene, "xrds"), "taken out again")
