@@ -306,8 +306,9 @@ std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, 
   checkOptions(options);
   checkShape(model.config(), frame);
   checkImages(model.config(), frame, colour, auxiliary);
-  const CheckResult result = checkAgainstReference(gpu, model, frame, inputOf(model.config(), colour, auxiliary, options),
-                                                   sessionOptions(gpu, model, frame, options));
+  const CheckResult result =
+      checkAgainstReference(gpu, model, frame, inputOf(model.config(), colour, auxiliary, options),
+                            sessionOptions(gpu, model, frame, options));
   std::vector<Upscaler::CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});
