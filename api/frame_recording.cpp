@@ -12,11 +12,11 @@
 
 namespace xrds {
 
-using c::checkSize, c::numberOf, c::required, c::taken;
+using c::checkSize, c::numberOf, c::required;
 
 struct RecordedFrame::State {
-  State(FrameUpscaler& upscaler, const XrdsVulkanFrame& given);
-  HostPicture pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale);
+  State(FrameUpscaler& upscaler, const XrdsVulkanFrame& given, const FrameUpscaler* alpha);
+  HostPicture pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale, uint32_t fewest = 3);
   void takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures);
 
   Gpu& gpu;
@@ -25,7 +25,7 @@ struct RecordedFrame::State {
   const FrameShape shape;
   std::list<Buffer> buffers;
   std::list<HostImage> images;
-  std::vector<FramePart> parts;
+  std::vector<FramePart> parts, alphaParts;
   std::optional<HostFrame> frame;
   std::optional<HostRecording> recording;
   std::optional<Recording> ownRuns;  // made by the first run()
@@ -45,12 +45,14 @@ void checkSizes(const XrdsVulkanImage& image, const std::string& what, uint32_t 
                           " a buffer and an image: give one of them.");
 }
 
-HostPixels pixelsOf(const XrdsVulkanImage& image, const std::string& what) {
+// Of `fewest` channels or 4.
+HostPixels pixelsOf(const XrdsVulkanImage& image, const std::string& what, uint32_t fewest) {
   const uint32_t channels = image.image ? 4 : image.channelCount;
   const auto refused = [&](const std::string& found, const std::string& expected) {
     return InvalidArgument("The " + what + " image has " + found + ", expected " + expected + ".");
   };
-  if (channels != 3 && channels != 4) throw refused(std::to_string(channels) + " channels", "3 or 4");
+  if (channels != fewest && channels != 4)
+    throw refused(std::to_string(channels) + " channels", (fewest == 4 ? "" : std::to_string(fewest) + " or ") + "4");
   HostPixels pixels{.width = image.width, .height = image.height, .channels = channels};
   if (image.format == XRDS_HALF) pixels.type = DataType::f16;
   const uint64_t row = uint64_t{image.width} * channels * byteSize(pixels.type);
@@ -85,10 +87,11 @@ std::vector<TimelinePoint> pointsOf(std::span<const XrdsTimelinePoint> given, co
 
 }  // namespace
 
-HostPicture RecordedFrame::State::pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale) {
+HostPicture RecordedFrame::State::pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale,
+                                            uint32_t fewest) {
   checkSize(image);
   checkSizes(image, what, scale * shape.width, scale * shape.height);
-  HostPicture picture{.pixels = pixelsOf(image, what)};
+  HostPicture picture{.pixels = pixelsOf(image, what, fewest)};
   if (image.image) {
     if (image.layout == VK_IMAGE_LAYOUT_UNDEFINED || image.layout == VK_IMAGE_LAYOUT_PREINITIALIZED)
       throw InvalidArgument("The " + what + " image is in no layout: name the one that it has before and after.");
@@ -114,7 +117,7 @@ void RecordedFrame::State::takeExposure(const XrdsVulkanFrame& given, HostPictur
   pictures.exposureOffset = given.exposureOffset;
 }
 
-RecordedFrame::State::State(FrameUpscaler& upscaler, const XrdsVulkanFrame& given)
+RecordedFrame::State::State(FrameUpscaler& upscaler, const XrdsVulkanFrame& given, const FrameUpscaler* alpha)
     : gpu(sharedDevice(upscaler)), options(upscaler.options()), config(upscaler.config()), shape(upscaler.shape()) {
   const auto& inputs = config.auxInputs;
   if (given.auxiliaryCount != inputs.size())
@@ -124,18 +127,22 @@ RecordedFrame::State::State(FrameUpscaler& upscaler, const XrdsVulkanFrame& give
   pictures.colour = pictureOf(given.colour, "colour", 1);
   for (uint32_t i = 0; i < given.auxiliaryCount; ++i)
     pictures.auxiliary.push_back(pictureOf((&required(given.auxiliary, "auxiliary"))[i], inputs[i], config.scale));
-  pictures.output = pictureOf(given.output, "output", config.scale);
+  pictures.output = pictureOf(given.output, "output", config.scale, alpha ? 4 : 3);
+  if (alpha) {
+    pictures.alpha = pictureOf(*given.alpha, "alpha", 1, 1);
+    alphaParts = alpha->parts();
+  }
   takeExposure(given, pictures);
   if (!pictures.exposure && takesBinnedExposure(config))
     throw InvalidArgument(
         "The exposure of this network is computed on the host: create the upscaler with the option exposure.");
   parts = upscaler.parts();
-  frame.emplace(gpu, parts, pictures);
+  frame.emplace(gpu, parts, pictures, alphaParts);
   recording.emplace(gpu, frame->dispatches());
 }
 
-RecordedFrame::RecordedFrame(FrameUpscaler& upscaler, const XrdsVulkanFrame& frame)
-    : state_(std::make_unique<State>(upscaler, taken(frame, xrdsVulkanFrameDefault()))) {}
+RecordedFrame::RecordedFrame(FrameUpscaler& upscaler, const XrdsVulkanFrame& frame, const FrameUpscaler* alpha)
+    : state_(std::make_unique<State>(upscaler, frame, alpha)) {}
 RecordedFrame::~RecordedFrame() = default;
 
 void RecordedFrame::record(VkCommandBuffer commands) const {

@@ -10,8 +10,8 @@ namespace xrds {
 /// FrameRecording of the public API, which documents what the functions do.
 class RecordedFrame {
  public:
-  /// The upscaler must outlive it.
-  RecordedFrame(FrameUpscaler& upscaler, const XrdsVulkanFrame& frame);
+  /// The upscalers must outlive it; alpha: of the frame's alpha, if it has one.
+  RecordedFrame(FrameUpscaler& upscaler, const XrdsVulkanFrame& frame, const FrameUpscaler* alpha);
   ~RecordedFrame();
   RecordedFrame(const RecordedFrame&) = delete;
   RecordedFrame& operator=(const RecordedFrame&) = delete;

@@ -16,7 +16,9 @@ uint64_t imageBytes(const HostPixels& pixels) { return pixels.rowBytes * pixels.
 
 }  // namespace
 
-HostFrame::HostFrame(Gpu& gpu, std::span<const FramePart> parts, const HostPictures& given) : gpu_(gpu) {
+HostFrame::HostFrame(Gpu& gpu, std::span<const FramePart> parts, const HostPictures& given,
+                     std::span<const FramePart> alphaParts)
+    : gpu_(gpu) {
   XRDS_CHECK_LT(0u, parts.size());
   HostPictures pictures = given;
   const auto read = [&](HostPicture& picture) {
@@ -28,8 +30,13 @@ HostFrame::HostFrame(Gpu& gpu, std::span<const FramePart> parts, const HostPictu
   read(pictures.colour);
   for (HostPicture& picture : pictures.auxiliary) read(picture);
   if (pictures.output.image) pictures.output = inBuffer(pictures.output);
-  const Buffer* const exposure = prepareExposure(parts, pictures);
-  for (const FramePart& part : parts) addPart(part, pictures, exposure);
+  addParts(parts, pictures);
+  if (!alphaParts.empty()) {
+    read(pictures.alpha);
+    HostPictures alpha{.colour = pictures.alpha, .output = pictures.output, .exposure = 1.F};
+    alpha.colour.pixels.isAlpha = alpha.output.pixels.isAlpha = true;
+    addParts(alphaParts, alpha);
+  }
   if (given.output.image) {
     const uint64_t byteSize = imageBytes(pictures.output.pixels);
     copy({pictures.output.buffer, 0, byteSize}, {.byteSize = byteSize, .image = given.output.image});
@@ -97,6 +104,11 @@ const Buffer* HostFrame::prepareExposure(std::span<const FramePart> parts, const
                        {{&whole, 0, colour.storedByteSize()}, {&exposure, 0, kExposureBytes}}});
   }
   return &exposure;
+}
+
+void HostFrame::addParts(std::span<const FramePart> parts, const HostPictures& pictures) {
+  const Buffer* const exposure = prepareExposure(parts, pictures);
+  for (const FramePart& part : parts) addPart(part, pictures, exposure);
 }
 
 void HostFrame::addPart(const FramePart& part, const HostPictures& pictures, const Buffer* exposure) {

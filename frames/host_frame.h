@@ -26,6 +26,7 @@ struct HostPictures {
   HostPicture colour;                  // [h, w]
   std::vector<HostPicture> auxiliary;  // [s h, s w] each, in the model's order
   HostPicture output;                  // [s h, s w]
+  HostPicture alpha;                   // [h, w], for the parts of an alpha
   /// The exposure: of one float of a buffer, which is read with each frame; else given; else as the frame's mean
   /// luminance has it.
   const Buffer* exposureBuffer = nullptr;
@@ -37,9 +38,11 @@ struct HostPictures {
 /// recorded into its command buffers.
 class HostFrame {
  public:
-  /// The sessions and buffers must outlive it. Sizes, and that sessions compute exposures where none is given, are the
-  /// caller's to check. Throws OutOfMemory if the device has no room for copies of images.
-  HostFrame(Gpu& gpu, std::span<const FramePart> parts, const HostPictures& pictures);
+  /// The sessions and buffers must outlive it. alphaParts: of the model without a network, which make the output's
+  /// fourth channel; none: it is 1. Sizes, and that sessions compute exposures where none is given, are the caller's to
+  /// check. Throws OutOfMemory if the device has no room for copies of images.
+  HostFrame(Gpu& gpu, std::span<const FramePart> parts, const HostPictures& pictures,
+            std::span<const FramePart> alphaParts = {});
 
   std::span<const PlacedDispatch> dispatches() const { return placed_; }
 
@@ -49,6 +52,7 @@ class HostFrame {
   void take(const HostPicture& from, const Rectangle& part, const TensorView& to, const Buffer& graph, uint64_t offset,
             uint32_t channel = 0, uint32_t cleared = 0);
   const Buffer* prepareExposure(std::span<const FramePart> parts, const HostPictures& pictures);
+  void addParts(std::span<const FramePart> parts, const HostPictures& pictures);
   void addPart(const FramePart& part, const HostPictures& pictures, const Buffer* exposure);
   void copy(const ByteRange& from, const ByteRange& to);
   void place(std::span<const Dispatch> dispatches, const Buffer& host, const Buffer& graph, uint64_t graphOffset);

@@ -53,12 +53,13 @@ class Embedded : public testing::Test {
   std::vector<float> expected() {
     std::vector<float> output(pixels[1].size());
     const uint32_t w = kScale * width, h = kScale * height;
-    const XrdsImage colour = xrdsInterleavedImage(pixels[0].data(), XRDS_FLOAT, 3, width, height);
-    const XrdsImage auxiliary[] = {xrdsInterleavedImage(pixels[1].data(), XRDS_FLOAT, 3, w, h),
-                                   xrdsInterleavedImage(pixels[2].data(), XRDS_FLOAT, 3, w, h)};
-    const XrdsImage picture = xrdsInterleavedImage(output.data(), XRDS_FLOAT, 3, w, h);
-    EXPECT_EQ(xrdsUpscale(upscaler, &colour, auxiliary, 2, &picture, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
+    upscale(rgb(pixels[0], width, height), rgb(output, w, h));
     return output;
+  }
+  void upscale(const XrdsImage& colour, const XrdsImage& output) {
+    const uint32_t w = kScale * width, h = kScale * height;
+    const XrdsImage auxiliary[] = {rgb(pixels[1], w, h), rgb(pixels[2], w, h)};
+    EXPECT_EQ(xrdsUpscale(upscaler, &colour, auxiliary, 2, &output, nullptr, nullptr), XRDS_OK) << xrdsGetMessage();
   }
 
   struct Picture {
@@ -85,13 +86,14 @@ class Embedded : public testing::Test {
   static void set(const Picture& to, const std::vector<float>& values) {
     for (uint32_t y = 0, i = 0; y < to.image.height; ++y)
       for (uint32_t x = 0; x < to.image.width; ++x)
-        for (uint32_t c = 0; c < 3; ++c, ++i) {
-          const uint16_t half = toHalf(values[i]);
-          if (to.layout.format == XRDS_HALF)
-            std::memcpy(at(to, x, y, c), &half, 2);
-          else
-            std::memcpy(at(to, x, y, c), &values[i], 4);
-        }
+        for (uint32_t c = 0; c < 3; ++c, ++i) setNumber(to, x, y, c, values[i]);
+  }
+  static void setNumber(const Picture& to, uint32_t x, uint32_t y, uint32_t c, float value) {
+    const uint16_t half = toHalf(value);
+    if (to.layout.format == XRDS_HALF)
+      std::memcpy(at(to, x, y, c), &half, 2);
+    else
+      std::memcpy(at(to, x, y, c), &value, 4);
   }
   static float number(const Picture& from, uint32_t x, uint32_t y, uint32_t c) {
     uint16_t half = 0;

@@ -33,13 +33,15 @@ struct XrdsUpscaler {
   XrdsUpscaler(std::shared_ptr<XrdsDevice> device, std::shared_ptr<XrdsModel> model, uint32_t width, uint32_t height,
                const xrds::Upscaler::Options& options);
   ~XrdsUpscaler();
+  /// What upscales an alpha, made when it is first asked for; `device->access` must be held.
+  xrds::FrameUpscaler& alphaUpscaler();
 
   const std::shared_ptr<XrdsDevice> device;
   const std::shared_ptr<XrdsModel> model;
   const uint32_t width, height;
   const xrds::TileOptions tiles;
   std::optional<xrds::FrameUpscaler> upscaler;
-  std::optional<xrds::NetworkModel> alphaModel;  // made when a frame has an alpha, as what upscales it
+  std::optional<xrds::NetworkModel> alphaModel;
   std::optional<xrds::FrameUpscaler> alpha;
   std::mutex use;
 };

@@ -2,14 +2,16 @@
 #include "api/c/handles.h"
 #include "api/c/report.h"
 #include "api/c/result.h"
+#include "api/c/sized.h"
 #include "api/frame_recording.h"
 
 using namespace xrds::c;
 
 struct XrdsRecording {
   XrdsRecording(std::shared_ptr<XrdsUpscaler> of, const XrdsVulkanFrame& given) : upscaler(std::move(of)) {
+    const XrdsVulkanFrame asked = taken(given, xrdsVulkanFrameDefault());
     const std::lock_guard lock(upscaler->device->access);
-    frame.emplace(*upscaler->upscaler, given);
+    frame.emplace(*upscaler->upscaler, asked, asked.alpha ? &upscaler->alphaUpscaler() : nullptr);
   }
   ~XrdsRecording() {
     const std::lock_guard lock(upscaler->device->access);

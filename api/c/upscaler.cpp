@@ -21,6 +21,15 @@ XrdsUpscaler::~XrdsUpscaler() {
   upscaler.reset();
 }
 
+xrds::FrameUpscaler& XrdsUpscaler::alphaUpscaler() {
+  if (!alpha) {
+    alphaModel.emplace(xrds::untrainedModel(model->scale(), "bicubic", "none"));
+    alpha.emplace(device->gpu, *alphaModel, xrds::FrameShape{height, width},
+                  xrds::Upscaler::Options{.exposure = 1.F, .tiles = tiles});
+  }
+  return *alpha;
+}
+
 xrds::Upscaler::Options xrds::c::optionsOf(const XrdsUpscalerOptions* options) {
   const XrdsUpscalerOptions usual = xrdsUpscalerOptionsDefault(), given = options ? taken(*options, usual) : usual;
   constexpr Upscaler::Tune kTunes[] = {Upscaler::Tune::automatic, Upscaler::Tune::never, Upscaler::Tune::now};
@@ -67,13 +76,7 @@ void writeAlpha(XrdsUpscaler& upscaler, const XrdsImage& colour, const XrdsImage
     writeChannel(output, 3, &opaque, 0);
     return;
   }
-  if (!upscaler.alpha) {
-    upscaler.alphaModel.emplace(xrds::untrainedModel(upscaler.model->scale(), "bicubic", "none"));
-    upscaler.alpha.emplace(upscaler.device->gpu, *upscaler.alphaModel,
-                           xrds::FrameShape{upscaler.height, upscaler.width},
-                           xrds::Upscaler::Options{.exposure = 1.F, .tiles = upscaler.tiles});
-  }
-  writeChannel(output, 3, xrds::upscaledAlpha(*upscaler.alpha, readChannel(colour, 3)).data(), 1);
+  writeChannel(output, 3, xrds::upscaledAlpha(upscaler.alphaUpscaler(), readChannel(colour, 3)).data(), 1);
 }
 
 bool runInto(XrdsUpscaler& upscaler, const ReadImage& colour, const std::vector<xrds::PixelView>& auxiliary,

@@ -213,16 +213,19 @@ TEST_F(Embedded, TakesImages) {
   struct Case {
     XrdsFormat format;
     VkImageLayout input, output;
+    float alpha;  // everywhere; below 1 it is asked for
   };
   for (const Case& each :
-       {Case{XRDS_FLOAT, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_GENERAL},
-        Case{XRDS_FLOAT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_GENERAL},
-        Case{XRDS_HALF, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}}) {
+       {Case{XRDS_FLOAT, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_GENERAL, 1},
+        Case{XRDS_FLOAT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_GENERAL, 0.25F},
+        Case{XRDS_HALF, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, 0.5F}}) {
     const bool halves = each.format == XRDS_HALF;
     const VkFormat format = halves ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R32G32B32A32_SFLOAT;
     Frame mine = frame({each.format, 4}, {each.format, 4});
     XrdsVulkanImage* images[] = {&mine.frame.colour, &mine.images[0], &mine.images[1], &mine.frame.output};
     const Picture* buffers[] = {&mine.colour, &mine.auxiliary[0], &mine.auxiliary[1], &mine.output};
+    for (uint32_t i = 0; i < width * height; ++i) setNumber(mine.colour, i % width, i / width, 3, each.alpha);
+    if (each.alpha < 1) mine.frame.alpha = &mine.frame.colour;
     const VkCommandBuffer fill = host->begin(), read = host->begin();
     for (size_t i = 0; i < 4; ++i) {
       const uint32_t w = buffers[i]->image.width, h = buffers[i]->image.height;
@@ -243,7 +246,7 @@ TEST_F(Embedded, TakesImages) {
     host->await();
     const std::vector<float> found = get(mine.output);
     for (size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], wanted[i], halves ? 3e-3F : 0.F) << i;
-    EXPECT_EQ(number(mine.output, 2, 3, 3), 1);
+    EXPECT_NEAR(number(mine.output, 2, 3, 3), each.alpha, 1e-6);
   }
 }
 

@@ -10,12 +10,14 @@
 
 namespace xrds {
 
+/// An alpha so near to 0 or 1 is that.
+inline constexpr float kAlphaRounding = 1e-5F;
+
 /// An interpolated alpha in [0, 1]: weights that sum to one do so only up to rounding, yet what is opaque must stay
 /// opaque.
 inline float snappedAlpha(float alpha) {
-  constexpr float kRounding = 1e-5F;
-  if (std::abs(alpha - 1) < kRounding) return 1;
-  return std::abs(alpha) < kRounding ? 0 : std::clamp(alpha, 0.F, 1.F);
+  if (std::abs(alpha - 1) < kAlphaRounding) return 1;
+  return std::abs(alpha) < kAlphaRounding ? 0 : std::clamp(alpha, 0.F, 1.F);
 }
 
 /// Upscales the alpha of frames of one size, which the network does not see: bicubic, what is 0 or 1 all around stays

@@ -18,7 +18,8 @@ Binding bound(ValueId value, Access access, uint64_t begin, uint64_t end) {
 }
 
 void check(const HostPixels& pixels) {
-  XRDS_CHECK(pixels.width > 0 && pixels.height > 0 && (pixels.channels == 3 || pixels.channels == 4));
+  XRDS_CHECK(pixels.width > 0 && pixels.height > 0);
+  XRDS_CHECK(pixels.channels == 4 || pixels.channels == (pixels.isAlpha ? 1u : 3u));
   XRDS_CHECK_EQ((pixels.byteOffset | pixels.rowBytes) % 4, 0u);
   XRDS_CHECK_LE(uint64_t{pixels.width} * pixels.channels * byteSize(pixels.type), pixels.rowBytes);
 }
@@ -37,8 +38,10 @@ uint32_t rowsOfBand(uint64_t hostRowBytes, uint64_t graphRowBytes, const DeviceT
   return static_cast<uint32_t>(rows) - 2 * shader::kMostRepairRadius;
 }
 
-Dispatch launch(const char* program, DataType type, uint32_t width, uint32_t rows) {
-  return {.program = program, .specialization = {type == DataType::f16}, .groupCount = imageGroups(width, rows)};
+Dispatch launch(const char* program, const HostPixels& pixels, uint32_t width, uint32_t rows) {
+  return {.program = program,
+          .specialization = {pixels.type == DataType::f16, pixels.isAlpha},
+          .groupCount = imageGroups(width, rows)};
 }
 
 }  // namespace
@@ -57,7 +60,7 @@ std::vector<Dispatch> dispatches(const TakePixels& take, const DeviceTraits& dev
     const uint32_t end = std::min(target.height, begin + most), around = shader::kMostRepairRadius;
     const uint32_t first = take.top + begin - std::min(take.top + begin, around),
                    last = std::min(source.height, take.top + end + around);
-    Dispatch band = launch("take_pixels", source.type, target.width, end - begin);
+    Dispatch band = launch("take_pixels", source, target.width, end - begin);
     band.bindings = {bound(kHost, Access::read, rowAt(source, first), endOfRow(source, last - 1)),
                      bound(kGraph, Access::write, begin * target.rowByteSize(), end * target.rowByteSize())};
     const uint64_t word = (rowAt(source, first) - band.bindings[0].byteOffset) / 4;
@@ -90,11 +93,13 @@ std::vector<Dispatch> dispatches(const GivePixels& give, const DeviceTraits& dev
   XRDS_CHECK(give.left + give.width <= source.width && give.top + give.height <= source.height);
   XRDS_CHECK(give.x + give.width <= target.width && give.y + give.height <= target.height);
   XRDS_CHECK_EQ((give.x | give.left) % 2, 0u);
+  XRDS_CHECK(!target.isAlpha || target.channels == 4);
   const uint32_t most = rowsOfBand(target.rowBytes, source.rowByteSize(), device);
   std::vector<Dispatch> launches;
   for (uint32_t begin = 0; begin < give.height; begin += most) {
     const uint32_t end = std::min(give.height, begin + most);
-    Dispatch band = launch("give_pixels", target.type, ceilDivide(give.width, 2), end - begin);
+    Dispatch band = target.isAlpha ? launch("give_alpha", target, give.width, end - begin)
+                                   : launch("give_pixels", target, ceilDivide(give.width, 2), end - begin);
     band.bindings = {bound(kHost, Access::write, rowAt(target, give.y + begin), endOfRow(target, give.y + end - 1)),
                      bound(kGraph, Access::read, (give.top + begin) * source.rowByteSize(),
                            (give.top + end) * source.rowByteSize())};

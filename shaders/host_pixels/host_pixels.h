@@ -24,24 +24,27 @@ struct GivePixelsParams {
   int sourceOrigin;             // pixels of the source before the binding
 };
 
-const int kMostRepairRadius = 8;  // how far away a pixel that is not finite looks for ones that are
+const int kMostRepairRadius = 8;     // how far away a pixel that is not finite looks for ones that are
+const float kAlphaRounding = 1e-5f;  // as xrds/alpha.h has it
 XRDS_SHARED_END
 
 #ifdef __cplusplus
 namespace xrds {
 
-/// Pixels in a buffer: 3 or 4 numbers each, of which three count.
+/// Pixels in a buffer: 3 or 4 numbers each, of which three count, or of 1 or 4 the last one as alpha.
 struct HostPixels {
   uint64_t byteOffset = 0, rowBytes = 0;  // multiples of 4
   uint32_t width = 0, height = 0, channels = 3;
   DataType type = DataType::f32;
+  bool isAlpha = false;
 
   uint64_t byteSize() const { return (height - 1) * rowBytes + uint64_t{width} * channels * xrds::byteSize(type); }
 };
 
 /// Rows of an image from the source's part whose upper left pixel is (left, top), into three channels from `channel`
 /// on of the target, f32 [h, w, c], and zeros into as many behind them. Columns are cyclic. A pixel that is not finite
-/// becomes the mean of the nearest finite ones, or 0 if there are none within kMostRepairRadius.
+/// becomes the mean of the nearest finite ones, or 0 if there are none within kMostRepairRadius. An alpha becomes each
+/// of the three.
 struct TakePixels {
   HostPixels source;
   TensorView target;
@@ -50,7 +53,8 @@ struct TakePixels {
 };
 
 /// Columns and rows of an f32 image [H, W, 4] from (left, top) on, to (x, y) of the target; the fourth channel
-/// becomes 1. Halves are clamped to +-65504. x and left are even.
+/// becomes 1. Halves are clamped to +-65504. x and left are even. Of an alpha the target's fourth channel is written
+/// alone: the source's first one, as snappedAlpha() has it.
 struct GivePixels {
   TensorView source;
   HostPixels target;

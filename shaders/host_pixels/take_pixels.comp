@@ -1,10 +1,11 @@
 // Three channels of an image from pixels in any buffer: target[y][x][channel .. channel + 2] = source[top + y][left + x],
 // columns cyclic, then `cleared` zeros. A pixel with a number that is not finite is the mean of the finite ones of the
-// nearest square around it that has any. One pixel an invocation; numbers are floats, or halves two a word.
+// nearest square around it that has any. Of an alpha, the last number stands for all three. One pixel an invocation; numbers are floats, or halves two a word.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/host_pixels/host_pixels.h"
 layout(constant_id = 0) const bool kHalves = false;
+layout(constant_id = 1) const bool kAlpha = false;
 layout(local_size_x = kImageGroupWidth, local_size_y = kImageGroupHeight) in;
 layout(binding = 0, std430) readonly buffer Source { uint source[]; };
 layout(binding = 1, std430) writeonly buffer Target { float target[]; };
@@ -27,7 +28,7 @@ vec4 finitePixel(int x, int y) {
   const uint row = p.firstWord + uint(y - p.sourceBegin) * p.rowWords;
   vec4 pixel = vec4(0, 0, 0, 1);
   for (int c = 0; c < 3; c++) {
-    const uint bits = bitsAt(row, x * p.channels + c);
+    const uint bits = bitsAt(row, x * p.channels + (kAlpha ? p.channels - 1 : c));
     if (!isFinite(bits)) return vec4(0);
     pixel[c] = kHalves ? unpackHalf2x16(bits).x : uintBitsToFloat(bits);
   }

@@ -100,6 +100,7 @@ int main(void) {
   FIELD(XrdsVulkanFrame, auxiliary);
   FIELD(XrdsVulkanFrame, exposure);
   FIELD(XrdsVulkanFrame, exposureOffset);
+  FIELD(XrdsVulkanFrame, alpha);
   SIZE(XrdsTimelinePoint);
   FIELD(XrdsTimelinePoint, semaphore);
   FIELD(XrdsTimelinePoint, value);

@@ -22,7 +22,7 @@ typedef struct XrdsVulkanImage {
    * to the next, 0: without gaps. Both are multiples of 4. */
   VkBuffer buffer;
   uint64_t offset, rowPitch;
-  uint32_t channelCount; /* numbers of a pixel: 3 or 4; the fourth of the output becomes 1 */
+  uint32_t channelCount; /* numbers of a pixel: 3 or 4; the fourth of the output becomes alpha */
   /* Or a 2D image of the format VK_FORMAT_R32G32B32A32_SFLOAT or VK_FORMAT_R16G16B16A16_SFLOAT, of which the first
    * level and layer count, with VK_IMAGE_USAGE_TRANSFER_SRC_BIT, of the output _DST_BIT. layout: when the recording
    * runs, and behind it. */
@@ -47,6 +47,10 @@ typedef struct XrdsVulkanFrame {
    * exposure, which must not be 0 then. Default VK_NULL_HANDLE. */
   VkBuffer exposure;
   uint64_t exposureOffset;
+  /* Of the colour's size, or the colour itself: the fourth number of its pixels, or the one of a buffer whose
+   * channelCount is 1. Interpolated as by xrdsUpscale() it becomes the output's fourth channel. Default NULL: that
+   * is 1. */
+  const XrdsVulkanImage* alpha;
 } XrdsVulkanFrame;
 
 XRDS_API XrdsVulkanFrame xrdsVulkanFrameDefault(void);
