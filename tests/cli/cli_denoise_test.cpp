@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-const StartOptions kWithFake{.environment = {{"XRDS_OIDN", XRDS_FAKE_OIDN}}};
+const StartOptions kWithFake{.environment = {{"XRDS_OIDN", XRDS_FAKE_OIDN}, {"XRDS_DENOISERS", "/nowhere"}}};
 
 void expectHalved(const SmallFrame& frame, const std::vector<std::string>& options, const std::string& model = "") {
   const Ended plain = runXrds(frame.arguments(options, model));
@@ -95,7 +95,8 @@ TEST(CliDenoise, DenoisesAlbedoUnlessItIsClean) {
 TEST(CliDenoise, SaysHowToGetTheLibrary) {
   const SmallFrame frame;
   const Ended missing =
-      runXrds(frame.arguments({"--denoise-first"}), {.environment = {{"XRDS_OIDN", "/nowhere/library.so"}}});
+      runXrds(frame.arguments({"--denoise-first"}),
+              {.environment = {{"XRDS_OIDN", "/nowhere/library.so"}, {"XRDS_DENOISERS", "/nowhere"}}});
   expectFailure(missing, 5, "'/nowhere/library.so' cannot be loaded: install Open Image Denoise 2", frame.folder, 2);
 }
 

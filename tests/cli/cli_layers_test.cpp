@@ -102,18 +102,8 @@ Image layer(const std::string& path, const std::string& name) {
   return readLayer(readExrHeader(path), {0, name, {name + ".R", name + ".G", name + ".B"}});
 }
 
-Ended run(const SmallFrame& frame, const std::vector<std::string>& more) {
-  writeColour(frame);
-  writeGuides(frame);
-  return runXrds(frame.arguments(more));
-}
-
-TEST(CliLayers, AddUpToTheResult) {
-  const SmallFrame frame;
-  const Ended ended = run(frame, {"--layers", "all"});
-  ASSERT_EQ(ended.exitCode, 0) << ended.error;
-  for (const char* words : {"DiffDir, DiffInd, Emit", "DiffCol (of full resolution)", "Copied: ", "CryptoObject00"})
-    EXPECT_NE(ended.output.find(words), std::string::npos) << words << " in: " << ended.output;
+// The passes add up to the colour, and the light groups to it as well.
+void expectSums(const SmallFrame& frame) {
   const Image beauty = layer(frame.out, "ViewLayer.Combined"), direct = layer(frame.out, "ViewLayer.DiffDir"),
               indirect = layer(frame.out, "ViewLayer.DiffInd"), colour = layer(frame.out, "ViewLayer.DiffCol"),
               emission = layer(frame.out, "ViewLayer.Emit"), key = layer(frame.out, "ViewLayer.Combined_key"),
@@ -124,13 +114,10 @@ TEST(CliLayers, AddUpToTheResult) {
                 1e-5F * wanted);
     ASSERT_NEAR(key.pixels[i] + fill.pixels[i], wanted, 1e-5F * wanted);
   }
-  EXPECT_EQ(colour, layer(frame.aux, "ViewLayer.DiffCol"));
 }
 
-TEST(CliLayers, CopiesTheOthersBitForBit) {
-  const SmallFrame frame;
-  const Ended ended = run(frame, {"--layers", "all", "--half"});
-  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+// What is no light has every bit of the full-resolution render.
+void expectCopies(const SmallFrame& frame) {
   std::vector<std::string> names;
   for (const Raw& channel : rawChannels()) names.emplace_back(channel.name);
   const Box window = boxOf(40, 32);
@@ -142,11 +129,53 @@ TEST(CliLayers, CopiesTheOthersBitForBit) {
     const Raw raw = rawChannels()[i];
     if (raw.type != Imf::HALF) EXPECT_EQ(std::memcmp(raw.bits.data(), found[i].bytes.data(), 4 * raw.bits.size()), 0);
   }
+}
+
+Ended run(const SmallFrame& frame, const std::vector<std::string>& more, const StartOptions& start = {}) {
+  writeColour(frame);
+  writeGuides(frame);
+  return runXrds(frame.arguments(more), start);
+}
+
+TEST(CliLayers, AddUpToTheResult) {
+  const SmallFrame frame;
+  const Ended ended = run(frame, {"--layers", "all"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  for (const char* words : {"DiffDir, DiffInd, Emit", "DiffCol (of full resolution)", "Copied: ", "CryptoObject00"})
+    EXPECT_NE(ended.output.find(words), std::string::npos) << words << " in: " << ended.output;
+  expectSums(frame);
+  EXPECT_EQ(layer(frame.out, "ViewLayer.DiffCol"), layer(frame.aux, "ViewLayer.DiffCol"));
+}
+
+TEST(CliLayers, CopiesTheOthersBitForBit) {
+  const SmallFrame frame;
+  const Ended ended = run(frame, {"--layers", "all", "--half"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  expectCopies(frame);
   const Imf::InputFile file(frame.out.c_str());
   const auto* manifest = file.header().findTypedAttribute<Imf::StringAttribute>("cryptomatte/0123456/manifest");
   ASSERT_TRUE(manifest);
   EXPECT_EQ(manifest->value(), "{\"cube\":\"3f800001\"}");
   EXPECT_EQ(file.header().channels()["ViewLayer.Combined.R"].type, Imf::HALF);
+}
+
+// The denoiser of fake_oidn.cpp halves radiance, and with clean guides everything else stays: so do the lights.
+TEST(CliLayers, AddUpToTheDenoisedResult) {
+  const SmallFrame frame;
+  const StartOptions withFake{.environment = {{"XRDS_OIDN", XRDS_FAKE_OIDN}, {"XRDS_DENOISERS", "/nowhere"}}};
+  const std::vector<std::string> names{"DiffDir", "DiffInd", "Emit", "Combined_key", "Combined_fill", "Combined"};
+  ASSERT_EQ(run(frame, {"--layers", "all"}).exitCode, 0);
+  std::vector<Image> noisy;
+  for (const std::string& name : names) noisy.push_back(layer(frame.out, "ViewLayer." + name));
+  const Ended ended = run(frame, {"--layers", "all", "--denoise-first", "--clean-guides"}, withFake);
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  expectSums(frame);
+  expectCopies(frame);
+  for (size_t i = 0; i < names.size(); ++i) {
+    const Image half = layer(frame.out, "ViewLayer." + names[i]);
+    for (size_t p = 0; p < half.pixels.size(); ++p)
+      ASSERT_NEAR(half.pixels[p], 0.5F * noisy[i].pixels[p], 1e-4F * (1 + noisy[i].pixels[p])) << names[i];
+  }
 }
 
 TEST(CliLayers, AreThoseThatAreNamed) {
