@@ -11,64 +11,15 @@
 #include <tuple>
 #include <vector>
 
-#include "python/native/call.h"
+#include "python/native/device.h"
 #include "python/native/image.h"
+#include "python/native/temporal_filter.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace xrds::python {
 namespace {
-
-using Text = std::optional<std::string>;
-
-const char* textOf(const Text& text) { return text ? text->c_str() : nullptr; }
-
-template <class Handle, void (*closeOne)(Handle*)>
-void closeHandle(void* handle) {
-  closeOne(static_cast<Handle*>(handle));
-}
-
-nb::dict fieldsOf(const XrdsDeviceDescription& found) {
-  nb::dict fields;
-  fields["name"] = found.name;
-  fields["kind"] = found.kind;
-  fields["uuid"] = found.uuid;
-  fields["driver"] = found.driver;
-  fields["api_version"] = found.apiVersion;
-  fields["kernel_family"] = found.kernelFamily;
-  fields["memory"] = found.memoryBytes;
-  return fields;
-}
-
-class Device {
- public:
-  Device(const Text& select, const Text& cacheFolder, const Text& kernelFamily, nb::handle progress) {
-    Call call(progress);
-    XrdsDeviceOptions options = xrdsDeviceOptionsDefault();
-    options.select = textOf(select);
-    options.cacheFolder = textOf(cacheFolder);
-    options.kernelFamily = textOf(kernelFamily);
-    options.preparation = Call::hearPreparation;
-    call.run([&] { return xrdsOpenDevice(&options, &handle_); });
-  }
-  ~Device() { close(); }
-  Device(const Device&) = delete;
-  Device& operator=(const Device&) = delete;
-  void close() {
-    if (handle_) Call::close(closeHandle<XrdsDevice, xrdsCloseDevice>, std::exchange(handle_, nullptr));
-  }
-  nb::dict fields() const {
-    XrdsDeviceDescription found{.structSize = sizeof found};
-    Call call;
-    call.run([&] { return xrdsDescribeOpenDevice(handle_, &found); });
-    return fieldsOf(found);
-  }
-  XrdsDevice* handle() const { return handle_; }
-
- private:
-  XrdsDevice* handle_ = nullptr;
-};
 
 class Model {
  public:
@@ -227,6 +178,16 @@ double compareColour(const Image& low, const Image& full) {
   return difference;
 }
 
+std::vector<std::string> importOidn(const std::string& library, const std::string& folder) {
+  std::vector<std::string> files;
+  const auto hear = [](void* user, const char* file) {
+    static_cast<std::vector<std::string>*>(user)->emplace_back(file);
+  };
+  Call call;
+  call.run([&] { return xrdsImportOidn(library.c_str(), folder.c_str(), hear, &files); });
+  return files;
+}
+
 std::string version() {
   uint32_t numbers[3] = {};
   xrdsGetVersion(&numbers[0], &numbers[1], &numbers[2]);
@@ -272,11 +233,14 @@ NB_MODULE(_native, module) {
       .def("close", &Upscaler::close)
       .def_prop_ro("exposure", &Upscaler::exposure)
       .def_prop_ro("device_bytes", &Upscaler::deviceBytes);
+  bindTemporalFilter(module);
   module.def("devices", &devices);
   module.def("find_model", &findModel);
   module.def("choose_model", &chooseModel);
   module.def("merge_colour", &mergeColour);
   module.def("compare_colour", &compareColour);
+  module.def("import_oidn", &importOidn);
+  module.def("denoiser_folder", &xrdsGetDenoiserFolder);
   module.def("version", &version);
 }
 

@@ -26,6 +26,11 @@ scale: int = model.scale
 with xrds.Upscaler(3, 2, model, device=xrds.Device("llvmpipe"), precision="fp16", skip="safe") as upscaler:
     upscaler(colour, albedo=albedo, normal=albedo, out=picture)
     used: int = upscaler.device_bytes
+frame = xrds.TemporalFrame(colour, albedo=albedo, to_previous=xrds.cycles_motion(picture)[0])
+with xrds.TemporalFilter(3, 2, 4, device="llvmpipe") as merging:
+    calm: xrds.TemporalFrame = merging(frame, before=[frame])
+xrds.upscale(calm.colour, albedo=calm.albedo, merged=True)
+files: list[Path] = xrds.import_oidn("libOpenImageDenoise_core.so")
 try:
     merged: npt.NDArray[np.float32] = xrds.merge_colour(colour, albedo)
 except xrds.ArgumentError as error:

@@ -3,7 +3,8 @@
     import xrds
     picture = xrds.upscale(colour, albedo=albedo, normal=normal)
 
-Arrays in and out are numpy's, or of any library with DLPack. See upscale(); Upscaler for sequences; devices().
+Arrays in and out are numpy's, or of any library with DLPack. See upscale(); Upscaler and
+TemporalFilter for sequences; devices().
 """
 
 from . import _native
@@ -14,7 +15,9 @@ from ._errors import ArgumentError, Cancelled, DeviceLost, Error, OutOfMemory
 from ._frame import release, upscale
 from ._layers import Layers
 from ._models import Model, models
+from ._oidn import denoiser_folder, import_oidn
 from ._progress import Progress
+from ._temporal import TemporalFilter, TemporalFrame, cycles_motion
 from ._upscaler import Upscaler
 
 __version__ = _native.version()
@@ -32,8 +35,13 @@ __all__ = [
     "Progress",
     "Samples",
     "SupportsDlpack",
+    "TemporalFilter",
+    "TemporalFrame",
     "Upscaler",
+    "cycles_motion",
+    "denoiser_folder",
     "devices",
+    "import_oidn",
     "merge_colour",
     "models",
     "release",

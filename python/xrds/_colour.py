@@ -43,7 +43,7 @@ def merged_or_none(low: _native.Image, full: _native.Image, samples: Optional[Sa
             warnings.warn(
                 f"The full_colour differs from the colour by {100 * difference:.0f} %: it is of other light, and is not "
                 "used; samples=(LOW, FULL) uses it.",
-                stacklevel=4,
+                stacklevel=3,
             )
             return None
     merged = numpy.empty((low.height, low.width, low.channels), numpy.float32)

@@ -25,7 +25,7 @@ _last: Optional[tuple[tuple[Any, ...], Upscaler]] = None
 def upscale(
     colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
-    samples: Optional[Samples] = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
+    samples: Optional[Samples] = ..., merged: bool = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
     tune: str = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
@@ -35,7 +35,7 @@ def upscale(
 def upscale(
     colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
-    samples: Optional[Samples] = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
+    samples: Optional[Samples] = ..., merged: bool = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
     tune: str = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
@@ -51,6 +51,7 @@ def upscale(
     glossy: Optional[Array] = None,
     full_colour: Optional[Array] = None,
     samples: Optional[Samples] = None,
+    merged: bool = False,
     layers: Optional[Layers] = None,
     model: Optional[AnyModel] = None,
     device: AnyDevice = None,
@@ -71,10 +72,12 @@ def upscale(
     model takes; normal in the camera's axes; depth also [scale height, scale width] of distances in any unit.
     full_colour: that of the same render, which is merged into the colour, weighted by `samples` a pixel of the two, as
     (64, 16); None: estimated from the noise, and not used, with a warning, where it is of other light.
+    merged: the colour is that of merge_colour() or of a TemporalFilter already, and the full_colour is not merged again.
     layers: lights that the colour is the sum of, by their names: {"DiffDir": [height, width, 3], ...} of the
     low-resolution render. "DiffCol", a pair of [height, width, 3] and [scale height, scale width, 3] of the two renders,
     multiplies DiffDir and DiffInd; so do other stems, and "Diffuse Color" the lights "Diffuse Direct" and "Diffuse
-    Indirect". Emit, Env and volumes do not follow the albedo, others without a colour do. Not with skip.
+    Indirect". Emit, Env and volumes do not follow the albedo, others without a colour do. "Combined" is what they are the sum of where
+    that is not the colour, as of a TemporalFilter. Not with skip.
     model: a Model, the name of a shipped one, or a file; None: what suits the images and samples.
     out: an array for the result, of which no byte is the inputs'; None: a new one.
     progress: hears how far it is, and can end it, see Progress. So does KeyboardInterrupt.
@@ -94,7 +97,9 @@ def upscale(
     low = readable(colour, "colour")
     given = _given(albedo, normal, depth, diffuse, glossy, full_colour)
     scale = _scale(low, given)
-    merged = merged_or_none(low, given["colour"], samples) if "colour" in given and scale > 1 else None
+    both: Optional[Array] = colour if merged else None
+    if "colour" in given and scale > 1 and not merged:
+        both = merged_or_none(low, given["colour"], samples)
     options = {
         "precision": precision,
         "exposure": exposure,
@@ -103,11 +108,11 @@ def upscale(
         "memory": memory,
         "tune": tune,
     }
-    chosen = model if model is not None else _suitable(scale, given, merged is not None, samples)
+    chosen = model if model is not None else _suitable(scale, given, both is not None, samples)
     upscaler = _kept(low, chosen, device, options, progress)
     try:
         run = LayerRun(layers, low, upscaler.scale) if layers is not None else None
-        picture = upscaler._run(low, merged, given, run, out, progress)
+        picture = upscaler._run(low, both, given, run, out, progress)
         return (picture, run.results) if run else picture
     except DeviceLost:
         release()

@@ -19,6 +19,7 @@ _COLOUR_OF = {"Dir": "Col", "Ind": "Col", " Direct": " Color", " Indirect": " Co
 _COLOURS = ("Col", " Color")
 _WITHOUT_ALBEDO = ("emit", "env", "emission", "environment", "volumedir", "volumeind", "volume direct", "volume indirect")
 _GROUP = "combined_"  # a light group of Cycles: all groups together are the colour once more
+_WHOLE = "combined"
 _MOST = 1.05  # of the colour that layers may make up
 
 
@@ -28,6 +29,7 @@ class LayerRun:
     def __init__(self, layers: Layers, low: _native.Image, scale: int) -> None:
         self.results: dict[str, Result] = {}
         self._shape = (scale * low.height, scale * low.width, 3)
+        self.whole: Optional[_native.Image] = None
         passes = {name: layers[name] for name in layers if name.endswith(_COLOURS)}
         colours = [self._colour(name, both) for name, both in passes.items()]
         lights: list[Light] = []
@@ -38,6 +40,9 @@ class LayerRun:
             if isinstance(array, tuple):
                 raise ArgumentError(f"The layer {name} is a pair, expected one array: only STEMCol has two.")
             colour, own = _colour_of(name), _own(name)
+            if own == _WHOLE:
+                self.whole = readable(array, name)
+                continue
             place = list(passes).index(colour) if colour in passes else -1
             light = readable(array, name), self._result(name), place, own not in _WITHOUT_ALBEDO
             (groups if own.startswith(_GROUP) else lights).append(light)

@@ -72,14 +72,14 @@ class Upscaler:
     def __call__(
         self, colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
         diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
-        samples: Optional[Samples] = ..., layers: None = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+        samples: Optional[Samples] = ..., merged: bool = ..., layers: None = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
     ) -> Result: ...
 
     @overload
     def __call__(
         self, colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
         diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
-        samples: Optional[Samples] = ..., layers: Layers, out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+        samples: Optional[Samples] = ..., merged: bool = ..., layers: Layers, out: Optional[Array] = ..., progress: Optional[Progress] = ...,
     ) -> tuple[Result, dict[str, Result]]: ...
 
     def __call__(
@@ -93,6 +93,7 @@ class Upscaler:
         glossy: Optional[Array] = None,
         full_colour: Optional[Array] = None,
         samples: Optional[Samples] = None,
+        merged: bool = False,
         layers: Optional[Layers] = None,
         out: Optional[Array] = None,
         progress: Optional[Progress] = None,
@@ -106,7 +107,10 @@ class Upscaler:
         given = _given(albedo, normal, depth, diffuse, glossy, full_colour)
         low = readable(colour, "colour")
         run = LayerRun(layers, low, self.scale) if layers is not None else None
-        picture = self._upscale(low, given, samples, run, out, progress)
+        both: Optional[Array] = colour if merged else None
+        if "colour" in given and self.scale > 1 and not merged:
+            both = merged_or_none(low, given["colour"], samples)
+        picture = self._run(low, both, given, run, out, progress)
         return (picture, run.results) if run else picture
 
     @property
@@ -139,19 +143,6 @@ class Upscaler:
     ) -> None:
         self.close()
 
-    def _upscale(
-        self,
-        low: _native.Image,
-        given: dict[str, _native.Image],
-        samples: Optional[Samples],
-        layers: Optional[LayerRun],
-        out: Optional[Array],
-        progress: Optional[Progress],
-    ) -> Result:
-        full = given.get("colour")
-        merged = merged_or_none(low, full, samples) if full and self.scale > 1 else None
-        return self._run(low, merged, given, layers, out, progress)
-
     def _run(
         self,
         low: _native.Image,
@@ -175,7 +166,7 @@ class Upscaler:
             if layers is None:
                 self._native.run(frame, inputs, output, progress)
                 return result
-            reports = self._native.run_layers(frame, inputs, output, layers.sets, low, progress)
+            reports = self._native.run_layers(frame, inputs, output, layers.sets, layers.whole or low, progress)
         layers.hear(reports)
         return result
 
