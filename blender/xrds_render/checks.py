@@ -4,7 +4,7 @@ import os
 
 import bpy
 
-from . import passes
+from . import passes, temporal
 from .settings import AUTO, needs_light
 
 BYTES_PER_PIXEL = 4 * 40  # ten passes of four floats, at full resolution
@@ -19,14 +19,24 @@ def package_problem():
     return None
 
 
-def output_file(scene, frame):
-    """Where the result goes: the scene's output path, with the number of the frame and _xrds."""
+def _output(scene):
+    """(path before the number of the frame, digits of that)"""
     root, ending = os.path.splitext(bpy.path.abspath(scene.render.filepath))
     if ending.lower() not in IMAGE_ENDINGS:
         root += ending
     digits = len(root) - len(root.rstrip("#"))
-    root, digits = (root[:-digits], digits) if digits else (root, 4)
+    return (root[:-digits], digits) if digits else (root, 4)
+
+
+def output_file(scene, frame):
+    """Where the result goes: the scene's output path, with the number of the frame and _xrds."""
+    root, digits = _output(scene)
     return f"{root}{frame:0{digits}d}_xrds.exr"
+
+
+def renders_folder(scene):
+    """Where the renders of an animation that is stable over time are kept while they are needed."""
+    return f"{_output(scene)[0]}xrds_renders"
 
 
 def _memory():
@@ -54,7 +64,8 @@ def _size_problem(scene, settings):
     width, height = passes.size(scene, scale)
     if min(width, height) < 8:
         return f"The colour would be rendered with {width} x {height} pixels, at least 8 x 8 are needed. Choose a smaller scale or a larger resolution."
-    needed, there = scale * width * scale * height * BYTES_PER_PIXEL, _memory()
+    pixel = BYTES_PER_PIXEL + (temporal.BYTES_PER_PIXEL if steady(scene) else 0)
+    needed, there = scale * width * scale * height * pixel, _memory()
     if there is not None and needed > there:
         return (f"A frame of {scale * width} x {scale * height} needs about {needed / 1e9:.0f} GB of memory, and this machine has {there / 1e9:.0f} GB. "
                 "Choose a smaller resolution.")
@@ -82,6 +93,20 @@ def _choice_problem(settings):
     return None
 
 
+def unsteady(scene):
+    """Why the frames of an animation are not merged with each other, as a sentence; None: they are."""
+    if scene.render.use_motion_blur:
+        return "Animations are not stable over time: Cycles has no Vector pass with Motion Blur. Switch that off, or put up with flicker."
+    if scene.frame_step != 1:
+        return "Animations are not stable over time: the Vector pass leads to the next frame, and the scene's Frame Step leaves frames out."
+    return None
+
+
+def steady(scene):
+    """Whether the frames of an animation are merged with those around them."""
+    return scene.xrds.steady and unsteady(scene) is None
+
+
 def problem(scene):
     """The first thing that stands in the way, or None."""
     settings = scene.xrds
@@ -97,6 +122,8 @@ def notes(scene):
         return
     if (width, height) != asked:
         yield f"Rendered with {width} x {height} pixels: sides are whole multiples of the scale."
+    if scene.xrds.steady and unsteady(scene):
+        yield unsteady(scene)
     if render.use_border:
         yield "The render region is ignored: the whole frame is rendered."
     if render.use_compositing and getattr(scene, "compositing_node_group", None) or getattr(scene, "use_nodes", False) and bpy.app.version < (5, 0):

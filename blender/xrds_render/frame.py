@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 from . import exr
-from .passes import is_colour, is_light, layers_of
+from .passes import is_colour, is_light, layers_of, stack
 
 DENOISING = "Denoising "
 LEVEL = 4  # of zlib: twice as fast as the usual 6 for 3 % more bytes
@@ -20,43 +20,53 @@ class Wish(NamedTuple):
     device: Optional[str]  # UUID; None: the best
     has_light: bool  # the guides' colour is of the same light, and is merged
     half: bool  # 16 bits for light; data keep theirs
-
-
-def _stack(picture, channels, components):
-    """[height, width, 3] of float32, or None where the pass is missing."""
-    if not channels or any(one not in channels for one in components):
-        return None
-    return np.stack([picture.channels[channels[one]] for one in components], -1).astype(np.float32, copy=False)
+    drops: frozenset = frozenset()  # (view layer, pass) that nobody asked for
 
 
 def _lights(low, full, low_layer, full_layer):
     """What xrds.upscale() takes as its layers: light by the names of Cycles, colours with both sizes."""
     found = {}
     for name, channels in low_layer.passes.items():
-        pixels = _stack(low, channels, "RGB")
+        pixels = stack(low, channels, "RGB")
         if is_light(name):
             found[name] = pixels
         elif is_colour(name) and name in full_layer.passes:
-            found[name] = (pixels, _stack(full, full_layer.passes[name], "RGB"))
+            found[name] = (pixels, stack(full, full_layer.passes[name], "RGB"))
     return found
 
 
 def _inputs(wish, full, layer):
     """The guides that the model takes."""
+    given = {"albedo": stack(full, layer.passes.get(DENOISING + "Albedo"), "RGB"), "normal": stack(full, layer.passes.get(DENOISING + "Normal"), "XYZ")}
+    if wish.has_light:
+        given["full_colour"] = stack(full, layer.passes["Combined"], "RGB")
+    return _taken(wish, given)
+
+
+def _taken(wish, given):
+    """Of images those that the model takes, or that are merged into its colour."""
     import xrds
 
-    albedo = _stack(full, layer.passes.get(DENOISING + "Albedo"), "RGB")
-    normal = _stack(full, layer.passes.get(DENOISING + "Normal"), "XYZ")
-    given = {"albedo": albedo, "normal": normal}
-    takes = xrds.Model(wish.model).inputs if wish.model else given
-    given = {name: image for name, image in given.items() if name in takes}
-    if wish.has_light:
-        given["full_colour"] = _stack(full, layer.passes["Combined"], "RGB")
-    return given
+    takes = (*xrds.Model(wish.model).inputs, "full_colour") if wish.model else given
+    return {name: image for name, image in given.items() if name in takes and image is not None}
 
 
-def upscale(low_file, full_file, result_file, wish, progress):
-    """Writes the result. progress(stage, share) returning False ends it with xrds.Cancelled. Raises what xrds and files do."""
+def _colours(wish, low, low_layer, full, layer, around):
+    """What xrds.upscale() takes of a view layer: its colour, and by their names its images. around: (frame, what it is merged with), or None."""
+    colour = stack(low, low_layer.passes["Combined"], "RGB")
+    if around is None:
+        return colour, {**_inputs(wish, full, layer), "device": wish.device}
+    number, surroundings = around
+    merged = surroundings.merged(number, layer.name)
+    images = _taken(wish, {"albedo": merged.albedo, "normal": merged.normal, "full_colour": merged.full_colour})
+    return merged.colour, {**images, "merged": wish.has_light, "device": surroundings.device}
+
+
+def upscale(low_file, full_file, result_file, wish, progress, around=None):
+    """Writes the result. progress(stage, share) returning False ends it with xrds.Cancelled. Raises what xrds and files do.
+
+    around: (number, temporal.Surroundings) of a frame that is merged with those around it; None: it is made by itself.
+    """
     import xrds
 
     low, full = exr.load(low_file), exr.load(full_file)
@@ -66,14 +76,18 @@ def upscale(low_file, full_file, result_file, wish, progress):
         layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
         lights = _lights(low, full, low_layer, layer)
         options = {"layers": lights} if any(is_light(name) for name in lights) else {}
+        colour, images = _colours(wish, low, low_layer, full, layer, around)
+        if options and around:
+            lights["Combined"] = stack(low, low_layer.passes["Combined"], "RGB")  # what they are the sum of, which the merged colour is not
         made = xrds.upscale(
-            _stack(low, low_layer.passes["Combined"], "RGB"), **_inputs(wish, full, layer), samples=wish.samples, model=wish.model, device=wish.device,
+            colour, **images, samples=wish.samples, model=wish.model,
             progress=lambda stage, share, place=place: progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers)), **options)
         picture, lights = made if options else (made, {})
         _put(channels, layer.name, "Combined", picture, wish.half)
         _drop(channels, layer, lambda name: is_light(name) and name not in lights)
         for name, pixels in lights.items():
             _put(channels, layer.name, name, pixels, wish.half)
+        _drop(channels, layer, lambda name: (layer.name, name) in wish.drops)
         if layer.name not in wish.keeps_guides:
             _drop(channels, layer, lambda name: name.startswith(DENOISING))
     exr.save(result_file, exr.Picture(full.attributes, channels), LEVEL)

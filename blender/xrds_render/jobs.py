@@ -7,7 +7,7 @@ import time
 
 import bpy
 
-from . import checks, frame, passes
+from . import checks, frame, passes, temporal
 from .recorder import Recorder
 from .settings import AUTO
 
@@ -84,17 +84,77 @@ class Job:
         begin, scene = time.monotonic(), self.scene
         before = scene.frame_current, scene.frame_subframe
         try:
-            for place, number in enumerate(self.frames or [scene.frame_current]):
-                if self.frames and os.path.exists(checks.output_file(scene, number)):
-                    self.skipped += 1
-                    continue
-                if self.frames:
-                    scene.frame_set(number)
-                yield from self._frame(number, place, len(self.frames or [0]))
+            if self.frames and checks.steady(scene):
+                yield from self._steady()
+            else:
+                yield from self._each()
         finally:
             if (scene.frame_current, scene.frame_subframe) != before:
                 scene.frame_set(before[0], subframe=before[1])
             self.seconds["all"] = time.monotonic() - begin
+
+    def _each(self):
+        """Every frame by itself."""
+        for place, number in enumerate(self.frames or [self.scene.frame_current]):
+            if self.frames and os.path.exists(checks.output_file(self.scene, number)):
+                self.skipped += 1
+                continue
+            if self.frames:
+                self.scene.frame_set(number)
+            yield from self._frame(number, place, len(self.frames or [0]))
+
+    def _steady(self):
+        """Every frame merged with those around it, as soon as these are rendered."""
+        missing = [number for number in self.frames if not os.path.exists(checks.output_file(self.scene, number))]
+        self.skipped = len(self.frames) - len(missing)
+        if not missing:
+            return
+        wish, needed = self._wish(steady=True), temporal.needed(self.frames, missing)
+        renders = temporal.Renders(checks.renders_folder(self.scene), self._said(wish), _saved(), goes_on=self.skipped > 0)
+        try:
+            yield from self._row(renders, wish, missing, needed)
+        finally:
+            if not (self.written or self.skipped or renders.state):
+                renders.forget(None)
+
+    def _row(self, renders, wish, missing, needed):
+        around = temporal.Surroundings(renders, self.frames, wish)
+        steps, step = 2 * len(needed) + len(missing), 0
+        for number in needed:
+            for kind, configure, text in (("low", passes.configure_low, "Colour"), ("full", self._configure_moving, "Guides")):
+                if not renders.has(number, kind):
+                    self.scene.frame_set(number)
+                    yield from self._kept(configure, renders.file(number, kind), f"{text} of frame {number}", step / steps)
+                step += 1
+            while missing and number >= min(missing[0] + temporal.RADIUS, needed[-1]):
+                yield from self._upscale(renders, missing[0], around, wish, step, steps)
+                del missing[0]
+                step += 1
+                renders.forget(missing[0] - temporal.RADIUS if missing else None)
+
+    def _kept(self, configure, path, text, share):
+        """A render whose file is there whole or not at all, if Blender is ended while it writes."""
+        part = f"{path}.part.exr"
+        yield from self._render(configure, part, text, share)
+        os.replace(part, path)
+
+    def _upscale(self, renders, number, around, wish, step, steps):
+        result = checks.output_file(self.scene, number)
+        low, full = (renders.file(number, kind) for kind in ("low", "full"))
+        text = f"Upscaling of frame {number}"
+        work = Work(lambda: frame.upscale(low, full, result, wish, lambda stage, share: self._heard(stage, text, (step + share) / steps), (number, around)))
+        yield from self._timed("upscaling", work, text, step / steps)
+        self.written.append(result)
+
+    def _said(self, wish):
+        """What renders depend on, of what is chosen here: those of other choices are of no use."""
+        scene, settings = self.scene, self.settings
+        return {"size": list(passes.size(scene, int(settings.scale))), "scale": int(settings.scale), "samples": list(wish.samples), "guides": settings.guides,
+                "passes": [[layer.name, *(name for owner, name in passes.flags(layer) if getattr(owner, name))] for layer in scene.view_layers]}
+
+    @staticmethod
+    def _configure_moving(*given):
+        passes.configure_full(*given, motion=True)
 
     def cancel(self):
         """Ends an upscaling soon, a render when it is done: Blender's own button beside its progress ends that at once."""
@@ -121,14 +181,15 @@ class Job:
             yield from self._timed("upscaling", work, text, begin)
         self.written.append(result)
 
-    def _wish(self):
+    def _wish(self, steady=False):
         settings, layers = self.settings, self.scene.view_layers
+        drops = {(layer.name, name) for layer in layers for name, flag in passes.MOTION_FLAGS.items() if not getattr(layer, flag)} if steady else ()
         output = self.scene.render.image_settings
         return frame.Wish(
             layers=tuple(layer.name for layer in layers), keeps_guides=frozenset(layer.name for layer in layers if layer.cycles.denoising_store_passes),
             samples=(settings.samples, settings.guide_samples), model=None if settings.model == AUTO else settings.model,
             device=None if settings.device == AUTO else settings.device, has_light=settings.guides != "CHEAP",
-            half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"))
+            half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops))
 
     def _render(self, configure, path, text, share):
         with Recorder() as recorder:
@@ -148,6 +209,12 @@ class Job:
         self.text = text if stage == "upscaling" else "Preparing the device"
         self.share = share
         return not self.cancelled
+
+
+def _saved():
+    """[path, time] of the .blend file if the scene is as it says; else None."""
+    path = bpy.data.filepath
+    return [path, os.stat(path).st_mtime_ns] if path and not bpy.data.is_dirty and os.path.exists(path) else None
 
 
 def run(job):

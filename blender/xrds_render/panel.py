@@ -28,6 +28,9 @@ class XRDS_PT_panel(bpy.types.Panel):
         _value(column, "Result", f"{scale * width} x {scale * height}")
         column.prop(settings, "guides")
         column.prop(settings, "guide_samples", text="Samples")
+        row = column.row(heading="Animation")
+        row.active = checks.unsteady(scene) is None
+        row.prop(settings, "steady")
         column.prop(settings, "model")
         column.prop(settings, "device")
         if job:

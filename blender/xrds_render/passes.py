@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the two renders of a frame are asked for, and what their passes mean."""
+import numpy as np
+
 from . import guides
 
 # Flags of a view layer whose passes hold light: they come from the low-resolution render.
@@ -10,6 +12,7 @@ LIGHTS = frozenset(
     [f"{kind}{part}" for kind in ("Diff", "Gloss", "Trans", "Subsurface", "Volume") for part in ("Dir", "Ind")]
     + [f"{kind} {part}" for kind in ("Diffuse", "Glossy", "Transmission", "Subsurface", "Volume") for part in ("Direct", "Indirect")]
     + ["Emit", "Emission", "Env", "Environment"])
+MOTION_FLAGS = {"Vector": "use_pass_vector", "Depth": "use_pass_z"}  # by what frames are merged
 LIGHT_GROUP = "Combined_"
 
 
@@ -71,8 +74,8 @@ def configure_low(scene, settings, path, recorder):
         _with_colours(layer, recorder.put)
 
 
-def configure_full(scene, settings, path, recorder):
-    """The guides: every pass but light, which a path-traced one has in its Combined alone."""
+def configure_full(scene, settings, path, recorder, motion=False):
+    """The guides: every pass but light, which a path-traced one has in its Combined alone; with `motion` those that frames are merged by, too."""
     scale = int(settings.scale)
     width, height = size(scene, scale)
     if settings.guides == "CHEAP":
@@ -85,6 +88,8 @@ def configure_full(scene, settings, path, recorder):
         for owner, flag in flags(layer):
             if flag in LIGHT_FLAGS:
                 recorder.put(owner, flag, False)
+        for flag in MOTION_FLAGS.values() if motion else ():
+            recorder.put(layer, flag, True)
 
 
 def _with_colours(layer, put):
@@ -104,6 +109,13 @@ class Layer:
             if channel.startswith(f"{name}."):
                 found, _, component = channel[len(name) + 1:].rpartition(".")
                 self.passes.setdefault(found, {})[component] = channel
+
+
+def stack(picture, channels, components):
+    """[height, width, components] of float32, or None where the pass is missing."""
+    if not channels or any(one not in channels for one in components):
+        return None
+    return np.stack([picture.channels[channels[one]] for one in components], -1).astype(np.float32, copy=False)
 
 
 def layers_of(picture, names):

@@ -60,5 +60,7 @@ class XRDS_Settings(bpy.types.PropertyGroup):
         items=[("CYCLES", "Path Traced", "With all light: its colour is merged into the result, which is better"),
                ("CHEAP", "Cheap", "Without light, behind mirrors and glass too: about a third of the time")])
     guide_samples: bpy.props.IntProperty(name="Guides' Samples", description="Of a pixel of the full-resolution render", default=16, min=1, max=4096)
+    steady: bpy.props.BoolProperty(
+        name="Stable over Time", description="Animations: merge each frame with up to five before and five after it, along the motion of the Vector pass", default=True)
     model: bpy.props.EnumProperty(name="Model", description="The network that upscales", items=lambda settings, context: _models(int(settings.scale)))
     device: bpy.props.EnumProperty(name="Device", description="The Vulkan device that upscales", items=lambda settings, context: _devices())

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Animations that are stable over time: which renders a frame needs, where they are kept, and what they are merged to."""
+import json
+import os
+import shutil
+
+from . import exr
+from .passes import layers_of, stack
+
+RADIUS = 5  # frames before and after that are worth it
+BYTES_PER_PIXEL = (2 * RADIUS + 1) * 56  # of the full resolution: colour, albedo, normal, depth and motion of all of them
+
+
+def needed(frames, missing):
+    """The frames to render: those without a result, and those that they are merged with."""
+    return [number for number in frames if any(abs(number - other) <= RADIUS for other in missing)]
+
+
+class Renders:
+    """The files of renders, in a folder beside the results until nothing needs them: a stopped animation goes on with them.
+
+    Renders of other settings are thrown away, and where no result is there to go on from those of another state, the file of the scene and its
+    time; None: nobody knows. Both are plain values.
+    """
+
+    def __init__(self, folder, settings, state, goes_on):
+        self.folder, self.state = folder, state
+        note = os.path.join(folder, "settings.json")
+        before = _read(note) or {}
+        if before.get("settings") != settings or not (goes_on or state and before.get("state") == state):
+            shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder, exist_ok=True)
+        with open(note, "w") as file:
+            json.dump({"settings": settings, "state": state}, file)
+
+    def file(self, number, kind):
+        return os.path.join(self.folder, f"{number}_{kind}.exr")
+
+    def has(self, number, kind):
+        return os.path.exists(self.file(number, kind))
+
+    def forget(self, before):
+        """Removes those of frames before this one; None: everything."""
+        if before is None:
+            return shutil.rmtree(self.folder, ignore_errors=True)
+        for name in os.listdir(self.folder):
+            number = name.partition("_")[0]
+            if name.endswith(".exr") and number.lstrip("-").isdigit() and int(number) < before:
+                os.remove(os.path.join(self.folder, name))
+
+
+def _read(path):
+    try:
+        with open(path) as file:
+            return json.load(file)
+    except (OSError, ValueError):
+        return None
+
+
+class Surroundings:
+    """The images of frames, read once each, and the filter that merges them. Used by one thread at a time."""
+
+    def __init__(self, renders, frames, wish):
+        self._renders, self._frames, self._wish = renders, frozenset(frames), wish
+        self._read, self._filters, self._device = {}, {}, None
+
+    @property
+    def device(self):
+        """Opened once for merging and upscaling."""
+        import xrds
+
+        self._device = self._device or xrds.Device(self._wish.device)
+        return self._device
+
+    def merged(self, number, layer):
+        """A view layer of a frame, merged with those around it, as an xrds.TemporalFrame."""
+        import xrds
+
+        self._read = {one: images for one, images in self._read.items() if abs(one - number) <= RADIUS}
+        present = self._of(number)[layer]
+        height, width = present.colour.shape[:2]
+        scale = present.depth.shape[0] // height
+        if layer not in self._filters:
+            self._filters[layer] = xrds.TemporalFilter(width, height, scale, device=self.device)
+        return self._filters[layer](present, self._row(number, -1, layer), self._row(number, 1, layer))
+
+    def _row(self, number, step, layer):
+        """Those before or after a frame, the nearest first, as far as there are any."""
+        row = []
+        for other in range(number + step, number + step * (RADIUS + 1), step):
+            if other not in self._frames or layer not in self._of(other):
+                break
+            row.append(self._of(other)[layer])
+        return row
+
+    def _of(self, number):
+        if number not in self._read:
+            low, full = (exr.load(self._renders.file(number, kind)) for kind in ("low", "full"))
+            whole = {layer.name: layer for layer in layers_of(full, self._wish.layers)}
+            self._read[number] = {layer.name: self._images(low, layer, full, whole[layer.name]) for layer in layers_of(low, self._wish.layers)}
+        return self._read[number]
+
+    def _images(self, low, low_layer, full, layer):
+        import xrds
+
+        to_previous, to_next = xrds.cycles_motion(stack(full, layer.passes["Vector"], "XYZW"))
+        colour, light = stack(low, low_layer.passes["Combined"], "RGB"), None
+        if self._wish.has_light:
+            light = stack(full, layer.passes["Combined"], "RGB")
+            colour = xrds.merge_colour(colour, light, samples=self._wish.samples)
+        return xrds.TemporalFrame(
+            colour, light, stack(full, layer.passes["Denoising Albedo"], "RGB"), stack(full, layer.passes["Denoising Normal"], "XYZ"),
+            stack(full, layer.passes["Depth"], "Z")[..., 0], to_previous, to_next)
