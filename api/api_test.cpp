@@ -208,5 +208,16 @@ TEST(Api, TunesNowWhereItIsAsked) {
   for (size_t i = 0; i < one.size(); ++i) ASSERT_NEAR(one[i], two[i], 1e-5) << i;
 }
 
+// Tuning takes minutes, and would be for nothing.
+TEST(Api, RefusesWhatTheMemoryCannotHoldBeforeItTunes) {
+  FreshDevice fresh;
+  constexpr uint32_t kSide = 24;
+  bool told = false;
+  Upscaler::Options options{.tune = Upscaler::Tune::now, .onTuning = [&](double) { return !(told = true); }};
+  options.tiles.memoryBytes = 1000;
+  expectError([&] { Upscaler(fresh.device, guided(), kSide, kSide, options); }, {"device memory", "are allowed"});
+  EXPECT_FALSE(told);
+}
+
 }  // namespace
 }  // namespace xrds

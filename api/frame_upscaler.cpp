@@ -75,19 +75,29 @@ bool pays(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Precision
   return static_cast<double>(work.multiplyAdds + work.attentionMultiplyAdds) >= Upscaler::kSecondsThatPay * pace;
 }
 
-// Before the upscaler holds any memory of the device.
+uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
+  return options.memoryBytes ? options.memoryBytes : gpu.description().memoryBytes / 4 * 3;
+}
+
+// Throws Error if the memory has no room for the smallest tiles.
+Tiling tilingIn(uint64_t memory, const Gpu& gpu, const NetworkModel& model, FrameShape frame,
+                const Upscaler::Options& options, const SessionOptions& of) {
+  DeviceTraits traits = gpu.traits();
+  traits.family = *of.family;
+  traits.memoryBytes = std::min(traits.memoryBytes, memory);
+  return tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels, of.layers});
+}
+
+// Before the upscaler holds any memory of the device. A frame that the memory refuses is refused at once.
 void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Upscaler::Options& options) {
   if (options.tune == Upscaler::Tune::never) return;
   if (options.tune == Upscaler::Tune::automatic && gpu.isShared()) return;  // who owns the queue wants it
   TuningOptions tuning{.precision = options.fp16 ? Precision::fp16 : Precision::fp32};
   if (options.tune == Upscaler::Tune::automatic && !pays(gpu, model, frame, tuning.precision)) return;
   if (!mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, tuning.precision)) return;
+  tilingIn(memoryOf(gpu, options.tiles), gpu, model, frame, options, sessionOptions(gpu, model, frame, options));
   if (options.onTuning) tuning.progress = [&](const TuningStep& step) { return options.onTuning(step.share); };
   tune(gpu, model, frame, tuning);
-}
-
-uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
-  return options.memoryBytes ? options.memoryBytes : gpu.description().memoryBytes / 4 * 3;
 }
 
 }  // namespace
@@ -116,10 +126,7 @@ struct FrameUpscaler::State {
     SessionOptions of = sessionOptions(gpu, model, frame, options);
     of.memoryBytes = memory;
     of.layers = layerCount;
-    DeviceTraits traits = gpu.traits();
-    traits.family = *of.family;
-    traits.memoryBytes = std::min(traits.memoryBytes, memory);
-    tiling = tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels, of.layers});
+    tiling = tilingIn(memory, gpu, model, frame, options, of);
     const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
     if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
       runner = wholeRunner(gpu, model, frame, of);

@@ -7,6 +7,20 @@
 #include "xrds/tuning.h"
 
 namespace xrds {
+namespace {
+
+// Tuning takes minutes: a frame that the memory cannot hold is refused before.
+void requireRoom(const Device& device, const UpscaleInput& input, const UpscaleOptions& options) {
+  const Upscaler::Options asked = options.upscaler();
+  const Device::Description about = device.description();
+  TileOptions tiles = asked.tiles;
+  if (tiles.memoryBytes == 0) tiles.memoryBytes = about.memoryBytes / 4 * 3;
+  const Model& model = input.opened.model;
+  model.tiling(model.scale() * input.frame.width(), model.scale() * input.frame.height(), asked.fp16, tiles,
+               about.kernelFamily);
+}
+
+}  // namespace
 
 void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& options) {
   const auto& [opened, frame] = input;
@@ -15,6 +29,7 @@ void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& 
       (options.tune == "auto" && !Upscaler::paysToTune(device, opened.model, frame.width(), frame.height(), fp16)))
     return;
   if (Tuning::known(device, opened.model, frame.width(), frame.height(), fp16)) return;
+  requireRoom(device, input, options);
   if (!options.quiet) std::fputs("xrds: finding the fastest kernels of this device, kept for the next time\n", stderr);
   ProgressBar bar(options.quiet);
   try {
