@@ -1,87 +1,15 @@
 #include "tests/vulkan_host.h"
 
-#if defined(_WIN32)
-#include <windows.h>
-#else
-#include <dlfcn.h>
-#endif
-
-#include <array>
-#include <atomic>
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
-
-#include "tests/heap_count.h"
 
 namespace xrds::test {
 namespace {
 
-enum Counted {
-#define XRDS_INDEX(name) k_##name,
-  XRDS_DEVICE_FUNCTIONS(XRDS_INDEX)
-#undef XRDS_INDEX
-      kCountedCount
-};
-
-constexpr const char* kNames[] = {
-#define XRDS_NAME(name) #name,
-    XRDS_DEVICE_FUNCTIONS(XRDS_NAME)
-#undef XRDS_NAME
-};
-
-std::array<std::atomic<int>, kCountedCount> counts;
-std::array<PFN_vkVoidFunction, kCountedCount> originals;
-
-std::atomic<int> failing = -1;
-std::atomic<VkResult> failure;
-
-template <Counted kIndex, class Function>
-struct Thunk;
-template <Counted kIndex, class Result, class... Arguments>
-struct Thunk<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
-  static VKAPI_ATTR Result VKAPI_CALL call(Arguments... arguments) {
-    ++counts[kIndex];
-    if constexpr (std::is_same_v<Result, VkResult>)
-      if (failing == kIndex) return failure;
-    const Uncounted driver;
-    return reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(originals[kIndex])(arguments...);
-  }
-};
-
-PFN_vkGetInstanceProcAddr systemLoader() {
-#if defined(_WIN32)
-  static const HMODULE library = LoadLibraryA("vulkan-1.dll");
-  const auto find = [](const char* name) { return reinterpret_cast<void*>(GetProcAddress(library, name)); };
-#else
-  static void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
-  const auto find = [](const char* name) { return dlsym(library, name); };
-#endif
-  if (!library) throw std::runtime_error("There is no Vulkan loader.");
-  return reinterpret_cast<PFN_vkGetInstanceProcAddr>(find("vkGetInstanceProcAddr"));
-}
-
 template <class Function>
 Function instanceFunction(VkInstance instance, const char* name) {
-  return reinterpret_cast<Function>(systemLoader()(instance, name));
-}
-
-PFN_vkGetDeviceProcAddr deviceLoader = nullptr;
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedDeviceFunction(VkDevice device, const char* name) {
-#define XRDS_COUNTED(function)                                                               \
-  if (std::strcmp(name, #function) == 0) {                                                   \
-    originals[k_##function] = deviceLoader(device, name);                                    \
-    return reinterpret_cast<PFN_vkVoidFunction>(&Thunk<k_##function, PFN_##function>::call); \
-  }
-  XRDS_DEVICE_FUNCTIONS(XRDS_COUNTED)
-#undef XRDS_COUNTED
-  return nullptr;
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedLoader(VkInstance instance, const char* name) {
-  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
-    return reinterpret_cast<PFN_vkVoidFunction>(&countedDeviceFunction);
-  return systemLoader()(instance, name);
+  return reinterpret_cast<Function>(VulkanHost::systemLoader()(instance, name));
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -120,25 +48,9 @@ VulkanHost::~VulkanHost() {
   instanceFunction<PFN_vkDestroyInstance>(instance, "vkDestroyInstance")(instance, nullptr);
 }
 
-PFN_vkGetInstanceProcAddr VulkanHost::loader() { return countedLoader; }
-
-std::vector<std::pair<std::string, int>> VulkanHost::takeCalls() {
-  std::vector<std::pair<std::string, int>> calls;
-  for (size_t i = 0; i < counts.size(); ++i)
-    if (const int count = counts[i].exchange(0)) calls.emplace_back(kNames[i], count);
-  return calls;
-}
-
 std::vector<std::string>& VulkanHost::messages() {
   static std::vector<std::string> messages;
   return messages;
-}
-
-void VulkanHost::fail(const char* function, VkResult result) {
-  failure = result;
-  failing = -1;
-  for (int i = 0; i < kCountedCount && function; ++i)
-    if (std::strcmp(kNames[i], function) == 0) failing = i;
 }
 
 void VulkanHost::openInstance() {
@@ -168,6 +80,42 @@ void VulkanHost::openInstance() {
         "vkCreateDebugUtilsMessengerEXT");
 }
 
+bool VulkanHost::shares(VkSemaphoreType kind, VkExternalSemaphoreHandleTypeFlagBits handle) const {
+  VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+  type.semaphoreType = kind;
+  VkPhysicalDeviceExternalSemaphoreInfo asked{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_SEMAPHORE_INFO, &type};
+  asked.handleType = handle;
+  VkExternalSemaphoreProperties properties{VK_STRUCTURE_TYPE_EXTERNAL_SEMAPHORE_PROPERTIES};
+  instanceFunction<PFN_vkGetPhysicalDeviceExternalSemaphoreProperties>(
+      instance, "vkGetPhysicalDeviceExternalSemaphoreProperties")(physicalDevice, &asked, &properties);
+  constexpr VkExternalSemaphoreFeatureFlags kBoth =
+      VK_EXTERNAL_SEMAPHORE_FEATURE_EXPORTABLE_BIT | VK_EXTERNAL_SEMAPHORE_FEATURE_IMPORTABLE_BIT;
+  return (properties.externalSemaphoreFeatures & kBoth) == kBoth;
+}
+
+// Of those by which another device shares memory and semaphores, what there is.
+std::vector<const char*> VulkanHost::sharingExtensions() {
+  uint32_t count = 0;
+  const auto list =
+      instanceFunction<PFN_vkEnumerateDeviceExtensionProperties>(instance, "vkEnumerateDeviceExtensionProperties");
+  list(physicalDevice, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  list(physicalDevice, nullptr, &count, extensions.data());
+  const auto has = [&](const char* name) {
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const auto& each) { return std::strcmp(each.extensionName, name) == 0; });
+  };
+  sharesMemory_ = has(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME);
+  const bool sharesSemaphores = has(VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME);
+  sharesTimelines_ =
+      sharesSemaphores && shares(VK_SEMAPHORE_TYPE_TIMELINE, VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_OPAQUE_FD_BIT);
+  sharesSignals_ = sharesSemaphores && shares(VK_SEMAPHORE_TYPE_BINARY, VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_SYNC_FD_BIT);
+  std::vector<const char*> found;
+  if (sharesMemory_) found.push_back(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME);
+  if (sharesSemaphores) found.push_back(VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME);
+  return found;
+}
+
 void VulkanHost::openDevice() {
   uint32_t count = 1;
   instanceFunction<PFN_vkEnumeratePhysicalDevices>(instance, "vkEnumeratePhysicalDevices")(instance, &count,
@@ -190,19 +138,12 @@ void VulkanHost::openDevice() {
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &enabled};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queues;
-  count = 0;
-  const auto list =
-      instanceFunction<PFN_vkEnumerateDeviceExtensionProperties>(instance, "vkEnumerateDeviceExtensionProperties");
-  list(physicalDevice, nullptr, &count, nullptr);
-  std::vector<VkExtensionProperties> extensions(count);
-  list(physicalDevice, nullptr, &count, extensions.data());
-  const char* const shared = VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME;
-  for (const VkExtensionProperties& each : extensions) sharesMemory_ |= std::strcmp(each.extensionName, shared) == 0;
-  info.enabledExtensionCount = sharesMemory_ ? 1 : 0;
-  info.ppEnabledExtensionNames = &shared;
+  const std::vector<const char*> extensions = sharingExtensions();
+  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   check(instanceFunction<PFN_vkCreateDevice>(instance, "vkCreateDevice")(physicalDevice, &info, nullptr, &device),
         "vkCreateDevice");
-  deviceLoader = instanceFunction<PFN_vkGetDeviceProcAddr>(instance, "vkGetDeviceProcAddr");
+  const auto deviceLoader = instanceFunction<PFN_vkGetDeviceProcAddr>(instance, "vkGetDeviceProcAddr");
 #define XRDS_LOAD(name) vk.name = reinterpret_cast<PFN_##name>(deviceLoader(device, #name));
   XRDS_DEVICE_FUNCTIONS(XRDS_LOAD)
 #undef XRDS_LOAD
@@ -249,8 +190,7 @@ HostBuffer VulkanHost::exported(uint64_t byteSize, int& descriptor) {
   VkMemoryGetFdInfoKHR get{VK_STRUCTURE_TYPE_MEMORY_GET_FD_INFO_KHR};
   get.memory = made.memory;
   get.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
-  const auto ask = reinterpret_cast<PFN_vkGetMemoryFdKHR>(deviceLoader(device, "vkGetMemoryFdKHR"));
-  check(ask(device, &get, &descriptor), "vkGetMemoryFdKHR");
+  check(vk.vkGetMemoryFdKHR(device, &get, &descriptor), "vkGetMemoryFdKHR");
   return made;
 }
 
@@ -320,9 +260,80 @@ void VulkanHost::copy(VkCommandBuffer commands, VkBuffer buffer, VkImage image, 
     vk.vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer, 1, &region);
 }
 
-VkSemaphore VulkanHost::timeline() {
-  VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
-  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+VkSemaphore VulkanHost::timeline() { return semaphore(VK_SEMAPHORE_TYPE_TIMELINE); }
+
+VkSemaphore VulkanHost::exportedTimeline(int& descriptor) {
+  constexpr auto kHandle = VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_OPAQUE_FD_BIT;
+  const VkSemaphore made = semaphore(VK_SEMAPHORE_TYPE_TIMELINE, kHandle);
+  descriptor = exportedFrom(made, kHandle);
+  return made;
+}
+
+VkSemaphore VulkanHost::importedTimeline(int descriptor) {
+  const VkSemaphore made = timeline();
+  import(made, VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_OPAQUE_FD_BIT, 0, descriptor);
+  return made;
+}
+
+int VulkanHost::exportSignal(XrdsTimelinePoint behind) {
+  constexpr auto kHandle = VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_SYNC_FD_BIT;
+  const VkSemaphore made = semaphore(VK_SEMAPHORE_TYPE_BINARY, kHandle);
+  submitBetween(behind, {made, 0});
+  return exportedFrom(made, kHandle);
+}
+
+void VulkanHost::importSignal(int descriptor, XrdsTimelinePoint signal) {
+  const VkSemaphore made = semaphore(VK_SEMAPHORE_TYPE_BINARY);
+  import(made, VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_SYNC_FD_BIT, VK_SEMAPHORE_IMPORT_TEMPORARY_BIT, descriptor);
+  submitBetween({made, 0}, signal);
+}
+
+int VulkanHost::exportedFrom(VkSemaphore from, VkExternalSemaphoreHandleTypeFlagBits handle) {
+  int descriptor = -1;
+  VkSemaphoreGetFdInfoKHR get{VK_STRUCTURE_TYPE_SEMAPHORE_GET_FD_INFO_KHR};
+  get.semaphore = from;
+  get.handleType = handle;
+  check(vk.vkGetSemaphoreFdKHR(device, &get, &descriptor), "vkGetSemaphoreFdKHR");
+  return descriptor;
+}
+
+void VulkanHost::import(VkSemaphore to, VkExternalSemaphoreHandleTypeFlagBits handle, VkSemaphoreImportFlags flags,
+                        int descriptor) {
+  VkImportSemaphoreFdInfoKHR imports{VK_STRUCTURE_TYPE_IMPORT_SEMAPHORE_FD_INFO_KHR};
+  imports.semaphore = to;
+  imports.flags = flags;
+  imports.handleType = handle;
+  imports.fd = descriptor;
+  check(vk.vkImportSemaphoreFdKHR(device, &imports), "vkImportSemaphoreFdKHR");
+}
+
+void VulkanHost::submitBetween(XrdsTimelinePoint wait, XrdsTimelinePoint signal) {
+  const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+  VkTimelineSemaphoreSubmitInfo values{VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO};
+  VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO, &values};
+  values.waitSemaphoreValueCount = info.waitSemaphoreCount = wait.semaphore ? 1 : 0;
+  values.pWaitSemaphoreValues = &wait.value;
+  info.pWaitSemaphores = &wait.semaphore;
+  info.pWaitDstStageMask = &stage;
+  values.signalSemaphoreValueCount = info.signalSemaphoreCount = 1;
+  values.pSignalSemaphoreValues = &signal.value;
+  info.pSignalSemaphores = &signal.semaphore;
+  check(vk.vkQueueSubmit(queue, 1, &info, VK_NULL_HANDLE), "vkQueueSubmit");
+}
+
+void VulkanHost::await(XrdsTimelinePoint point) {
+  VkSemaphoreWaitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
+  wait.semaphoreCount = 1;
+  wait.pSemaphores = &point.semaphore;
+  wait.pValues = &point.value;
+  check(vk.vkWaitSemaphores(device, &wait, 60'000'000'000), "vkWaitSemaphores");
+}
+
+VkSemaphore VulkanHost::semaphore(VkSemaphoreType kind, VkExternalSemaphoreHandleTypeFlags handles) {
+  VkExportSemaphoreCreateInfo exports{VK_STRUCTURE_TYPE_EXPORT_SEMAPHORE_CREATE_INFO};
+  exports.handleTypes = handles;
+  VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, handles ? &exports : nullptr};
+  type.semaphoreType = kind;
   const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type};
   VkSemaphore semaphore = VK_NULL_HANDLE;
   check(vk.vkCreateSemaphore(device, &info, nullptr, &semaphore), "vkCreateSemaphore");

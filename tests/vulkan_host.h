@@ -14,23 +14,26 @@
   X(vkAllocateMemory)                                                                                                  \
   X(vkBeginCommandBuffer)                                                                                              \
   X(vkBindBufferMemory)                                                                                                \
-  X(vkBindImageMemory) X(vkCmdBindDescriptorSets) X(vkCmdBindPipeline) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage)    \
-      X(vkCmdCopyImageToBuffer) X(vkCmdDispatch) X(vkCmdExecuteCommands) X(vkCmdFillBuffer) X(vkCmdPipelineBarrier)    \
-          X(vkCmdPushConstants) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp) X(vkCreateBuffer) X(vkCreateBufferView)  \
-              X(vkCreateCommandPool) X(vkCreateComputePipelines) X(vkCreateDescriptorPool)                             \
-                  X(vkCreateDescriptorSetLayout) X(vkCreateFence) X(vkCreateImage) X(vkCreatePipelineCache)            \
-                      X(vkCreatePipelineLayout) X(vkCreateQueryPool) X(vkCreateSemaphore) X(vkCreateShaderModule)      \
-                          X(vkDestroyBuffer) X(vkDestroyBufferView) X(vkDestroyCommandPool) X(vkDestroyDescriptorPool) \
-                              X(vkDestroyDescriptorSetLayout) X(vkDestroyDevice) X(vkDestroyFence) X(vkDestroyImage)   \
-                                  X(vkDestroyPipeline) X(vkDestroyPipelineCache) X(vkDestroyPipelineLayout)            \
-                                      X(vkDestroyQueryPool) X(vkDestroySemaphore) X(vkDestroyShaderModule)             \
-                                          X(vkDeviceWaitIdle) X(vkEndCommandBuffer) X(vkFreeMemory)                    \
-                                              X(vkGetBufferMemoryRequirements) X(vkGetDeviceQueue)                     \
-                                                  X(vkGetImageMemoryRequirements) X(vkGetPipelineCacheData)            \
-                                                      X(vkGetQueryPoolResults) X(vkGetSemaphoreCounterValue)           \
-                                                          X(vkMapMemory) X(vkQueueSubmit) X(vkResetFences)             \
-                                                              X(vkSignalSemaphore) X(vkUpdateDescriptorSets)           \
-                                                                  X(vkWaitForFences) X(vkWaitSemaphores)
+  X(vkBindImageMemory)                                                                                                 \
+  X(vkCmdBindDescriptorSets)                                                                                           \
+  X(vkCmdBindPipeline) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage) X(vkCmdCopyImageToBuffer) X(vkCmdDispatch)         \
+      X(vkCmdExecuteCommands) X(vkCmdFillBuffer) X(vkCmdPipelineBarrier) X(vkCmdPushConstants) X(vkCmdResetQueryPool)  \
+          X(vkCmdWriteTimestamp) X(vkCreateBuffer) X(vkCreateBufferView) X(vkCreateCommandPool)                        \
+              X(vkCreateComputePipelines) X(vkCreateDescriptorPool) X(vkCreateDescriptorSetLayout) X(vkCreateFence)    \
+                  X(vkCreateImage) X(vkCreatePipelineCache) X(vkCreatePipelineLayout) X(vkCreateQueryPool)             \
+                      X(vkCreateSemaphore) X(vkCreateShaderModule) X(vkDestroyBuffer) X(vkDestroyBufferView)           \
+                          X(vkDestroyCommandPool) X(vkDestroyDescriptorPool) X(vkDestroyDescriptorSetLayout)           \
+                              X(vkDestroyDevice) X(vkDestroyFence) X(vkDestroyImage) X(vkDestroyPipeline)              \
+                                  X(vkDestroyPipelineCache) X(vkDestroyPipelineLayout) X(vkDestroyQueryPool)           \
+                                      X(vkDestroySemaphore) X(vkDestroyShaderModule) X(vkDeviceWaitIdle)               \
+                                          X(vkEndCommandBuffer) X(vkFreeMemory) X(vkGetBufferMemoryRequirements)       \
+                                              X(vkGetDeviceQueue) X(vkGetImageMemoryRequirements)                      \
+                                                  X(vkGetPipelineCacheData) X(vkGetMemoryFdKHR) X(vkGetSemaphoreFdKHR) \
+                                                      X(vkImportSemaphoreFdKHR) X(vkGetQueryPoolResults)               \
+                                                          X(vkGetSemaphoreCounterValue) X(vkMapMemory)                 \
+                                                              X(vkQueueSubmit) X(vkResetFences) X(vkSignalSemaphore)   \
+                                                                  X(vkUpdateDescriptorSets) X(vkWaitForFences)         \
+                                                                      X(vkWaitSemaphores)
 
 namespace xrds::test {
 
@@ -67,6 +70,8 @@ class VulkanHost {
   /// What xrds gets of it.
   XrdsVulkanDevice vulkan() const;
   static PFN_vkGetInstanceProcAddr loader();
+  /// Without the counting.
+  static PFN_vkGetInstanceProcAddr systemLoader();
   /// Calls of the library since the last time, by name: those that were made.
   static std::vector<std::pair<std::string, int>> takeCalls();
 
@@ -87,6 +92,18 @@ class VulkanHost {
   /// Between an image and a buffer of its pixels, the former in the layout for it.
   void copy(VkCommandBuffer commands, VkBuffer buffer, VkImage image, uint32_t width, uint32_t height, bool toImage);
   VkSemaphore timeline();
+  /// Whether the device exports and imports timelines, and signals of its queue, by file descriptor.
+  bool sharesTimelines() const { return sharesTimelines_; }
+  bool sharesSignals() const { return sharesSignals_; }
+  /// A timeline that another device of the GPU may import by the file descriptor, which that takes.
+  VkSemaphore exportedTimeline(int& descriptor);
+  VkSemaphore importedTimeline(int descriptor);
+  /// A signal of the queue behind what was submitted, and behind `behind` if that has a semaphore; another device takes
+  /// the descriptor, and signals a timeline of its own as soon as the signal has come.
+  int exportSignal(XrdsTimelinePoint behind = {});
+  void importSignal(int descriptor, XrdsTimelinePoint signal);
+  void signal(XrdsTimelinePoint point) { submitBetween({}, point); }  // by the queue
+  void await(XrdsTimelinePoint point);
   VkCommandBuffer begin();
   void end(VkCommandBuffer commands);
   void submit(VkCommandBuffer commands);
@@ -103,10 +120,17 @@ class VulkanHost {
  private:
   void openInstance();
   void openDevice();
+  std::vector<const char*> sharingExtensions();
+  bool shares(VkSemaphoreType kind, VkExternalSemaphoreHandleTypeFlagBits handle) const;
+  VkSemaphore semaphore(VkSemaphoreType kind, VkExternalSemaphoreHandleTypeFlags handles = 0);
+  int exportedFrom(VkSemaphore from, VkExternalSemaphoreHandleTypeFlagBits handle);
+  void import(VkSemaphore to, VkExternalSemaphoreHandleTypeFlagBits handle, VkSemaphoreImportFlags flags,
+              int descriptor);
+  void submitBetween(XrdsTimelinePoint wait, XrdsTimelinePoint signal);
   VkDeviceMemory allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted, const void* next = nullptr);
   HostBuffer bufferIn(uint64_t byteSize, VkBufferUsageFlags usage, const void* memoryOf, bool isExternal);
 
-  bool sharesMemory_ = false;  // VK_KHR_external_memory_fd
+  bool sharesMemory_ = false, sharesTimelines_ = false, sharesSignals_ = false;  // by file descriptor
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   std::vector<HostBuffer> buffers_;

@@ -250,6 +250,41 @@ TEST_F(Embedded, TakesImages) {
   }
 }
 
+// The frame waits for another device of the GPU and tells it the end; nobody waits on the host between the two.
+TEST_F(Embedded, SharesTimelinesWithAnotherDevice) {
+  test::VulkanHost other;
+  if (!host->sharesTimelines()) GTEST_SKIP() << "the device shares no timeline semaphores by file descriptor";
+  int descriptors[2] = {-1, -1};
+  const VkSemaphore theirs[] = {other.exportedTimeline(descriptors[0]), other.exportedTimeline(descriptors[1])};
+  const XrdsTimelinePoint before{host->importedTimeline(descriptors[0]), 3},
+      after{host->importedTimeline(descriptors[1]), 7};
+  Frame mine = frame();
+  prepare(mine);
+  const std::vector<float> wanted = expected();
+  std::memset(mine.output.memory.bytes, 0, 64);
+  ASSERT_EQ(xrdsSubmit(mine.recording, &before, 1, &after, 1), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(number(mine.output, 0, 0, 0), 0);
+  other.signal({theirs[0], 3});
+  other.await({theirs[1], 7});
+  EXPECT_EQ(get(mine.output), wanted);
+}
+
+// Binary semaphores as sync files, which the host's queue turns into timelines and back.
+TEST_F(Embedded, SharesSignalsWithAnotherDevice) {
+  test::VulkanHost other;
+  if (!host->sharesSignals()) GTEST_SKIP() << "the device shares no binary semaphores as sync files";
+  const XrdsTimelinePoint before{host->timeline(), 1}, after{host->timeline(), 1}, done{other.timeline(), 1};
+  Frame mine = frame();
+  prepare(mine);
+  const std::vector<float> wanted = expected();
+  std::memset(mine.output.memory.bytes, 0, 64);
+  host->importSignal(other.exportSignal(), before);
+  ASSERT_EQ(xrdsSubmit(mine.recording, &before, 1, &after, 1), XRDS_OK) << xrdsGetMessage();
+  other.importSignal(host->exportSignal(after), done);
+  other.await(done);
+  EXPECT_EQ(get(mine.output), wanted);
+}
+
 // The colour and the result are in memory of another device of the GPU, which the host imports by file descriptors.
 TEST_F(Embedded, TakesMemoryOfAnotherDevice) {
   test::VulkanHost other;
