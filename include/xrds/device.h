@@ -3,9 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "xrds/call.h"
@@ -59,17 +62,26 @@ class Device {
 
   /// For the functions of the C API; valid as long as the device is open.
   XrdsDevice* handle() const { return handle_.get(); }
-  /// Throws what a listener of the options has thrown during a call, else what the call's result stands for.
+  /// Throws what a listener of the options has thrown during a call of this thread, else what the call's result stands
+  /// for. What onMessage throws, in whatever thread, comes out of the next call.
   void finish(XrdsResult result) const;
 
  private:
   friend Device openVulkanDevice(const XrdsVulkanDevice& vulkan, const Options& options);
 
   // What C calls: behind a pointer, which stays when the device is moved.
-  struct Listener {
-    PreparationProgress onPreparation{};
-    std::function<void(std::string_view)> onMessage{};
-    std::exception_ptr thrown{};
+  class Listener {
+   public:
+    explicit Listener(const Options& options) : onPreparation(options.onPreparation), onMessage(options.onMessage) {}
+    const PreparationProgress onPreparation;
+    const std::function<void(std::string_view)> onMessage;
+    // A failure to come out of a call of that thread, or, of no thread, out of the next call of any.
+    void keep(std::exception_ptr failure, std::thread::id thread);
+    std::exception_ptr taken();
+
+   private:
+    std::mutex access_;
+    std::map<std::thread::id, std::exception_ptr> thrown_;
   };
   template <class Open>
   Device(const Options& options, const Open& open);

@@ -23,8 +23,7 @@ inline std::vector<std::string> Device::kernelFamilies() {
 }
 
 template <class Open>
-Device::Device(const Options& options, const Open& open)
-    : listener_(new Listener{options.onPreparation, options.onMessage}) {
+Device::Device(const Options& options, const Open& open) : listener_(new Listener(options)) {
   const std::string cacheFolder = call::text(options.cacheFolder);
   XrdsDeviceOptions asked = xrdsDeviceOptionsDefault();
   asked.select = options.select.c_str();
@@ -49,7 +48,7 @@ inline int Device::hear(void* listener, int machineCode, size_t done, size_t tot
     using Phase = Preparation::Phase;
     return self.onPreparation({machineCode ? Phase::machineCode : Phase::pipelines, done, total}) ? 1 : 0;
   } catch (...) {
-    self.thrown = std::current_exception();
+    self.keep(std::current_exception(), std::this_thread::get_id());
     return 0;
   }
 }
@@ -59,12 +58,24 @@ inline void Device::listen(void* listener, const char* text) noexcept {
   try {
     self.onMessage(text);
   } catch (...) {
-    self.thrown = std::current_exception();
+    self.keep(std::current_exception(), {});
   }
 }
 
+inline void Device::Listener::keep(std::exception_ptr failure, std::thread::id thread) {
+  const std::lock_guard lock(access_);
+  thrown_[thread] = std::move(failure);
+}
+
+inline std::exception_ptr Device::Listener::taken() {
+  const std::lock_guard lock(access_);
+  for (const std::thread::id thread : {std::this_thread::get_id(), std::thread::id()})
+    if (const auto node = thrown_.extract(thread)) return node.mapped();
+  return nullptr;
+}
+
 inline void Device::finish(XrdsResult result) const {
-  if (listener_->thrown) std::rethrow_exception(std::exchange(listener_->thrown, nullptr));
+  if (const std::exception_ptr thrown = listener_->taken()) std::rethrow_exception(thrown);
   call::check(result);
 }
 

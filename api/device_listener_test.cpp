@@ -1,0 +1,49 @@
+// What listeners of a device throw comes out of the call that they were called in.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+
+#include "xrds/xrds.hpp"
+
+namespace xrds {
+namespace {
+
+// While another thread's calls end well.
+TEST(DeviceListener, ThrowsInTheThreadOfTheCall) {
+  const std::filesystem::path cache = std::filesystem::path(testing::TempDir()) / "xrds_device_listener";
+  std::filesystem::remove_all(cache);
+  {
+    bool refuses = false;
+    Device::Options options{.cacheFolder = cache};
+    options.onPreparation = [&](const Preparation&) {
+      if (refuses) throw std::runtime_error("no programs today");
+      return true;
+    };
+    Device device(options);
+    const Model model = Model::untrained(2, "bicubic");
+    refuses = true;
+    std::atomic<bool> ended = false;
+    std::thread other([&] {
+      while (!ended) EXPECT_NO_THROW(device.finish(XRDS_OK));
+    });
+    for (int i = 0; i < 20; ++i) {
+      try {
+        const Upscaler upscaler(device, model, 16, 8, {});
+        ADD_FAILURE() << "not refused";
+      } catch (const std::exception& error) {
+        EXPECT_STREQ(error.what(), "no programs today");
+      }
+    }
+    ended = true;
+    other.join();
+    refuses = false;
+    EXPECT_NO_THROW(Upscaler(device, model, 16, 8, {}));
+  }
+  std::filesystem::remove_all(cache);
+}
+
+}  // namespace
+}  // namespace xrds
