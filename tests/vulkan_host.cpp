@@ -1,6 +1,7 @@
 #include "tests/vulkan_host.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
@@ -43,8 +44,9 @@ VulkanHost::~VulkanHost() {
   for (const VkSemaphore each : semaphores_) vk.vkDestroySemaphore(device, each, nullptr);
   vk.vkDestroyCommandPool(device, pool_, nullptr);
   vk.vkDestroyDevice(device, nullptr);
-  instanceFunction<PFN_vkDestroyDebugUtilsMessengerEXT>(instance, "vkDestroyDebugUtilsMessengerEXT")(
-      instance, messenger_, nullptr);
+  if (messenger_)
+    instanceFunction<PFN_vkDestroyDebugUtilsMessengerEXT>(instance, "vkDestroyDebugUtilsMessengerEXT")(
+        instance, messenger_, nullptr);
   instanceFunction<PFN_vkDestroyInstance>(instance, "vkDestroyInstance")(instance, nullptr);
 }
 
@@ -67,14 +69,16 @@ void VulkanHost::openInstance() {
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.apiVersion = VK_API_VERSION_1_2;
   const char *layer = "VK_LAYER_KHRONOS_validation", *extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
-  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, &synchronization};
+  const bool validates = !std::getenv("XRDS_TEST_NO_VALIDATION");
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, validates ? &synchronization : nullptr};
   info.pApplicationInfo = &application;
-  info.enabledLayerCount = 1;
+  info.enabledLayerCount = validates ? 1 : 0;
   info.ppEnabledLayerNames = &layer;
-  info.enabledExtensionCount = 1;
+  info.enabledExtensionCount = validates ? 1 : 0;
   info.ppEnabledExtensionNames = &extension;
   check(instanceFunction<PFN_vkCreateInstance>(nullptr, "vkCreateInstance")(&info, nullptr, &instance),
         "vkCreateInstance");
+  if (!validates) return;
   check(instanceFunction<PFN_vkCreateDebugUtilsMessengerEXT>(instance, "vkCreateDebugUtilsMessengerEXT")(
             instance, &messenger, nullptr, &messenger_),
         "vkCreateDebugUtilsMessengerEXT");

@@ -8,32 +8,23 @@
 #include "xrds/xrds_vulkan.h"
 
 // Every function of a device that the library or the host of the tests calls.
-#define XRDS_DEVICE_FUNCTIONS(X)                                                                                       \
-  X(vkAllocateCommandBuffers)                                                                                          \
-  X(vkAllocateDescriptorSets)                                                                                          \
-  X(vkAllocateMemory)                                                                                                  \
-  X(vkBeginCommandBuffer)                                                                                              \
-  X(vkBindBufferMemory)                                                                                                \
-  X(vkBindImageMemory)                                                                                                 \
-  X(vkCmdBindDescriptorSets)                                                                                           \
-  X(vkCmdBindPipeline) X(vkCmdCopyBuffer) X(vkCmdCopyBufferToImage) X(vkCmdCopyImageToBuffer) X(vkCmdDispatch)         \
-      X(vkCmdExecuteCommands) X(vkCmdFillBuffer) X(vkCmdPipelineBarrier) X(vkCmdPushConstants) X(vkCmdResetQueryPool)  \
-          X(vkCmdWriteTimestamp) X(vkCreateBuffer) X(vkCreateBufferView) X(vkCreateCommandPool)                        \
-              X(vkCreateComputePipelines) X(vkCreateDescriptorPool) X(vkCreateDescriptorSetLayout) X(vkCreateFence)    \
-                  X(vkCreateImage) X(vkCreatePipelineCache) X(vkCreatePipelineLayout) X(vkCreateQueryPool)             \
-                      X(vkCreateSemaphore) X(vkCreateShaderModule) X(vkDestroyBuffer) X(vkDestroyBufferView)           \
-                          X(vkDestroyCommandPool) X(vkDestroyDescriptorPool) X(vkDestroyDescriptorSetLayout)           \
-                              X(vkDestroyDevice) X(vkDestroyFence) X(vkDestroyImage) X(vkDestroyPipeline)              \
-                                  X(vkDestroyPipelineCache) X(vkDestroyPipelineLayout) X(vkDestroyQueryPool)           \
-                                      X(vkDestroySemaphore) X(vkDestroyShaderModule) X(vkDeviceWaitIdle)               \
-                                          X(vkEndCommandBuffer) X(vkFreeMemory) X(vkGetBufferMemoryRequirements)       \
-                                              X(vkGetDeviceQueue) X(vkGetImageMemoryRequirements)                      \
-                                                  X(vkGetPipelineCacheData) X(vkGetMemoryFdKHR) X(vkGetSemaphoreFdKHR) \
-                                                      X(vkImportSemaphoreFdKHR) X(vkGetQueryPoolResults)               \
-                                                          X(vkGetSemaphoreCounterValue) X(vkMapMemory)                 \
-                                                              X(vkQueueSubmit) X(vkResetFences) X(vkSignalSemaphore)   \
-                                                                  X(vkUpdateDescriptorSets) X(vkWaitForFences)         \
-                                                                      X(vkWaitSemaphores)
+// clang-format off
+#define XRDS_DEVICE_FUNCTIONS(X) \
+  X(vkAllocateCommandBuffers) X(vkAllocateDescriptorSets) X(vkAllocateMemory) X(vkBeginCommandBuffer) \
+  X(vkBindBufferMemory) X(vkBindImageMemory) X(vkCmdBindDescriptorSets) X(vkCmdBindPipeline) X(vkCmdCopyBuffer) \
+  X(vkCmdCopyBufferToImage) X(vkCmdCopyImageToBuffer) X(vkCmdDispatch) X(vkCmdExecuteCommands) X(vkCmdFillBuffer) \
+  X(vkCmdPipelineBarrier) X(vkCmdPushConstants) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp) X(vkCreateBuffer) \
+  X(vkCreateBufferView) X(vkCreateCommandPool) X(vkCreateComputePipelines) X(vkCreateDescriptorPool) \
+  X(vkCreateDescriptorSetLayout) X(vkCreateFence) X(vkCreateImage) X(vkCreatePipelineCache) \
+  X(vkCreatePipelineLayout) X(vkCreateQueryPool) X(vkCreateSemaphore) X(vkCreateShaderModule) X(vkDestroyBuffer) \
+  X(vkDestroyBufferView) X(vkDestroyCommandPool) X(vkDestroyDescriptorPool) X(vkDestroyDescriptorSetLayout) \
+  X(vkDestroyDevice) X(vkDestroyFence) X(vkDestroyImage) X(vkDestroyPipeline) X(vkDestroyPipelineCache) \
+  X(vkDestroyPipelineLayout) X(vkDestroyQueryPool) X(vkDestroySemaphore) X(vkDestroyShaderModule) \
+  X(vkDeviceWaitIdle) X(vkEndCommandBuffer) X(vkFreeMemory) X(vkGetBufferMemoryRequirements) X(vkGetDeviceQueue) \
+  X(vkGetImageMemoryRequirements) X(vkGetMemoryFdKHR) X(vkGetPipelineCacheData) X(vkGetQueryPoolResults) \
+  X(vkGetSemaphoreCounterValue) X(vkGetSemaphoreFdKHR) X(vkImportSemaphoreFdKHR) X(vkMapMemory) X(vkQueueSubmit) \
+  X(vkResetFences) X(vkSignalSemaphore) X(vkUpdateDescriptorSets) X(vkWaitForFences) X(vkWaitSemaphores)
+// clang-format on
 
 namespace xrds::test {
 
@@ -57,8 +48,9 @@ struct HostPicture2d {
   VkDeviceMemory memory = VK_NULL_HANDLE;
 };
 
-/// A program with a Vulkan device of its own, opened with validation, as xrds is embedded in it. The device's functions
-/// that it hands out are counted; those of which the tests know nothing are missing.
+/// A program with a Vulkan device of its own, opened with validation unless XRDS_TEST_NO_VALIDATION is set, as xrds is
+/// embedded in it. The device's functions that it hands out are counted; those of which the tests know nothing are
+/// missing.
 class VulkanHost {
  public:
   /// Throws std::runtime_error without a device.
