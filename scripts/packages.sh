@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian or Ubuntu packages that xrds is built, tested and run with, if any of them is missing. Other lists:
-# `scripts/packages.sh package` for scripts/package.sh, `windows` for scripts/windows.sh.
+# `scripts/packages.sh package` for scripts/package.sh, `windows` for scripts/windows.sh, `macos` for scripts/macos_check.sh.
 set -euo pipefail
 packages=(
   g++ cmake ninja-build ccache git
@@ -12,7 +12,8 @@ case ${1:-build} in
   build) ;;
   package) packages=(dpkg-dev lintian mmdebstrap xz-utils fish zsh) ;;
   windows) packages=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine64 googletest dpkg-dev xvfb) ;;
-  *) echo "There is no list '$1': scripts/packages.sh [package|windows]" >&2; exit 2 ;;
+  macos) packages=(clang-16 libc++-16-dev) ;;
+  *) echo "There is no list '$1': scripts/packages.sh [package|windows|macos]" >&2; exit 2 ;;
 esac
 if ! command -v dpkg-query >/dev/null; then
   echo "This is no Debian or Ubuntu: install ${packages[*]} or their like by hand." >&2
