@@ -1,6 +1,5 @@
 #include "app/denoiser.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <utility>
 #include <vector>
@@ -11,9 +10,7 @@
 #include <dlfcn.h>
 #endif
 
-#include "image/image_view.h"
 #include "xrds/error.h"
-#include "xrds/mirror.h"
 
 namespace xrds {
 namespace {
@@ -40,18 +37,6 @@ constexpr const char* kVariable = "XRDS_OIDN";
 
 // Values of enumerations of its C interface, which version 2 keeps.
 constexpr int kAnyDevice = 0, kFloat3 = 3, kHighQuality = 6;
-
-Image clampedToOne(Image image) {
-  for (float& value : image.pixels) value = std::clamp(value, 0.0F, 1.0F);
-  return image;
-}
-
-Image mirroredImage(const Image& image, Mirror mirror, bool isNormal) {
-  Image result(mirror.transposed ? image.height : image.width, mirror.transposed ? image.width : image.height, 0);
-  result.channels = 3;
-  result.pixels = mirrored(viewOf(image), mirror, isNormal);
-  return result;
-}
 
 Error notThere(const std::string& what) {
   return Error(what +
@@ -171,32 +156,15 @@ Denoiser::Denoiser() {
 
 Denoiser::~Denoiser() = default;
 
-Image Denoiser::denoised(const Image& colour, const Image* albedo, const Image* normal, uint32_t passes) const {
-  const Image inside = albedo ? clampedToOne(*albedo) : Image{};
-  Image mean(colour.width, colour.height, 3);
-  for (const Mirror mirror : mirrorsOf(passes)) {
-    const Image images[] = {mirroredImage(colour, mirror, false), mirroredImage(inside, mirror, false),
-                            normal ? mirroredImage(*normal, mirror, true) : Image{}};
-    Library::Inputs inputs{{"color", &images[0]}};
-    if (albedo) inputs.emplace_back("albedo", &images[1]);
-    if (albedo && normal) inputs.emplace_back("normal", &images[2]);
-    const Image result = library_->filtered(inputs, true);
-    const auto width = static_cast<uint32_t>(result.width), height = static_cast<uint32_t>(result.height);
-    for (size_t p = 0; p < result.pixelCount(); ++p)
-      for (size_t c = 0; c < 3; ++c)
-        mean.pixels[3 * mirroredPixel(p, width, height, mirror) + c] +=
-            result.pixels[3 * p + c] / static_cast<float>(passes);
-  }
-  return mean;
+Image Denoiser::colourWithoutNoise(const Image& colour, const Image* albedo, const Image* normal) {
+  Library::Inputs inputs{{"color", &colour}};
+  if (albedo) inputs.emplace_back("albedo", albedo);
+  if (normal) inputs.emplace_back("normal", normal);
+  return library_->filtered(inputs, true);
 }
 
-Image Denoiser::denoisedAlbedo(const Image& albedo) const {
-  const Image clamped = clampedToOne(albedo);
-  Image result = library_->filtered({{"albedo", &clamped}}, false);
-  for (size_t i = 0; i < result.pixels.size(); ++i) result.pixels[i] += albedo.pixels[i] - clamped.pixels[i];
-  return result;
-}
+Image Denoiser::albedoWithoutNoise(const Image& albedo) { return library_->filtered({{"albedo", &albedo}}, false); }
 
-Image Denoiser::denoisedNormal(const Image& normal) const { return library_->filtered({{"normal", &normal}}, false); }
+Image Denoiser::normalWithoutNoise(const Image& normal) { return library_->filtered({{"normal", &normal}}, false); }
 
 }  // namespace xrds

@@ -160,7 +160,7 @@ void Frame::loadLayers(const LayerRequest& request) {
   layers_.emplace(files, request, merged_ ? std::optional(merged_->share) : std::nullopt);
 }
 
-void Frame::denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes) {
+void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) {
   Image *albedo = imageOf(kAlbedo.name), *normal = imageOf(kNormal.name), *full = imageOf(kFullColour.name);
   if (albedo && !cleanGuides) *albedo = denoiser.denoisedAlbedo(*albedo);
   if (normal && !cleanGuides) *normal = denoiser.denoisedNormal(*normal);

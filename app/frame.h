@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/denoiser.h"
 #include "app/frame_layers.h"
+#include "app/image_denoiser.h"
 #include "app/merge_request.h"
 #include "image/aov.h"
 #include "image/exr_write.h"
@@ -52,8 +52,9 @@ class Frame {
 
   /// After load(): takes the noise out of albedo and normal, unless they have none; out of the colour, merged or not,
   /// with their means; and out of the full-resolution light that the model takes, its colour brought to the level of
-  /// the merged one before (levelledColour()). `passes`: of each colour, as Denoiser::denoised(). Throws Error.
-  void denoise(const Denoiser& denoiser, bool cleanGuides, uint32_t passes = 1);
+  /// the merged one before (levelledColour()). `passes`: of each colour, as ImageDenoiser::denoised(). Throws
+  /// Error.
+  void denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes = 1);
 
   /// An auxiliary image by the name of the input; null if it is none of inputs().
   const Image* imageOf(std::string_view input) const;

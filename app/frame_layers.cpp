@@ -210,7 +210,7 @@ void FrameLayers::merge(const Files& files, double share) {
   list_.merged = true;
 }
 
-void FrameLayers::denoise(const Denoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes) {
+void FrameLayers::denoise(ImageDenoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes) {
   for (Light& light : lights_) light.image = denoiser.denoised(light.image, albedo, normal, passes);
   for (Image& rest : rest_)
     if (std::any_of(rest.pixels.begin(), rest.pixels.end(), [](float value) { return value > 0; }))

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/denoiser.h"
+#include "app/image_denoiser.h"
 #include "image/exr_planes.h"
 #include "image/exr_read.h"
 #include "xrds/layers.h"
@@ -51,7 +51,7 @@ class FrameLayers {
   FrameLayers(const Files& files, const LayerRequest& request, std::optional<double> share);
 
   /// Takes the noise out of each light, with the help of low-resolution albedo and normal, which may be null.
-  void denoise(const Denoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes);
+  void denoise(ImageDenoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes);
 
   const LayerList& list() const { return list_; }
   /// Room for the results at `scale` times the size.

@@ -17,13 +17,23 @@ std::string kindOf(bool ldr, size_t guides, bool clean) {
   return std::string(ldr ? "rt_ldr" : "rt_hdr") + names[guides];
 }
 
+// All networks of a colour with so many guides, of which prefiltered ones have their own.
+std::vector<std::string> kindsOf(bool ldr, size_t guides, bool clean, bool prefiltered) {
+  std::vector<std::string> kinds{kindOf(ldr, guides, clean || prefiltered)};
+  if (prefiltered && guides > 0) kinds.emplace_back("rt_alb");
+  if (prefiltered && guides > 1) kinds.emplace_back("rt_nrm");
+  return kinds;
+}
+
 }  // namespace
 
 void NetworkDenoiser::load(size_t guides, bool clean, bool prefiltered) {
-  networkOf(kindOf(options_.ldr, guides, clean || prefiltered));
-  if (!prefiltered || guides < 2) return;
-  networkOf("rt_alb");
-  networkOf("rt_nrm");
+  for (const std::string& kind : kindsOf(options_.ldr, guides, clean, prefiltered)) networkOf(kind);
+}
+
+bool NetworkDenoiser::has(size_t guides, bool clean, bool prefiltered) const {
+  const auto kinds = kindsOf(options_.ldr, guides, clean, prefiltered);
+  return std::all_of(kinds.begin(), kinds.end(), [&](const std::string& kind) { return !fileOf(kind).empty(); });
 }
 
 Image NetworkDenoiser::denoisedAlbedo(Device& device, const Image& albedo) {
@@ -34,17 +44,22 @@ Image NetworkDenoiser::denoisedNormal(Device& device, const Image& normal) {
   return filtered(device, networkOf("rt_nrm"), normal, {});
 }
 
-// The files of a kind's sizes, the wanted ones first.
-const Model& NetworkDenoiser::networkOf(const std::string& kind) {
-  if (const auto known = models_.find(kind); known != models_.end()) return known->second;
-  const fs::path folder = options_.folder.empty() ? denoiserFolder() : options_.folder;
+fs::path NetworkDenoiser::folder() const { return options_.folder.empty() ? denoiserFolder() : options_.folder; }
+
+// Of a kind's sizes the wanted one, where it is there; empty if there is none.
+fs::path NetworkDenoiser::fileOf(const std::string& kind) const {
   std::vector<std::string> names{kind};
   if (options_.quality == Quality::high) names.insert(names.begin(), kind + "_large");
   if (options_.quality == Quality::fast) names.insert(names.begin(), kind + "_small");
   for (const std::string& name : names)
-    if (const fs::path file = folder / (name + ".safetensors"); fs::exists(file))
-      return models_.emplace(kind, Model(file)).first->second;
-  throw Error("There is no network " + kind + " of Open Image Denoise in '" + folder.string() +
+    if (fs::path file = folder() / (name + ".safetensors"); fs::exists(file)) return file;
+  return {};
+}
+
+const Model& NetworkDenoiser::networkOf(const std::string& kind) {
+  if (const auto known = models_.find(kind); known != models_.end()) return known->second;
+  if (const fs::path file = fileOf(kind); !file.empty()) return models_.emplace(kind, Model(file)).first->second;
+  throw Error("There is no network " + kind + " of Open Image Denoise in '" + folder().string() +
               "': read them once out of your own copy with 'xrds import oidn PATH', where PATH is the file "
               "libOpenImageDenoise_core.so of your system's package or of pip install pyoidn.");
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/image_denoiser.h"
 #include "image/image.h"
 #include "xrds/xrds.hpp"
 
@@ -34,6 +35,9 @@ class NetworkDenoiser {
   /// not imported.
   void load(size_t guides, bool clean, bool prefiltered);
 
+  /// Whether load() would find its networks.
+  bool has(size_t guides, bool clean, bool prefiltered) const;
+
   /// The colour [h, w, 3] without its noise, with the help of albedo and normal [h, w, 3]. Either may be null, the
   /// normal must be where there is no albedo. `clean`: they have no noise. Tiles, where the memory asks for them, have
   /// halos with which the picture is that of the whole frame bit for bit. Throws Error, as load() does.
@@ -51,6 +55,8 @@ class NetworkDenoiser {
   const Tiling& tiling() const { return tiling_; }  // of the network that ran last
 
  private:
+  std::filesystem::path folder() const;
+  std::filesystem::path fileOf(const std::string& kind) const;
   const Model& networkOf(const std::string& kind);
   Image filtered(Device& device, const Model& model, const Image& colour, const std::vector<const Image*>& guides);
 
@@ -60,6 +66,24 @@ class NetworkDenoiser {
   uint64_t deviceBytes_ = 0;
   double runSeconds_ = 0;
   Tiling tiling_{};
+};
+
+/// These networks on a device, in front of an upscaler. Images go there and come back, each by itself.
+class DeviceDenoiser : public ImageDenoiser {
+ public:
+  /// Both must outlive it.
+  DeviceDenoiser(NetworkDenoiser& networks, Device& device) : networks_(networks), device_(device) {}
+  std::string name() const override { return networks_.name(); }
+
+ private:
+  Image colourWithoutNoise(const Image& colour, const Image* albedo, const Image* normal) override {
+    return networks_.denoised(device_, colour, albedo, normal, true);
+  }
+  Image albedoWithoutNoise(const Image& albedo) override { return networks_.denoisedAlbedo(device_, albedo); }
+  Image normalWithoutNoise(const Image& normal) override { return networks_.denoisedNormal(device_, normal); }
+
+  NetworkDenoiser& networks_;
+  Device& device_;
 };
 
 }  // namespace xrds

@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "app/denoiser.h"
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "cli/commands.h"

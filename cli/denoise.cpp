@@ -96,7 +96,8 @@ void run(const DenoiseOptions& options) {
   std::optional<ProgressBar> bar;
   NetworkDenoiser denoiser(optionsOf(options, bar));
   failingWith(ExitCode::model, [&] {
-    denoiser.load(frame.auxiliary().size(), options.guides == "clean", options.guides == "prefilter");
+    const size_t guides = frame.auxiliary().size();
+    denoiser.load(guides, options.guides == "clean", guides == 2 && options.guides == "prefilter");
   });
   onDevice(options.device, options.quiet, [&](Device& device) {
     Image picture;

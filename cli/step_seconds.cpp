@@ -46,7 +46,7 @@ double modelSeconds(Device& device, const Model& model, int side) {
 
 std::optional<double> denoiserSeconds(size_t pixels) {
   try {
-    const Denoiser denoiser;
+    Denoiser denoiser;
     return static_cast<double>(pixels) * secondsPerPixel([&](int side) {
              const Image image(side, side, 3, 0.5F);
              return secondsOfSecondRun([&] {

@@ -6,6 +6,7 @@
 #include "cli/alpha.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
+#include "cli/first_denoiser.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
@@ -27,6 +28,14 @@ std::vector<Upscaler::CheckRow> runCheck(Device& device, const Model& model, con
     throw Failure{ExitCode::differs,
                   "The device diverges from the reference, first at operator '" + rows[divergent].label + "'."};
   return rows;
+}
+
+// Where that takes the device.
+void denoiseFirst(Device& device, Frame& frame, const UpscaleOptions& options) {
+  if (!denoisesOnDevice(options, frame)) return;
+  ProgressBar bar(options.quiet);
+  failingWith(ExitCode::device,
+              [&] { FirstDenoiser(options, [&](double share) { return bar.update(share); }).denoise(device, frame); });
 }
 
 Upscaled compute(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
@@ -56,16 +65,17 @@ void writeResult(const UpscaleOptions& options, const UpscaleInput& input, const
 /// All that is known before a device is needed.
 struct Task {
   const UpscaleOptions& options;
-  const UpscaleInput& input;
+  UpscaleInput& input;
   const std::optional<Image>& reference;
   Timer whole;
 };
 
 void upscaleOn(Device& device, const Task& task) {
   const auto& [options, input, reference, whole] = task;
-  const auto& [opened, frame] = input;
+  auto& [opened, frame] = input;
   const int scale = static_cast<int>(opened.model.scale());
   tuneFirst(device, input, options);
+  denoiseFirst(device, frame, options);
   std::optional<EndsAtOnce> endsAtOnce(std::in_place);
   std::vector<Upscaler::CheckRow> checks;
   if (options.check) checks = runCheck(device, opened.model, frame, options);
@@ -97,7 +107,7 @@ void run(UpscaleOptions options) {
   if (isSequence(options)) return upscaleSequence(options);
   requireOutputs(options);
   sortInputs(options);
-  const UpscaleInput input = openInput(options);
+  UpscaleInput input = openInput(options);
   const Image& colour = input.frame.colour();
   const int scale = static_cast<int>(input.opened.model.scale());
   std::optional<Image> reference;

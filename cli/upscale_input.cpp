@@ -7,6 +7,7 @@
 #include "app/models.h"
 #include "app/number_pair.h"
 #include "app/skip_bound.h"
+#include "cli/first_denoiser.h"
 #include "cli/warnings.h"
 
 namespace xrds {
@@ -153,8 +154,7 @@ void prepare(const UpscaleOptions& options, const OpenedModel& opened, Frame& fr
   requireSkippable(options, opened);
   if (const LayerRequest request = layerRequest(options.lights); request.any())
     failingWith(ExitCode::input, [&] { frame.loadLayers(request); });
-  if (options.denoiseFirst)
-    failingWith(ExitCode::device, [&] { frame.denoise(Denoiser(), options.cleanGuides, options.ensemble); });
+  if (options.denoiseFirst && !denoisesOnDevice(options, frame)) denoiseByLibrary(options, frame);
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ void sortInputs(UpscaleOptions& options);
 /// Throws Failure where --layers is given beside options with which no layers can be made.
 void requireLayersPossible(const UpscaleOptions& options);
 
-/// Opens model and frame, and reads the frame. Warnings about the choice of the model are printed. Throws Failure.
+/// Opens model and frame, and reads the frame, with --denoise-first without its noise unless that takes the device
+/// (denoisesOnDevice()). Warnings about the choice of the model are printed. Throws Failure.
 UpscaleInput openInput(const UpscaleOptions& options);
 
 /// The frame as openInput() reads it, for a model that is there already. Throws Failure.

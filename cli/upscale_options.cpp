@@ -43,8 +43,18 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
       ->type_name("MODEL");
   verb.add_flag(
       "--denoise-first", options.denoiseFirst,
-      "Open Image Denoise 2, if it is installed, takes the noise out of all images before the network sees them:\n"
-      "better where they have few samples. $XRDS_OIDN names its library if the system does not find it");
+      "Open Image Denoise takes the noise out of all images before the network sees them: better where they have\n"
+      "few samples. Its networks run on the device where xrds import oidn has read them, else the installed library\n"
+      "is called, which $XRDS_OIDN names if the system does not find it");
+  verb.add_option("--denoise-by", options.denoiseBy,
+                  "With --denoise-first: networks that were imported, the installed library, or auto, as above")
+      ->check(CLI::IsMember({"auto", "networks", "library"}))
+      ->needs("--denoise-first")
+      ->capture_default_str();
+  verb.add_option("--denoisers", options.denoisers,
+                  "With --denoise-first: the folder with the networks (default: where xrds import oidn puts them)")
+      ->type_name("FOLDER")
+      ->needs("--denoise-first");
   verb.add_flag("--clean-guides", options.cleanGuides,
                 "With --denoise-first: albedo and normal have no noise, as those of a rasterizer, and stay as they are")
       ->needs("--denoise-first");

@@ -12,7 +12,7 @@ namespace xrds {
 struct UpscaleOptions {
   std::string color, aux, output, model, device, reference, preview, sideBySide, json,
       precision = kFp32, exposure = "auto", memory, tiles = "bounded", skip = "off", skipMap, auxColour = "auto",
-      samples, tune = "auto", lights;
+      samples, tune = "auto", lights, denoiseBy = "auto", denoisers;
   AovRequest layers;
   uint32_t ensemble = 1;
   bool half = false, profile = false, check = false, quiet = false, wrap = false;

@@ -10,6 +10,7 @@
 #include "app/failing_with.h"
 #include "cli/alpha.h"
 #include "cli/device_choice.h"
+#include "cli/first_denoiser.h"
 #include "cli/output_file.h"
 #include "cli/sequence_plan.h"
 #include "cli/sequence_report.h"
@@ -37,7 +38,11 @@ struct MadeFrame {
 class Worker {
  public:
   Worker(std::string select, const UpscaleOptions& options, const OpenedModel& opened)
-      : select_(std::move(select)), options_(options), opened_(opened), merger_(opened.model.scale()) {}
+      : select_(std::move(select)),
+        options_(options),
+        opened_(opened),
+        merger_(opened.model.scale()),
+        denoiser_(options, [](double) { return !interrupted(); }) {}
 
   /// Opens the device, tunes it where that is asked for, and says what there is to say. Throws Failure.
   void open(const UpscaleInput& first) {
@@ -74,10 +79,23 @@ class Worker {
 
   // With --temporal the merged one, denoised after that.
   std::shared_ptr<const Frame> frameOf(const FrameGroup& group) {
-    if (!options_.temporal) return {group.present, &group.present->frame};
-    auto frame = std::make_shared<Frame>(merger_.merged(*device_, group));
-    if (options_.denoiseFirst) frame->denoise(Denoiser(), options_.cleanGuides, options_.ensemble);
+    const Frame& present = group.present->frame;
+    const bool onDevice = denoisesOnDevice(options_, present);
+    if (!options_.temporal && !onDevice) return {group.present, &present};
+    auto frame = std::make_shared<Frame>(options_.temporal ? merger_.merged(*device_, group) : present);
+    if (onDevice) {
+      if (!options_.memory.empty()) release();  // it is for the networks alone
+      denoiser_.denoise(*device_, *frame);
+    } else if (options_.denoiseFirst) {
+      denoiseByLibrary(options_, *frame);
+    }
     return frame;
+  }
+
+  void release() {
+    alpha_.reset();
+    upscaler_.reset();
+    merger_.release();
   }
 
   template <class Action>
@@ -89,9 +107,7 @@ class Worker {
       });
     } catch (const Failure& failure) {
       if (failure.code == ExitCode::device) {
-        alpha_.reset();
-        upscaler_.reset();
-        merger_.release();
+        release();
         device_.reset();
       }
       throw;
@@ -117,6 +133,7 @@ class Worker {
   std::optional<Upscaler> upscaler_;
   std::optional<AlphaUpscaler> alpha_;
   GroupMerger merger_;
+  FirstDenoiser denoiser_;
   uint32_t width_ = 0, height_ = 0;
 };
 
