@@ -48,7 +48,7 @@ int mbtowc_l(wchar_t*, const char*, size_t, locale_t);
 END
 files=("$@")
 if [ $# -eq 0 ]; then
-  mapfile -t files < <(find engine shaders graph network frames checks tuning api image advice app cli -name '*.cpp' ! -name '*_test.cpp' \
+  mapfile -t files < <(find engine shaders graph network frames checks tuning api image advice sequence app cli -name '*.cpp' ! -name '*_test.cpp' \
     ! -name test_files.cpp | sort)
 fi
 options=("--target=$(uname -m)-apple-macos13" -U__nonnull -D_GNU_SOURCE -std=c++20 -fsyntax-only -nostdinc++ -Wall -Wextra -Wno-missing-field-initializers

@@ -8,10 +8,9 @@
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <thread>
-#include <vector>
 
 #include "sequence/bounded_queue.h"
+#include "sequence/joined_threads.h"
 
 namespace xrds {
 
@@ -112,13 +111,13 @@ void runLine(size_t count, const LineThreads& threads, const LineStages<Read, Ma
         tell(frame->outcome);
   };
 
-  std::vector<std::jthread> readers, workers, writers;
-  for (size_t i = 0; i < threads.readers; ++i) readers.emplace_back(readAll);
-  for (size_t i = 0; i < threads.workers; ++i) workers.emplace_back(computeAll, i);
-  for (size_t i = 0; i < threads.writers; ++i) writers.emplace_back(writeAll);
-  readers.clear();  // joins them
+  JoinedThreads readers, workers, writers;
+  for (size_t i = 0; i < threads.readers; ++i) readers.start(readAll);
+  for (size_t i = 0; i < threads.workers; ++i) workers.start(computeAll, i);
+  for (size_t i = 0; i < threads.writers; ++i) writers.start(writeAll);
+  readers.join();
   read.close();
-  workers.clear();
+  workers.join();
   made.close();
 }
 

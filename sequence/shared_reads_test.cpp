@@ -5,7 +5,8 @@
 #include <atomic>
 #include <stdexcept>
 #include <thread>
-#include <vector>
+
+#include "sequence/joined_threads.h"
 
 namespace xrds {
 namespace {
@@ -43,9 +44,9 @@ TEST(SharedReads, ServesManyThreads) {
     return frame;
   });
   {
-    std::vector<std::jthread> threads;
+    JoinedThreads threads;
     for (int thread = 0; thread < 4; ++thread)
-      threads.emplace_back([&] {
+      threads.start([&] {
         for (int frame = 0; frame < 8; ++frame) wrong += *frames.get(frame) != frame;
       });
   }
