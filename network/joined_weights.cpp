@@ -13,8 +13,7 @@ constexpr int kPatch = 4;                  // its side
 /// Sums of outputs of a doubling's convolution.
 class DoublingSum {
  public:
-  DoublingSum(ConvWeights doubling, uint32_t channels)
-      : doubling_(doubling), channels_(channels), row_(size_t{channels} * kTaps) {}
+  DoublingSum(ConvWeights doubling, uint32_t channels) : doubling_(doubling), row_(size_t{channels} * kTaps) {}
 
   /// Adds w times channel k of that part of the shuffled pixels: parts are (0, 0), (0, 1), (1, 0), (1, 1).
   void add(double w, uint32_t k, uint32_t part) {
@@ -30,7 +29,6 @@ class DoublingSum {
 
  private:
   ConvWeights doubling_;
-  uint32_t channels_;
   std::vector<double> row_;
   double bias_ = 0;
 };
