@@ -1,7 +1,10 @@
 #include "tuning/tuning_record.h"
 
 #include <charconv>
+#include <concepts>
 #include <cstdio>
+#include <locale>
+#include <sstream>
 
 #include "engine/bytes.h"
 #include "engine/cache_file.h"
@@ -24,12 +27,22 @@ class Fields {
     rest_.remove_prefix(ended_ ? rest_.size() : end + 1);
     return field;
   }
-  template <class T>
+  template <std::integral T>
   T number() {
     const std::string field = text();
     T value{};
     const auto [end, failed] = std::from_chars(field.data(), field.data() + field.size(), value);
     if (failed != std::errc() || end != field.data() + field.size()) throw Error("A number is none.");
+    return value;
+  }
+  // By a stream: libc++ before version 20 has no std::from_chars() for fractions, and the program's locale is none of
+  // the record's.
+  double fraction() {
+    std::istringstream stream(text());
+    stream.imbue(std::locale::classic());
+    double value = 0;
+    if (!(stream >> std::noskipws >> value) || stream.peek() != std::istringstream::traits_type::eof())
+      throw Error("A number is none.");
     return value;
   }
   TrialKey key() { return {number<uint32_t>(), text()}; }
@@ -59,9 +72,10 @@ class Line {
   }
   Line& operator<<(uint64_t number) { return *this << std::to_string(number); }
   Line& operator<<(double number) {
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%.6g", number);
-    return *this << std::string(digits);
+    std::ostringstream digits;
+    digits.imbue(std::locale::classic());
+    digits << number;
+    return *this << digits.str();
   }
   Line& operator<<(const TrialKey& key) { return *this << uint64_t{key.size} << key.shape; }
   Line& operator<<(const ProgramStamp& program) { return *this << program.name << program.hash; }
@@ -84,7 +98,7 @@ void readLine(std::string_view line, TuningRecord& record) {
     const KernelChoice kernel = fields.kernel();
     Finding found{.program = fields.program()};
     found.right = fields.number<int>() != 0;
-    found.microseconds = fields.number<double>();
+    found.microseconds = fields.fraction();
     found.why = fields.text();
     record.findings[{key, kernel}] = found;
   } else if (kind == "winner") {
@@ -92,8 +106,8 @@ void readLine(std::string_view line, TuningRecord& record) {
     Winner winner{.kernel = fields.kernel()};
     winner.program = fields.program();
     winner.fixedProgram = fields.program();
-    winner.microseconds = fields.number<double>();
-    winner.fixedMicroseconds = fields.number<double>();
+    winner.microseconds = fields.fraction();
+    winner.fixedMicroseconds = fields.fraction();
     winner.isFixed = fields.number<int>() != 0;
     record.winners[key] = winner;
   } else if (kind == "struck off") {
@@ -104,9 +118,9 @@ void readLine(std::string_view line, TuningRecord& record) {
     TunedFrame frame{.taken = fields.number<int>() != 0};
     frame.normsInLinear = fields.flag();
     frame.layersFused = fields.flag();
-    frame.seconds = fields.number<double>();
-    frame.fixedSeconds = fields.number<double>();
-    frame.tuningSeconds = fields.number<double>();
+    frame.seconds = fields.fraction();
+    frame.fixedSeconds = fields.fraction();
+    frame.tuningSeconds = fields.fraction();
     frame.date = fields.number<int64_t>();
     frame.label = fields.text();
     record.frames[name] = frame;
