@@ -1,33 +1,52 @@
 #include "tuning/tuning_lock.h"
 
+#include <optional>
+
 #include "xrds/error.h"
 
-#ifndef _WIN32
+#ifdef _WIN32
+#include <windows.h>
+#else
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 #endif
 
 namespace xrds {
+namespace {
 
+// The open file, -1 where it cannot be opened, or nothing if another process holds it.
+std::optional<intptr_t> locked(const std::filesystem::path& name) {
 #ifdef _WIN32
-TuningLock::TuningLock(const std::filesystem::path&) {}
-TuningLock::~TuningLock() = default;
+  HANDLE const file = CreateFileW(name.c_str(), GENERIC_WRITE, 0, nullptr, OPEN_ALWAYS, FILE_ATTRIBUTE_NORMAL, nullptr);
+  if (file == INVALID_HANDLE_VALUE && GetLastError() == ERROR_SHARING_VIOLATION) return {};
+  return reinterpret_cast<intptr_t>(file);
 #else
+  const int file = open(name.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (file < 0 || flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  close(file);
+  return {};
+#endif
+}
+
+}  // namespace
+
 // The lock ends with the process, however that ends; the empty file stays.
 TuningLock::TuningLock(const std::filesystem::path& file) {
   if (file.empty()) return;
   auto name = file;
-  name.replace_extension(".lock");
-  descriptor_ = open(name.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  close(descriptor_);
-  throw Error("Another process is tuning this device: wait until it is done.");
+  const std::optional<intptr_t> opened = locked(name.replace_extension(".lock"));
+  if (!opened) throw Error("Another process is tuning this device: wait until it is done.");
+  file_ = *opened;
 }
 
 TuningLock::~TuningLock() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
+  if (file_ < 0) return;
+#ifdef _WIN32
+  CloseHandle(reinterpret_cast<HANDLE>(file_));
+#else
+  close(static_cast<int>(file_));
 #endif
+}
 
 }  // namespace xrds

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 namespace xrds {
 
 /// Keeps other processes from tuning the same device, whose trials would spoil each other's times. Of no effect where
-/// nothing is kept, and on Windows.
+/// nothing is kept.
 class TuningLock {
  public:
   /// `file`: of the record. Throws Error if another process holds it.
@@ -15,7 +16,7 @@ class TuningLock {
   TuningLock& operator=(const TuningLock&) = delete;
 
  private:
-  int descriptor_ = -1;
+  intptr_t file_ = -1;
 };
 
 }  // namespace xrds
