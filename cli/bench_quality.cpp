@@ -8,6 +8,7 @@
 #include "app/denoiser.h"
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "app/network_denoiser.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/output_file.h"
@@ -24,14 +25,15 @@ struct BenchQualityOptions {
   std::optional<int> colour;
   int scale = 4;
   uint32_t ensemble = 1;
-  bool quiet = false, merge = false, denoiseFirst = false;
+  bool quiet = false, merge = false, denoiseFirst = false, denoiser = false;
   std::vector<std::string> models, also;
 };
 
 /// All that takes part in a run.
 struct Contest {
   QualitySetting setting;
-  std::unique_ptr<Denoiser> denoiser;  // null: the methods see the noise
+  std::unique_ptr<Denoiser> denoiser;         // null: the methods see the noise
+  std::unique_ptr<NetworkDenoiser> networks;  // null: they are no rival
   std::vector<EngineMethod> engine;
   std::vector<FinishedImages> finished;
   SceneList list;
@@ -94,6 +96,8 @@ std::vector<EngineMethod> engineMethods(const BenchQualityOptions& options) {
   return methods;
 }
 
+std::string rivalName(const Contest& contest) { return "Open Image Denoise, " + contest.setting.auxText() + " spp"; }
+
 void requireDistinctNames(const Contest& contest) {
   std::set<std::string> names{"input"};
   const auto add = [&](const std::string& name) {
@@ -101,11 +105,19 @@ void requireDistinctNames(const Contest& contest) {
       throw Failure{ExitCode::usage, "Two methods have the name '" + name + "': rename one of them."};
   };
   for (const EngineMethod& method : contest.engine) add(method.name());
+  if (contest.networks) add(rivalName(contest));
   for (const FinishedImages& images : contest.finished) add(images.name);
 }
 
 Contest prepare(const BenchQualityOptions& options) {
-  Contest contest{settingOf(options), {}, {}, finishedOf(options), {}};
+  Contest contest{settingOf(options), {}, {}, {}, finishedOf(options), {}};
+  if (options.denoiser) {
+    if (!contest.setting.auxSamples)
+      throw Failure{ExitCode::usage, "--denoiser takes the colour of the full-resolution render: give --aux a number."};
+    contest.networks = std::make_unique<NetworkDenoiser>(NetworkDenoiser::Options{
+        .fp16 = options.precision == kFp16, .progress = [](double) { return !interrupted(); }});
+    failingWith(ExitCode::model, [&] { contest.networks->load(2, false, true); });
+  }
   if (options.denoiseFirst) {
     contest.denoiser = failingWith(ExitCode::device, [] { return std::make_unique<Denoiser>(); });
     contest.setting.denoisedBy = contest.denoiser->name();
@@ -146,6 +158,21 @@ std::map<uint32_t, Frame> framesFor(const Contest& contest, const Frame& noisy) 
   return frames;
 }
 
+// The full-resolution render with albedo and normal, which are denoised first.
+SceneQuality measureRival(NetworkDenoiser& networks, Device& device, const SceneFiles& files, const Scene& scene) {
+  Frame full(files.aux, {}, {}, {std::string(kAlbedo.name), std::string(kNormal.name)}, {.never = true});
+  full.load();
+  DeviceDenoiser denoiser(networks, device);
+  const double before = networks.runSeconds();
+  try {
+    full.denoise(denoiser, false);
+  } catch (const Cancelled&) {
+    stopIfInterrupted();
+    throw;
+  }
+  return {measure(full.colour(), scene.reference), FrameSeconds{.wall = networks.runSeconds() - before}};
+}
+
 // Adds one scene to every method of the report; their order is that of reportFor.
 void measureScene(const BenchQualityOptions& options, Contest& contest, const SceneFiles& files, Device& device,
                   QualityReport& report) {
@@ -163,6 +190,9 @@ void measureScene(const BenchQualityOptions& options, Contest& contest, const Sc
     (row++)->scenes.push_back({measure(image, scene.reference), seconds});
     if (!options.write.empty()) writeImage(options, files.name, frame, method, image);
   }
+  if (contest.networks)
+    (row++)->scenes.push_back(
+        failingWith(ExitCode::device, [&] { return measureRival(*contest.networks, device, files, scene); }));
   for (const Image& image : scene.finished) (row++)->scenes.push_back({measure(image, scene.reference)});
 }
 
@@ -172,6 +202,7 @@ QualityReport reportFor(const BenchQualityOptions& options, const Contest& conte
   if (options.scale == 1) report.methods.push_back({"input"});
   for (const EngineMethod& method : contest.engine)
     report.methods.push_back({method.name(), method.trained() ? method.model().hash() : ""});
+  if (contest.networks) report.methods.push_back({rivalName(contest)});
   for (const FinishedImages& images : contest.finished) report.methods.push_back({images.name});
   return report;
 }
@@ -255,6 +286,9 @@ void addBenchQuality(CLI::App& group) {
   verb->add_flag(
       "--denoise-first", options->denoiseFirst,
       "Open Image Denoise takes the noise out of all images before any method sees them, but for converged guides");
+  verb->add_flag("--denoiser", options->denoiser,
+                 "Also measure the full-resolution render of --aux samples, denoised by Open Image Denoise's networks "
+                 "(xrds\nimport oidn) with its albedo and normal, which are denoised first");
   verb->add_option("--ensemble", options->ensemble, "Also measure each model as the mean of so many passes")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();

@@ -118,6 +118,37 @@ TEST(CliBenchQuality, GivesEachModelItsInputsAndTakesConvergedOnesFromTheReferen
   EXPECT_TRUE(contains(ended.output, "albedo and normal converged. 2 scenes")) << ended.output;
 }
 
+// Networks of random weights in the place of Open Image Denoise's, as `xrds denoise` runs them.
+TEST(CliBenchQuality, MeasuresTheDenoisersNetworks) {
+  const SceneFolder scenes;
+  const TemporaryFolder out;
+  const std::string networks = (out / "").string(), json = (out / "x4.json").string();
+  const StartOptions there{.environment = {{"XRDS_DENOISERS", networks}}};
+  const std::vector<std::string> arguments{"bench",      "quality",    scenes.val, "--model",
+                                           scenes.model, "--denoiser", "--json",   json};
+  const Ended missing = runXrds(arguments, there);
+  EXPECT_EQ(missing.exitCode, 4) << missing.error;
+  for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
+                                 {"albedo_small", "rt_alb"},
+                                 {"normal_small", "rt_nrm"}})
+    std::filesystem::copy_file(std::string(XRDS_GOLDEN_FOLDER "/unet/") + from + ".model.safetensors",
+                               out / (std::string(to) + ".safetensors"));
+  const Ended ended = runXrds(arguments, there);
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(contains(ended.output, "Open Image Denoise, 16 spp")) << ended.output;
+  const std::string image = (out / "denoised.exr").string(), compared = (out / "compared.json").string();
+  ASSERT_EQ(runXrds({"denoise", (scenes.folder / "s1_aux16.exr").string(), "-o", image}, there).exitCode, 0);
+  ASSERT_EQ(runXrds({"compare", image, (scenes.folder / "s1_gt.exr").string(), "--json", compared}).exitCode, 0);
+  const auto methods = nlohmann::json::parse(readBytes(json))["methods"];
+  const auto found = std::find_if(methods.begin(), methods.end(),
+                                  [](const auto& method) { return method["name"] == "Open Image Denoise, 16 spp"; });
+  ASSERT_NE(found, methods.end());
+  EXPECT_NEAR((*found)["scenes"]["s1"]["psnr"].get<double>(),
+              nlohmann::json::parse(readBytes(compared))["metrics"]["psnr"].get<double>(), 1e-3);
+  const Ended converged = runXrds({"bench", "quality", scenes.val, "--aux", "converged", "--denoiser"}, there);
+  EXPECT_EQ(converged.exitCode, 2) << converged.error;
+}
+
 TEST(CliBenchQuality, SaysWhatDoesNotFit) {
   const SceneFolder scenes;
   const size_t files = scenes.folder.fileCount();
