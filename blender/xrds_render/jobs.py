@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A render of one or more frames, as a row of steps: the interface runs between them, or waits for each where there is none."""
+import functools
 import os
 import tempfile
 import threading
@@ -121,10 +122,10 @@ class Job:
         around = temporal.Surroundings(renders, self.frames, wish)
         steps, step = 2 * len(needed) + len(missing), 0
         for number in needed:
-            for kind, configure, text in (("low", passes.configure_low, "Colour"), ("full", self._configure_moving, "Guides")):
+            for kind, configure, text in (("low", passes.configure_low, "Colour"), ("full", passes.configure_full, "Guides")):
                 if not renders.has(number, kind):
                     self.scene.frame_set(number)
-                    yield from self._kept(configure, renders.file(number, kind), f"{text} of frame {number}", step / steps)
+                    yield from self._kept(functools.partial(configure, merges=True), renders.file(number, kind), f"{text} of frame {number}", step / steps)
                 step += 1
             while missing and number >= min(missing[0] + temporal.RADIUS, needed[-1]):
                 yield from self._upscale(renders, missing[0], around, wish, step, steps)
@@ -151,10 +152,6 @@ class Job:
         scene, settings = self.scene, self.settings
         return {"size": list(passes.size(scene, int(settings.scale))), "scale": int(settings.scale), "samples": list(wish.samples), "guides": settings.guides,
                 "passes": [[layer.name, *(name for owner, name in passes.flags(layer) if getattr(owner, name))] for layer in scene.view_layers]}
-
-    @staticmethod
-    def _configure_moving(*given):
-        passes.configure_full(*given, motion=True)
 
     def cancel(self):
         """Ends an upscaling soon, a render when it is done: Blender's own button beside its progress ends that at once."""

@@ -63,19 +63,25 @@ def _configure(scene, width, height, samples, path, put, keep):
         put(layer, "samples", 0)  # those of the scene
 
 
-def configure_low(scene, settings, path, recorder):
-    """The colour: light passes alone, with the colours that multiply them."""
+def configure_low(scene, settings, path, recorder, merges=False):
+    """The colour: light passes alone, with the colours that multiply them. merges: frames are merged with each other, so each needs noise of its own."""
+    if merges:
+        recorder.put(scene.cycles, "use_animated_seed", True)
     _configure(scene, *size(scene, int(settings.scale)), settings.samples, path, recorder.put, recorder.keep)
     for layer in scene.view_layers:
         recorder.put(layer.cycles, "denoising_store_passes", False)
         for owner, flag in flags(layer):
-            if flag not in LIGHT_FLAGS:
+            if flag == MOTION_FLAGS["Vector"]:  # as in the guides: Cycles 3.4 draws some textures otherwise with it
+                recorder.put(owner, flag, merges or getattr(owner, flag))
+            elif flag not in LIGHT_FLAGS:
                 recorder.put(owner, flag, flag == "use_pass_combined")
         _with_colours(layer, recorder.put)
 
 
-def configure_full(scene, settings, path, recorder, motion=False):
-    """The guides: every pass but light, which a path-traced one has in its Combined alone; with `motion` those that frames are merged by, too."""
+def configure_full(scene, settings, path, recorder, merges=False):
+    """The guides: every pass but light, which a path-traced one has in its Combined alone; to merge frames, those that tell how they move, too."""
+    if merges:
+        recorder.put(scene.cycles, "use_animated_seed", True)
     scale = int(settings.scale)
     width, height = size(scene, scale)
     if settings.guides == "CHEAP":
@@ -88,7 +94,7 @@ def configure_full(scene, settings, path, recorder, motion=False):
         for owner, flag in flags(layer):
             if flag in LIGHT_FLAGS:
                 recorder.put(owner, flag, False)
-        for flag in MOTION_FLAGS.values() if motion else ():
+        for flag in MOTION_FLAGS.values() if merges else ():
             recorder.put(layer, flag, True)
 
 
