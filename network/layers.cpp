@@ -38,6 +38,7 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   op.inFours = options.inFours && config.mayRoundInFours();
   op.weightType = storedWeights(name);
   op.rows = options.rows;
+  op.seenColumns = options.seenColumns;
   graph.nodes.push_back({name, op});
   return op.output;
 }

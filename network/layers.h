@@ -21,8 +21,9 @@ class Layers {
     TensorView into{}, residual{};
     Activation activation = Activation::none;
     bool unshuffle = false, shuffle = false;
-    RowRange rows{};       // of the convolution
-    bool inFours = false;  // see Conv3x3; wider kernels, for which exactHalo() is larger
+    RowRange rows{};           // of the convolution
+    uint32_t seenColumns = 0;  // see Conv3x3
+    bool inFours = false;      // see Conv3x3; wider kernels, for which exactHalo() is larger
   };
   TensorView conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs, ConvOptions options);
   TensorView conv(const std::string& name, TensorView x, uint32_t outputs) {

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kSizes[] = {"base", "small", "large"};
 constexpr const char* kInputs[] = {"hdr", "ldr", "albedo", "normal"};  // what x_0 begins with
 constexpr uint32_t kLevels = 4, kAlignment = 1u << kLevels;
-constexpr uint32_t kFoursFrom = kAlignment / 4;  // pixels of a crop's grid to a side: up to here fours are of the grid
+constexpr uint32_t kGrid = 2 * kAlignment;  // where tiles begin, so that pairs of pixels are the same on every level
 
 constexpr uint32_t kPicture = 3;  // channels of the last convolution
 
@@ -101,7 +101,7 @@ void parse(const Metadata& metadata, NetworkConfig& config) {
   config.auxChannels = 0;
   config.blocks = 1;
   config.groups = 1;
-  config.window = kAlignment;
+  config.window = kGrid;
   config.transfer = Transfer::none;
   config.base = BaseImage::none;
 }
@@ -123,7 +123,8 @@ class UNet {
         graph_(layers.graph),
         layout_(layoutOf(layers.config)),
         curve_(curveOf(layers.config)),
-        shape_{alignUp(frame.height, kAlignment), alignUp(frame.width, kAlignment), imageChannels()},
+        seenWidth_(alignUp(frame.width, kAlignment)),
+        shape_{alignUp(frame.height, kAlignment), alignUp(frame.width, kGrid), imageChannels()},
         sweep_(layers.sweep(shape_.height, shape_.width)) {
     graph_.colour = graph_.create("colour", DataType::f32, {frame.height, frame.width, 4});
     if (guideChannels() > 0)
@@ -161,13 +162,13 @@ class UNet {
                          {shape_.height >> k, shape_.width >> k, upsampledChannels(k) + skippedChannels(k)});
   }
   TensorView skipped(uint32_t k) const { return slice(joined_[k - 1], upsampledChannels(k), skippedChannels(k)); }
-  // Tiles begin at multiples of kAlignment, of four pixels where that is so.
-  static bool mayRoundInFours(uint32_t level) { return kAlignment >> level >= kFoursFrom; }
+  static bool mayRoundInFours(uint32_t level) { return kGrid >> level >= 4; }
 
   TensorView chain(const std::vector<Conv>& convs, TensorView x, uint32_t inputs, uint32_t level) {
     for (const Conv& conv : convs) {
-      x = layers_.conv(conv.name, x, inputs, conv.channels,
-                       {.activation = Activation::relu, .inFours = mayRoundInFours(level)});
+      x = layers_.conv(
+          conv.name, x, inputs, conv.channels,
+          {.activation = Activation::relu, .seenColumns = seenWidth_ >> level, .inFours = mayRoundInFours(level)});
       inputs = conv.channels;
     }
     return x;
@@ -217,6 +218,7 @@ class UNet {
                        {.into = advance(tensors[stage], step, stage),
                         .activation = Activation::relu,
                         .rows = made,
+                        .seenColumns = seenWidth_,
                         .inFours = true});
       }
   }
@@ -253,7 +255,8 @@ class UNet {
   Graph& graph_;
   const Layout layout_;
   const FrameCurve curve_;
-  const TensorShape shape_;  // of x_0
+  const uint32_t seenWidth_;  // of x_0 in the original: of what is behind nothing is seen
+  const TensorShape shape_;   // of x_0
   const Sweep sweep_;
   std::vector<TensorView> joined_;  // [upsample(y_{k+1}), x_k] of level k = 1 .. L
 };

@@ -166,9 +166,12 @@ std::vector<StressNetwork> stressNetworks() {
   const NetworkConfig edsr = configOf("edsr", {{"blocks", "2"}, {"residual_divisor", "10"}, {"range", "255"}});
   const NetworkConfig msspl =
       configOf("msspl", {{"groups", "1"}, {"blocks", "2"}, {"aux_inputs", "colour,albedo,normal"}});
+  const NetworkConfig oidn = configOf(
+      "oidn",
+      {{"scale", "1"}, {"size", "small"}, {"input", "hdr"}, {"width_divisor", "8"}, {"aux_inputs", "albedo,normal"}});
   return {{"full", full, true}, {"dense", dense},         {"plain", plain},         {"bare", bare},
           {"linear", linear},   {"folded", folded, true}, {"merged", merged, true}, {"swinir", swinir, true},
-          {"edsr", edsr},       {"msspl", msspl},         {"rcan", rcan, true}};
+          {"edsr", edsr},       {"msspl", msspl},         {"rcan", rcan, true},     {"oidn", oidn, true}};
 }
 
 NetworkConfig stressConfig(const std::string& name) {

@@ -4,7 +4,9 @@
 #include <iterator>
 
 #include "checks/stress/inputs.h"
+#include "frames/frame_exposure.h"
 #include "image/repair.h"
+#include "network/oidn.h"
 
 namespace xrds {
 namespace {
@@ -34,7 +36,10 @@ FrameInput StressFrame::input(bool autoExposure) const {
   };
   FrameInput in{viewOf(colour)};
   for (const Image& image : auxiliary) in.auxiliary.push_back(viewOf(image));
-  if (!autoExposure) in.exposure = givenExposure;
+  if (!autoExposure)
+    in.exposure = givenExposure;
+  else if (takesBinnedExposure)
+    in.exposure = binnedExposure(in.colour);
   return in;
 }
 
@@ -50,6 +55,7 @@ std::vector<StressFrame> stressFrames(const NetworkConfig& config, FrameShape sh
     StressFrame frame{std::string(colours[i].name), natural, stressColour(i, shape, frameSeed),
                       stressAuxiliary(aux, i, config, shape, frameSeed)};
     frame.radianceInputs = config.radianceInputs();
+    frame.takesBinnedExposure = takesBinnedExposure(config);
     if (!frame.auxiliary.empty()) frame.name += ", " + std::string(auxiliaries[aux].name);
     frame.repairedPixels = repairNonFinite(frame.colour).nonFinitePixels;
     for (Image& image : frame.auxiliary) frame.repairedPixels += repairNonFinite(image).nonFinitePixels;

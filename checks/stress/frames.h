@@ -17,6 +17,7 @@ struct StressFrame {
   uint64_t repairedPixels = 0;
   float givenExposure = 1;
   std::vector<size_t> radianceInputs;  // which of the auxiliary images are radiance
+  bool takesBinnedExposure = false;    // where the exposure is automatic
 
   bool isBlack() const;
   /// Multiplies its light, of all images that are radiance.

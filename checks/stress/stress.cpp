@@ -17,6 +17,7 @@ namespace {
 constexpr FrameShape kFrame{9, 7};  // more than one window of any model, and padding
 constexpr size_t kFewReferences = 2;
 constexpr float kScales[] = {1e-12f, 1e6f};  // of the colour, for two rows that share
+constexpr float kLeastBinnedScale = 1e-4f;   // as binnedExposure() takes luminances below 1e-8 for black
 constexpr double kScalingBound = 1e-3;       // in fp32; in fp16 two results are as far apart as rounding makes them
 
 /// What double precision makes of a frame.
@@ -248,6 +249,7 @@ class StressRun {
   // The first frame, whose result is `output`, once more with another unit of the colour.
   void scaleColour(Session& session, const std::vector<float>& output, float scale, Transfer transfer, StressRow& row) {
     StressFrame frame = frames_.front();
+    if (frame.takesBinnedExposure) scale = std::max(scale, kLeastBinnedScale);
     Reference unscaled{session.exposure(), std::vector<double>(output.size() / 3 * 4)};
     for (size_t i = 0; i < output.size(); ++i) unscaled.output[i / 3 * 4 + i % 3] = output[i];
     frame.scaleLight(scale);

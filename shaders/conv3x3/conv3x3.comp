@@ -19,7 +19,7 @@ layout(push_constant) uniform Push { Conv3x3Params p; };
 // The channel quad of the convolution's input at a pixel, zero outside.
 vec4 inputAt(ivec2 pixel, uint quad) {
   const uint sourceQuads = p.inputChannels / 4, part = quad / sourceQuads;
-  const uvec2 inside = clamp(pixel, ivec2(0), ivec2(p.width, p.height) - 1);
+  const uvec2 inside = clamp(pixel, ivec2(0), ivec2(p.seenWidth, p.height) - 1);
   const uvec2 from = inside * p.unshuffle + uvec2(part % 2, part / 2);
   const uint texel = (from.y * p.width * p.unshuffle + from.x) * p.source.stride + p.source.offset;
   const vec4 v = texelFetch(source, int(texel + quad % sourceQuads));

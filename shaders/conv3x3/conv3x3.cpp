@@ -26,6 +26,8 @@ TensorShape convolutionShape(const Conv3x3& op) {
   return {op.input.height / f, op.input.width / f, op.outputChannels};
 }
 
+uint32_t seenColumns(const Conv3x3& op) { return op.seenColumns > 0 ? op.seenColumns : convolutionShape(op).width; }
+
 // A channel of the kernels, part by part, as a channel of the weight; `channels` if it is padding.
 uint32_t weightChannel(uint32_t kernelChannel, uint32_t viewChannels, bool shuffled, uint32_t channels) {
   const uint32_t part = kernelChannel / viewChannels, c = kernelChannel % viewChannels;
@@ -210,6 +212,7 @@ shader::Conv3x3Params paramsOf(const Conv3x3& op, RowRange rows, const TensorVie
   params.unshuffle = factor(op.unshuffleInput);
   params.shuffle = f;
   params.storeOrigin = storeOrigin(op.output, {rows.begin * f, rows.end * f});
+  params.seenWidth = seenColumns(op);
   return params;
 }
 
@@ -225,6 +228,7 @@ TensorShape outputShape(const Conv3x3& op) {
   XRDS_CHECK_EQ(op.weight.size(), size_t{op.outputChannels} * op.inputChannels * 9);
   XRDS_CHECK_EQ(op.bias.size(), size_t{op.outputChannels});
   const TensorShape shape = convolutionShape(op);
+  XRDS_CHECK_LE(op.seenColumns, shape.width);
   const uint32_t f = factor(op.shuffleOutput);
   return {shape.height * f, shape.width * f, ceilDivide(op.outputChannels, 4 * f * f) * 4};
 }
@@ -293,10 +297,10 @@ std::vector<float> packedWeights(const Conv3x3& op, const DeviceTraits& device) 
 
 void reference(const Conv3x3& op, HostMemory& memory) {
   const TensorShape shape = convolutionShape(op);
-  const uint32_t height = shape.height, width = shape.width, channels = shape.channels;
+  const uint32_t height = shape.height, width = shape.width, channels = shape.channels, seen = seenColumns(op);
   const RowRange rows = resolve(op.rows, height);
   const auto input = [&](int64_t y, int64_t x, uint32_t c) {
-    if (y < 0 || x < 0 || y >= height || x >= width) return 0.0;
+    if (y < 0 || x < 0 || y >= height || x >= seen) return 0.0;
     const auto v = static_cast<uint32_t>(y), u = static_cast<uint32_t>(x);
     return op.unshuffleInput ? memory.at(op.input, 2 * v + c / 2 % 2, 2 * u + c % 2, c / 4)
                              : memory.at(op.input, v, u, c);

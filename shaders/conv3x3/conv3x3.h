@@ -11,6 +11,7 @@ struct Conv3x3Params {
   uint outputChannels;      // of the target; a shuffled one takes four times as many
   uint unshuffle, shuffle;  // 2, or 1 for none
   uint storeOrigin;         // vec4 index at which the target binding starts
+  uint seenWidth;           // columns of the convolution's input from there on are read as zero
 };
 const uint kConv3x3Pixels = 4;      // pixels of an invocation of the plain kernel, side by side
 const uint kConv3x3TilePixels = 8;  // and of the tile kernel
@@ -36,6 +37,8 @@ struct Conv3x3 {
   bool inFours = false;
   DataType weightType = DataType::f32;  // storage of the packed weights
   RowRange rows{};                      // of the convolution, before a shuffle
+  // Columns of the convolution's input that it sees, at least 1; those behind are read as zero. 0: all.
+  uint32_t seenColumns = 0;
 };
 
 /// [h, w, outputChannels] (twice the sides and a quarter of the channels if shuffled), channels rounded up to 4.

@@ -47,7 +47,7 @@ void main() {
     rowTexel[i] = int(inside * p.unshuffle * p.width * p.unshuffle * p.source.stride + p.source.offset);
   }
   [[unroll]] for (uint i = 0; i < kElements; i++) {
-    const int x = int(column + i) - 1, inside = clamp(x, 0, int(p.width) - 1);
+    const int x = int(column + i) - 1, inside = clamp(x, 0, int(p.seenWidth) - 1);
     hasColumn[i] = x == inside;
     columnTexel[i] = int(inside * p.unshuffle * p.source.stride);
   }

@@ -36,7 +36,7 @@ uint outputs() { return gl_NumWorkGroups.x * kOutputs; }  // with those behind t
 uvec2 corner() { return uvec2(gl_WorkGroupID.y * 16, p.rowBegin + gl_WorkGroupID.z * kMatrixRows); }
 
 bool isInside(ivec2 pixel) {
-  return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(p.width, p.height)));
+  return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(p.seenWidth, p.height)));
 }
 
 // The first texel of a pixel; of one outside, that of a pixel which can be read.

@@ -22,10 +22,16 @@ struct Case {
   uint32_t inputOffset = 0, inputStride = 0, outputOffset = 0, outputStride = 0;
   RowRange rows{};
   bool inFours = false;
+  uint32_t seenColumns = 0;
 };
 
 constexpr Case inFours(Case c) {
   c.inFours = true;
+  return c;
+}
+
+constexpr Case seeing(uint32_t columns, Case c) {
+  c.seenColumns = columns;
   return c;
 }
 
@@ -55,6 +61,12 @@ constexpr Case kCases[] = {
     {2, 1180, 4, 8, Layout::straight, Activation::none, true, true},
     {7, 34, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}},
     {7, 34, 16, 16, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 12, {1, 7}},
+    // Of which the last columns are not seen.
+    seeing(1, {2, 2, 4, 4}),
+    seeing(5, {3, 6, 8, 8, Layout::straight, Activation::relu, true}),
+    seeing(7, {5, 9, 12, 20}),
+    seeing(18, {4, 20, 16, 32, Layout::unshuffled}),
+    seeing(35, inFours({6, 36, 32, 32, Layout::straight, Activation::relu})),
     // By fours: one of them, groups that end within a subgroup and behind it, none left over, the layouts.
     inFours({3, 4, 8, 8}),
     inFours({5, 140, 16, 16, Layout::straight, Activation::relu, true}),
@@ -87,7 +99,8 @@ Conv3x3 operatorOf(const Case& c, DataType stored, std::span<const float> weight
       .unshuffleInput = unshuffled,
       .shuffleOutput = shuffled,
       .inFours = c.inFours,
-      .rows = c.rows};
+      .rows = c.rows,
+      .seenColumns = c.seenColumns};
   if (c.residual) op.residual = op.output;
   if (c.residual && !c.inPlace) op.residual = view(2, stored, op.output.height, op.output.width, op.output.channels);
   return op;

@@ -40,8 +40,8 @@ void main() {
   [[unroll]] for (uint i = 0; i < kPixelFetches; i++) {
     const uint at = i * kInvocations + gl_LocalInvocationIndex;
     const ivec2 pixel = ivec2(corner + uvec2(at % kStride, at / kStride)) - 1;
-    const uvec2 nearest = clamp(pixel, ivec2(0), ivec2(p.width, p.height) - 1) * p.unshuffle;
-    inside[i] = pixel.x >= 0 && pixel.y >= 0 && pixel.x < p.width && pixel.y < p.height;
+    const uvec2 nearest = clamp(pixel, ivec2(0), ivec2(p.seenWidth, p.height) - 1) * p.unshuffle;
+    inside[i] = pixel.x >= 0 && pixel.y >= 0 && pixel.x < p.seenWidth && pixel.y < p.height;
     from[i] = (nearest.y * p.width * p.unshuffle + nearest.x) * p.source.stride + p.source.offset;
   }
 
