@@ -1,5 +1,6 @@
 // out(p) = (x_h, n_h inside), (t(x_h) - t(x_p), (z_h - z_p) / max(z_h, z_p)), (a_h - a_p, 0), (normal_h - normal_p, 0):
-// h bilinear at (positions(p) + 1/2) / kScale - 1/2, x = c / (a + 0.02), t(x) = e x / (1 + e x).
+// h at (positions(p) + 1/2) / kScale - 1/2: x = c / (a + 0.02) and n bilinear, guides cubic and within the four nearest;
+// t(x) = e x / (1 + e x).
 // positions: [H, W, 4]; history, present: [H, W, 12], (c, n), (a, z), (normal, 0); out: [H, W, 16]. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -16,6 +17,14 @@ layout(binding = 3) uniform samplerBuffer exposure;
 #define LANE_ID 1
 #include "shaders/common/image_kernel.glsl"
 
+// Of Catmull and Rom's cubic convolution, for the pixels -1 to 2 from the one before the position.
+void cubicShares(vec2 part, out vec2 shares[4]) {
+  shares[0] = 0.5 * part * (part * (2.0 - part) - 1.0);
+  shares[1] = 0.5 * (part * part * (3.0 * part - 5.0) + 2.0);
+  shares[2] = 0.5 * part * (part * (4.0 - 3.0 * part) + 1.0);
+  shares[3] = 0.5 * part * part * (part - 1.0);
+}
+
 vec3 toned(vec3 light, float e) { return 1.0 - 1.0 / (1.0 + e * max(light, 0.0)); }
 
 void main() {
@@ -28,17 +37,31 @@ void main() {
   const ivec2 corner = ivec2(floor(q));
   const vec2 part = q - vec2(corner);
 
-  vec4 light = vec4(0), surface = vec4(0), normal = vec4(0);
+  vec4 light = vec4(0), lowest[2], highest[2];
   [[unroll]] for (int i = 0; i < 4; i++) {
     const ivec2 step = ivec2(i % 2, i / 2);
     const vec2 share = mix(1.0 - part, part, vec2(step));
-    const float weight = share.x * share.y;
     const int from = texelAt(p.history, replicated(corner + step, size));
-    const vec4 colour = texelFetch(history, from), guide = texelFetch(history, from + 1);
-    light += weight * vec4(colour.rgb / (max(guide.rgb, 0.0) + kAlbedoEpsilon), colour.a);
-    surface += weight * guide;
+    const vec4 colour = texelFetch(history, from);
+    const vec4 guides[2] = {texelFetch(history, from + 1), texelFetch(history, from + 2)};
+    light += share.x * share.y * vec4(colour.rgb / (max(guides[0].rgb, 0.0) + kAlbedoEpsilon), colour.a);
+    [[unroll]] for (int g = 0; g < 2; g++) {
+      lowest[g] = i == 0 ? guides[g] : min(lowest[g], guides[g]);
+      highest[g] = i == 0 ? guides[g] : max(highest[g], guides[g]);
+    }
+  }
+  vec2 shares[4];
+  cubicShares(part, shares);
+  vec4 surface = vec4(0), normal = vec4(0);
+  [[unroll]] for (int i = 0; i < 16; i++) {
+    const ivec2 step = ivec2(i % 4, i / 4);
+    const int from = texelAt(p.history, replicated(corner + step - 1, size));
+    const float weight = shares[step.x].x * shares[step.y].y;
+    surface += weight * texelFetch(history, from + 1);
     normal += weight * texelFetch(history, from + 2);
   }
+  surface = clamp(surface, lowest[0], highest[0]);
+  normal = clamp(normal, lowest[1], highest[1]);
 
   const int here = texelAt(p.present, at);
   const vec3 colour = texelFetch(present, here).rgb;

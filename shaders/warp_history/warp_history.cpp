@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "shaders/common/example.h"
 #include "shaders/common/moments.h"
@@ -9,40 +11,64 @@
 namespace xrds {
 namespace {
 
+constexpr uint32_t kLight = 4;  // channels of light and count, before those of the guides
+
 /// A frame's pixel, its radiance without the albedo.
 struct Sample {
   double channels[shader::kHistoryFrame] = {};
-
-  void add(const HostMemory& memory, const TensorView& frame, uint32_t y, uint32_t x, double weight) {
-    for (uint32_t c = 0; c < shader::kHistoryFrame; ++c) {
-      const double divisor = c < 3 ? std::max(memory.at(frame, y, x, 4 + c), 0.0) + shader::kAlbedoEpsilon : 1;
-      channels[c] += weight * (memory.at(frame, y, x, c) / divisor);
-    }
-  }
 };
 
-Sample bilinear(const HostMemory& memory, const TensorView& frame, double x, double y) {
-  const double lastX = frame.width - 1.0, lastY = frame.height - 1.0;
-  x = std::clamp(x, 0.0, lastX);
-  y = std::clamp(y, 0.0, lastY);
-  const double left = std::floor(x), top = std::floor(y);
+Sample pixelOf(const HostMemory& memory, const TensorView& frame, double x, double y) {
+  const auto column = static_cast<uint32_t>(std::clamp(x, 0.0, frame.width - 1.0));
+  const auto row = static_cast<uint32_t>(std::clamp(y, 0.0, frame.height - 1.0));
   Sample sample;
-  for (int i = 0; i < 4; ++i) {
-    const int dx = i % 2, dy = i / 2;
-    const double weight = (dx ? x - left : 1 - (x - left)) * (dy ? y - top : 1 - (y - top));
-    sample.add(memory, frame, static_cast<uint32_t>(std::min(top + dy, lastY)),
-               static_cast<uint32_t>(std::min(left + dx, lastX)), weight);
+  for (uint32_t c = 0; c < shader::kHistoryFrame; ++c) {
+    const double divisor =
+        c < 3 ? std::max(memory.at(frame, row, column, kLight + c), 0.0) + shader::kAlbedoEpsilon : 1;
+    sample.channels[c] = memory.at(frame, row, column, c) / divisor;
   }
   return sample;
+}
+
+// Catmull and Rom's weight of a pixel in that distance.
+double cubic(double distance) {
+  const double d = std::abs(distance);
+  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
+  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
+}
+
+// Light bilinear, guides cubic and within the four nearest.
+Sample interpolated(const HostMemory& memory, const TensorView& frame, double x, double y) {
+  x = std::clamp(x, 0.0, frame.width - 1.0);
+  y = std::clamp(y, 0.0, frame.height - 1.0);
+  Sample sum, lowest, highest;
+  std::fill(std::begin(lowest.channels), std::end(lowest.channels), std::numeric_limits<double>::infinity());
+  std::fill(std::begin(highest.channels), std::end(highest.channels), -std::numeric_limits<double>::infinity());
+  for (int dy = -1; dy <= 2; ++dy)
+    for (int dx = -1; dx <= 2; ++dx) {
+      const double column = std::floor(x) + dx, row = std::floor(y) + dy;
+      const double far = std::abs(x - column), down = std::abs(y - row);
+      const Sample pixel = pixelOf(memory, frame, column, row);
+      for (uint32_t c = 0; c < kLight; ++c)
+        sum.channels[c] += std::max(1 - far, 0.0) * std::max(1 - down, 0.0) * pixel.channels[c];
+      for (uint32_t c = kLight; c < shader::kHistoryFrame; ++c) {
+        sum.channels[c] += cubic(far) * cubic(down) * pixel.channels[c];
+        if (std::min(dx, dy) < 0 || std::max(dx, dy) > 1) continue;
+        lowest.channels[c] = std::min(lowest.channels[c], pixel.channels[c]);
+        highest.channels[c] = std::max(highest.channels[c], pixel.channels[c]);
+      }
+    }
+  for (uint32_t c = kLight; c < shader::kHistoryFrame; ++c)
+    sum.channels[c] = std::clamp(sum.channels[c], lowest.channels[c], highest.channels[c]);
+  return sum;
 }
 
 void referencePixel(const WarpHistory& op, HostMemory& memory, uint32_t y, uint32_t x) {
   const double exposure = memory.at(op.exposure, 0, 0, 0);
   const auto toned = [&](double light) { return 1 - 1 / (1 + exposure * std::max(light, 0.0)); };
   const auto along = [&](uint32_t c) { return (memory.at(op.positions, y, x, c) + 0.5) / op.scale - 0.5; };
-  const Sample history = bilinear(memory, op.history, along(0), along(1));
-  Sample present;
-  present.add(memory, op.present, y, x, 1);
+  const Sample history = interpolated(memory, op.history, along(0), along(1)),
+               present = pixelOf(memory, op.present, x, y);
   const auto& [h] = history;
   const auto& [p] = present;
   const double nearness = std::max({h[7], p[7], double{shader::kHistoryNearest}});

@@ -93,5 +93,29 @@ TEST(WarpHistory, RefusesWhatDoesNotFit) {
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
 }
 
+// A thin bar that is read between two pixels of it keeps more contrast than by bilinear interpolation, and nothing is
+// brighter or darker than what lies around.
+TEST(WarpHistory, KeepsTheEdgesOfGuides) {
+  constexpr uint32_t kWidth = 12, kBar = 5;
+  const WarpHistory op = warpOf({1, kWidth});
+  HostMemory memory;
+  memory.storage(op.exposure) = {1, 1, 0, 0};
+  const auto albedo = [](uint32_t x) { return x == kBar || x == kBar + 1 ? 0.9 : 0.1; };
+  for (uint32_t x = 0; x < kWidth; ++x) {
+    memory.at(op.positions, 0, x, 0) = x + 0.25;
+    for (uint32_t c = 0; c < 3; ++c) memory.at(op.history, 0, x, 4 + c) = albedo(x);
+  }
+  reference(op, memory);
+  for (uint32_t x = 1; x + 2 < kWidth; ++x) {
+    const double found = memory.at(op.output, 0, x, 8), low = std::min(albedo(x), albedo(x + 1));
+    EXPECT_GE(found, low - 1e-12) << x;
+    EXPECT_LE(found, std::max(albedo(x), albedo(x + 1)) + 1e-12) << x;
+  }
+  const double bilinear = 0.75 * 0.9 + 0.25 * 0.1;
+  EXPECT_NEAR(memory.at(op.output, 0, kBar, 8), 0.9, 1e-12);
+  EXPECT_GT(memory.at(op.output, 0, kBar + 1, 8), bilinear + 0.03);
+  EXPECT_LT(memory.at(op.output, 0, kBar - 1, 8), 0.75 * 0.1 + 0.25 * 0.9 - 0.03);
+}
+
 }  // namespace
 }  // namespace xrds
