@@ -15,7 +15,7 @@ def surroundings(scene, random, folder, strength=1.0):
         return False
     g = world(scene)
     picture = g.add("TexEnvironment", {"Vector": g.at("Generated", turn=(0, 0, random.uniform(0, math.tau)))}, "Color")
-    picture.node.image = bpy.data.images.load(str(random.choice(pictures)))
+    picture.node.image = bpy.data.images.load(str(random.choice(pictures).resolve()))
     radiance = g.mix(1, g.mix(1, picture, (0, 0, 0), "LIGHTEN"), (60, 60, 60), "DARKEN")
     g.finish(g.add("Background", {"Color": radiance, "Strength": strength}))
     return True
