@@ -66,6 +66,15 @@ def test_upscalers_may_be_dropped_within_the_progress(large):
     large(LARGE, progress=drop, **LARGE_IMAGES)
 
 
+@pytest.fixture
+def interruptible():
+    """Python ignores Ctrl-C where it was started in the background of a script."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_ends_a_frame(large):
     started = time.monotonic()
     large(LARGE, **LARGE_IMAGES)
