@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/bicubic/bicubic.h"
+#include "shaders/common/cubic.glsl"
 #include "shaders/common/image.glsl"
 #include "shaders/common/storage.glsl"
 layout(local_size_x = kImageGroupWidth, local_size_y = kImageGroupHeight) in;
@@ -13,16 +14,6 @@ layout(constant_id = 1) const int kRun = 1;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { BicubicParams p; };
-
-// The kernel at the distances t + 1, t, 1 - t and 2 - t, for 0 <= t < 1.
-vec4 cubicWeights(float t) {
-  const float a = kBicubicParameter;
-  const vec2 near = vec2(t, 1.0 - t);
-  const vec2 far = near + 1.0;
-  const vec2 inner = ((a + 2.0) * near - (a + 3.0)) * near * near + 1.0;
-  const vec2 outer = ((a * far - 5.0 * a) * far + 8.0 * a) * far - 4.0 * a;
-  return vec4(outer.x, inner, outer.y);
-}
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.x, p.firstRow + kRun * int(gl_GlobalInvocationID.y));
@@ -34,7 +25,7 @@ void main() {
   const ivec2 corner = position / (2 * kScale) - 2;
   const vec2 fraction = vec2(position % (2 * kScale)) / float(2 * kScale);
 
-  const vec4 across = cubicWeights(fraction.x);
+  const vec4 across = cubicWeights(fraction.x, kBicubicParameter);
   vec4 lines[4];
   [[unroll]] for (int i = 0; i < 4; i++) {
     lines[i] = vec4(0);
@@ -42,7 +33,7 @@ void main() {
       lines[i] += across[j] * texelFetch(source, texelAt(p.source, replicated(corner + ivec2(j, i), size)));
   }
   [[unroll]] for (int r = 0; r < kRun; r++) {
-    const vec4 down = cubicWeights(fraction.y + float(r) / float(kScale));
+    const vec4 down = cubicWeights(fraction.y + float(r) / float(kScale), kBicubicParameter);
     const vec4 sum = down.x * lines[0] + down.y * lines[1] + down.z * lines[2] + down.w * lines[3];
     const ivec2 to = at + ivec2(0, r);
     if (to.y >= p.rows.begin && to.y < p.rows.end)

@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/common/cubic.h"
 #include "shaders/common/example.h"
 #include "shaders/common/moments.h"
 
 namespace xrds {
 namespace {
 
-// The cubic convolution kernel at distance t.
-double cubic(double t) {
-  const double a = shader::kBicubicParameter;
-  t = std::abs(t);
-  if (t < 1) return ((a + 2) * t - (a + 3)) * t * t + 1;
-  if (t < 2) return ((a * t - 5 * a) * t + 8 * a) * t - 4 * a;
-  return 0;
-}
+double cubic(double t) { return cubicWeight(t, shader::kBicubicParameter); }
 
 }  // namespace
 

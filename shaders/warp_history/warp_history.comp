@@ -5,6 +5,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shaders/common/cubic.glsl"
 #include "shaders/warp_history/warp_history.h"
 layout(constant_id = 0) const int kScale = 1;
 layout(binding = 0) uniform samplerBuffer positions;
@@ -16,14 +17,6 @@ layout(binding = 3) uniform samplerBuffer exposure;
 #define RUN 1
 #define LANE_ID 1
 #include "shaders/common/image_kernel.glsl"
-
-// Of Catmull and Rom's cubic convolution, for the pixels -1 to 2 from the one before the position.
-void cubicShares(vec2 part, out vec2 shares[4]) {
-  shares[0] = 0.5 * part * (part * (2.0 - part) - 1.0);
-  shares[1] = 0.5 * (part * part * (3.0 * part - 5.0) + 2.0);
-  shares[2] = 0.5 * part * (part * (4.0 - 3.0 * part) + 1.0);
-  shares[3] = 0.5 * part * part * (part - 1.0);
-}
 
 vec3 toned(vec3 light, float e) { return 1.0 - 1.0 / (1.0 + e * max(light, 0.0)); }
 
@@ -50,13 +43,12 @@ void main() {
       highest[g] = i == 0 ? guides[g] : max(highest[g], guides[g]);
     }
   }
-  vec2 shares[4];
-  cubicShares(part, shares);
+  const vec4 across = cubicWeights(part.x, kHistoryCubic), down = cubicWeights(part.y, kHistoryCubic);
   vec4 surface = vec4(0), normal = vec4(0);
   [[unroll]] for (int i = 0; i < 16; i++) {
     const ivec2 step = ivec2(i % 4, i / 4);
     const int from = texelAt(p.history, replicated(corner + step - 1, size));
-    const float weight = shares[step.x].x * shares[step.y].y;
+    const float weight = across[step.x] * down[step.y];
     surface += weight * texelFetch(history, from + 1);
     normal += weight * texelFetch(history, from + 2);
   }

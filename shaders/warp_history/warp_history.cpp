@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 
+#include "shaders/common/cubic.h"
 #include "shaders/common/example.h"
 #include "shaders/common/moments.h"
 
@@ -30,13 +31,6 @@ Sample pixelOf(const HostMemory& memory, const TensorView& frame, double x, doub
   return sample;
 }
 
-// Catmull and Rom's weight of a pixel in that distance.
-double cubic(double distance) {
-  const double d = std::abs(distance);
-  if (d < 1) return (1.5 * d - 2.5) * d * d + 1;
-  return d < 2 ? ((-0.5 * d + 2.5) * d - 4) * d + 2 : 0;
-}
-
 // Light bilinear, guides cubic and within the four nearest.
 Sample interpolated(const HostMemory& memory, const TensorView& frame, double x, double y) {
   x = std::clamp(x, 0.0, frame.width - 1.0);
@@ -52,7 +46,8 @@ Sample interpolated(const HostMemory& memory, const TensorView& frame, double x,
       for (uint32_t c = 0; c < kLight; ++c)
         sum.channels[c] += std::max(1 - far, 0.0) * std::max(1 - down, 0.0) * pixel.channels[c];
       for (uint32_t c = kLight; c < shader::kHistoryFrame; ++c) {
-        sum.channels[c] += cubic(far) * cubic(down) * pixel.channels[c];
+        sum.channels[c] +=
+            cubicWeight(far, shader::kHistoryCubic) * cubicWeight(down, shader::kHistoryCubic) * pixel.channels[c];
         if (std::min(dx, dy) < 0 || std::max(dx, dy) > 1) continue;
         lowest.channels[c] = std::min(lowest.channels[c], pixel.channels[c]);
         highest.channels[c] = std::max(highest.channels[c], pixel.channels[c]);
