@@ -8,7 +8,7 @@
 namespace xrds {
 namespace {
 
-NetworkDenoiser::Options networkOptions(const UpscaleOptions& options, const Upscaler::Progress& progress = {}) {
+NetworkDenoiser::Options networkOptions(const UpscaleOptions& options, const Upscaler::Progress& progress) {
   return {.folder = options.denoisers,
           .fp16 = options.precision == kFp16,
           .memoryBytes = parseBytes(options.memory),
@@ -21,12 +21,7 @@ size_t guidesOf(const Frame& frame) { return !frame.imageOf(kAlbedo.name) ? 0 : 
 }  // namespace
 
 bool denoisesOnDevice(const UpscaleOptions& options, const Frame& frame) {
-  if (!options.denoiseFirst || options.denoiseBy == "library") return false;
-  NetworkDenoiser networks(networkOptions(options));
-  const bool isWanted = options.denoiseBy == "networks" || !options.denoisers.empty();
-  if (!isWanted) return networks.has(guidesOf(frame), options.cleanGuides, !options.cleanGuides);
-  failingWith(ExitCode::model, [&] { networks.load(guidesOf(frame), options.cleanGuides, !options.cleanGuides); });
-  return true;
+  return FirstDenoiser(options, {}).takes(frame);
 }
 
 void denoiseByLibrary(const UpscaleOptions& options, Frame& frame) {
@@ -38,6 +33,14 @@ void denoiseByLibrary(const UpscaleOptions& options, Frame& frame) {
 
 FirstDenoiser::FirstDenoiser(const UpscaleOptions& options, const Upscaler::Progress& progress)
     : options_(options), networks_(networkOptions(options, progress)) {}
+
+bool FirstDenoiser::takes(const Frame& frame) {
+  if (!options_.denoiseFirst || options_.denoiseBy == "library") return false;
+  const bool clean = options_.cleanGuides, isWanted = options_.denoiseBy == "networks" || !options_.denoisers.empty();
+  if (!isWanted) return networks_.has(guidesOf(frame), clean, !clean);
+  failingWith(ExitCode::model, [&] { networks_.load(guidesOf(frame), clean, !clean); });
+  return true;
+}
 
 void FirstDenoiser::denoise(Device& device, Frame& frame) {
   DeviceDenoiser denoiser(networks_, device);

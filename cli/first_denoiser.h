@@ -19,6 +19,9 @@ class FirstDenoiser {
   /// `progress`: of each network. The options must outlive it.
   FirstDenoiser(const UpscaleOptions& options, const Upscaler::Progress& progress);
 
+  /// denoisesOnDevice() for frames of a sequence.
+  bool takes(const Frame& frame);
+
   /// Throws Error, and Failure when interrupted.
   void denoise(Device& device, Frame& frame);
 

@@ -80,7 +80,7 @@ class Worker {
   // With --temporal the merged one, denoised after that.
   std::shared_ptr<const Frame> frameOf(const FrameGroup& group) {
     const Frame& present = group.present->frame;
-    const bool onDevice = denoisesOnDevice(options_, present);
+    const bool onDevice = denoiser_.takes(present);
     if (!options_.temporal && !onDevice) return {group.present, &present};
     auto frame = std::make_shared<Frame>(options_.temporal ? merger_.merged(*device_, group) : present);
     if (onDevice) {
