@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import threading
-from types import TracebackType
 from typing import Any, Optional, Sequence
 
 import numpy
@@ -14,6 +12,7 @@ from . import _native
 from ._arrays import Array, Result, readable, writable
 from ._devices import Device
 from ._errors import ArgumentError
+from ._held import Held
 from ._upscaler import AnyDevice
 
 _IMAGES = ("colour", "full_colour", "albedo", "normal")
@@ -47,7 +46,7 @@ class TemporalFrame:
     """[s h, s w]: the same of the full-resolution colour."""
 
 
-class TemporalFilter:
+class TemporalFilter(Held[_native.TemporalFilter]):
     """Merges each frame of an animation with those around it, before the upscaler sees it: less flicker and noise.
 
     width, height: of the low-resolution colour, pixels; scale: 1, 2, 4, 8 or 16.
@@ -65,8 +64,7 @@ class TemporalFilter:
             raise ArgumentError(f"There is no frame of {width} x {height} pixels to merge for scale {scale}.")
         self.width, self.height, self.scale = width, height, scale
         self.device = device if isinstance(device, Device) else Device(device)
-        self._lock = threading.Lock()
-        self._native = _native.TemporalFilter(self.device._native, width, height, scale)
+        super().__init__(_native.TemporalFilter(self.device._native, width, height, scale))
 
     def __call__(
         self, present: TemporalFrame, before: Sequence[TemporalFrame] = (), after: Sequence[TemporalFrame] = ()
@@ -98,25 +96,6 @@ class TemporalFilter:
         with self._lock:
             self._native.run(now, past, future, result)
         return dataclasses.replace(present, **images, **counts)
-
-    @property
-    def device_bytes(self) -> int:
-        """Memory of the device that this holds."""
-        with self._lock:
-            return self._native.device_bytes
-
-    def close(self) -> None:
-        """Gives its memory back now. It is of no more use; without it, this comes by itself."""
-        with self._lock:
-            self._native.close()
-
-    def __enter__(self) -> TemporalFilter:
-        return self
-
-    def __exit__(
-        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
-    ) -> None:
-        self.close()
 
     def _size(self, full: bool) -> tuple[int, int]:
         factor = self.scale if full else 1

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
 import os
-import threading
-from types import TracebackType
 from typing import Optional, Union, overload
 
 from . import _native
@@ -10,6 +8,7 @@ from ._arrays import Array, Result, output_for, readable, refuse_overlap, writab
 from ._colour import Samples, merged_or_none
 from ._devices import Device
 from ._errors import ArgumentError
+from ._held import Held
 from ._layers import LayerRun, Layers
 from ._models import Model
 from ._progress import Progress
@@ -23,7 +22,7 @@ _TUNE = {"auto": 0, "never": 1, "now": 2}
 _PRECISIONS = ("fp32", "fp16")
 
 
-class Upscaler:
+class Upscaler(Held[_native.Upscaler]):
     """A model made ready for frames of one size on a device: slow once, then fast for each frame.
 
     width, height: of the low-resolution colour, pixels.
@@ -63,9 +62,8 @@ class Upscaler:
         self.width, self.height = _size(width, "width"), _size(height, "height")
         self.model = model if isinstance(model, Model) else Model(model)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
-        self._lock = threading.Lock()
-        self._native = _native.Upscaler(
-            self.device._native, self.model._native, self.width, self.height, options, progress
+        super().__init__(
+            _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, progress)
         )
 
     @overload
@@ -123,25 +121,6 @@ class Upscaler:
         """The exposure of the last frame."""
         with self._lock:
             return self._native.exposure
-
-    @property
-    def device_bytes(self) -> int:
-        """Memory of the device that this holds."""
-        with self._lock:
-            return self._native.device_bytes
-
-    def close(self) -> None:
-        """Gives its memory back now. It is of no more use; without it, this comes by itself."""
-        with self._lock:
-            self._native.close()
-
-    def __enter__(self) -> Upscaler:
-        return self
-
-    def __exit__(
-        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
-    ) -> None:
-        self.close()
 
     def _run(
         self,
