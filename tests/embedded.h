@@ -7,6 +7,7 @@
 
 #include "engine/half.h"
 #include "tests/c_api.h"
+#include "tests/heap_count.h"
 #include "tests/vulkan_host.h"
 
 namespace xrds::test {
@@ -141,6 +142,26 @@ class Embedded : public testing::Test {
   VkCommandBuffer recorded(const Frame& frame) {
     const VkCommandBuffer commands = host->begin();
     EXPECT_EQ(xrdsRecord(frame.recording, commands), XRDS_OK) << xrdsGetMessage();
+    host->end(commands);
+    return commands;
+  }
+  // The same, which calls Vulkan once and allocates nothing.
+  VkCommandBuffer recordedWithoutAllocating(const Frame& frame) {
+    const VkCommandBuffer commands = host->begin();
+    VulkanHost::takeCalls();
+    {
+      const HeapCount heap;
+      const XrdsResult result = xrdsRecord(frame.recording, commands);
+      EXPECT_EQ(heap.allocations(), 0u);
+      EXPECT_EQ(result, XRDS_OK) << xrdsGetMessage();
+    }
+    {
+      const HeapCount heap;
+      ::operator delete(::operator new(4));
+      EXPECT_EQ(heap.allocations(), 1u);  // it does count
+    }
+    const std::vector<std::pair<std::string, int>> calls = VulkanHost::takeCalls();
+    EXPECT_EQ(calls, (std::vector<std::pair<std::string, int>>{{"vkCmdExecuteCommands", 1}}));
     host->end(commands);
     return commands;
   }
