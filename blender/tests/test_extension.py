@@ -68,6 +68,22 @@ class WithBlender(unittest.TestCase):
     def result(self, name):
         return exr.load(os.path.join(self.folder, name))
 
+    def stop_after_a_frame(self):
+        """An animation of "layers" that is cancelled in its second frame leaves the first one and the settings."""
+        count = []
+
+        def stopping(*given, upscale=frame.upscale):
+            count.append(1)
+            if len(count) == 2:
+                raise xrds.Cancelled("enough")
+            upscale(*given)
+
+        before = snapshot()
+        with mock.patch.object(frame, "upscale", stopping):
+            self.assertEqual(bpy.ops.xrds.render(animation=True), {"CANCELLED"})
+        self.assertEqual(differences(before, snapshot()), [])
+        self.assertEqual(self.exrs(), ["layers_0001_xrds.exr"])
+
     def exrs(self):
         return sorted(name for name in os.listdir(self.folder) if ".exr" in name)
 
@@ -180,19 +196,7 @@ class Animation(WithBlender):
 
     def test_a_stopped_one_goes_on(self):
         self.open("layers")
-        count = []
-
-        def stopping(*given, upscale=frame.upscale):
-            count.append(1)
-            if len(count) == 2:
-                raise xrds.Cancelled("enough")
-            upscale(*given)
-
-        before = snapshot()
-        with mock.patch.object(frame, "upscale", stopping):
-            self.assertEqual(bpy.ops.xrds.render(animation=True), {"CANCELLED"})
-        self.assertEqual(differences(before, snapshot()), [])
-        self.assertEqual(self.exrs(), ["layers_0001_xrds.exr"])
+        self.stop_after_a_frame()
         self.assertIn("1 frame", operators.last)
         stamp = os.stat(os.path.join(self.folder, "layers_0001_xrds.exr")).st_mtime_ns
         self.render(animation=True)
@@ -243,19 +247,7 @@ class Steady(WithBlender):
         self.assertNotIn("Front.Depth.Z", whole[0])
         for name in self.exrs():
             os.remove(os.path.join(self.folder, name))
-        count = []
-
-        def stopping(*given, upscale=frame.upscale):
-            count.append(1)
-            if len(count) == 2:
-                raise xrds.Cancelled("enough")
-            upscale(*given)
-
-        before = snapshot()
-        with mock.patch.object(frame, "upscale", stopping):
-            self.assertEqual(bpy.ops.xrds.render(animation=True), {"CANCELLED"})
-        self.assertEqual(differences(before, snapshot()), [])
-        self.assertEqual(self.exrs(), ["layers_0001_xrds.exr"])
+        self.stop_after_a_frame()
         with mock.patch.object(jobs, "Render", side_effect=AssertionError("there is nothing to render")):
             self.render(animation=True)
         self.check_same(whole, self.channels("layers"))
