@@ -247,6 +247,8 @@ uint64_t PreparedNetwork::deviceBytes() const {
 
 uint64_t PreparedNetwork::paceFor(double runMilliseconds) const {
   constexpr double kSubmissionMilliseconds = 10;
+  // A run that computes little is ruled by what each submission costs.
+  if (!isOnDevice() && upscaler_.skipMap().share(SkipMap::Window::kept) > 0) return options_.multiplyAddsAtOnce;
   double multiplyAdds = 0, microseconds = 0;
   for (const Upscaler::ProfileRow& row : profile()) {
     multiplyAdds += static_cast<double>(row.multiplyAdds);

@@ -67,7 +67,8 @@ class PreparedNetwork {
   std::vector<Upscaler::ProfileRow> profile() const;
   float exposure() const;
   uint64_t deviceBytes() const;
-  /// How large submissions should be, by the time that the last run took, for each to take about 10 ms.
+  /// How large submissions should be, by the time that the last run took, for each to take about 10 ms: as they are
+  /// where that run kept windows of the one before.
   uint64_t paceFor(double runMilliseconds) const;
 
  private:

@@ -22,12 +22,11 @@ TEST_F(ViewerDisplay, SwitchesSkippingAndShowsTheMap) {
   EXPECT_EQ(compared.exitCode, 0) << compared.output << compared.error;
 }
 
-// The time of the first picture may lead to other submissions and a network prepared anew, which has nothing to keep.
+// The pace of a run that was computed as a whole may lead to a network prepared anew, which has nothing to keep: that of
+// the first pictures, then no more.
 TEST_F(ViewerDisplay, KeepsWhatDidNotChangeInWatchedFiles) {
   writeHalfEvenFrame(folder / "first.exr", folder / "aux.exr", 70);
   writeHalfEvenFrame(folder / "second.exr", folder / "aux.exr", 70, 63);
-  // The first pictures may compile, so that the network is made anew at the pace of those behind, and keeps nothing
-  // once.
   const Ended ended =
       run("copy first.exr lr.exr\nawait 1\nwait\nprint\ncopy second.exr lr.exr\nawait 2\nwait\n"
           "copy first.exr lr.exr\nawait 3\nwait\ncopy second.exr lr.exr\nawait 4\nwait\nprint\n"
