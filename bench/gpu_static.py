@@ -31,7 +31,7 @@ FRAME = 256  # a side of the low-resolution frame
 MATRIX_KERNELS = ("conv3x3", "linear", "swin_layer")
 WARP_SCHEDULERS = 4  # of a multiprocessor of NVIDIA, which share its warps
 MODELS = sorted(path.stem for path in (ROOT / "models").glob("*.safetensors"))
-OTHERS = ("edsr", "rcan", "swinir", "msspl")  # networks of others, with random weights
+OTHERS = gpu_static_report.OTHERS
 
 
 class Mesa:

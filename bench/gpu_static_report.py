@@ -4,10 +4,12 @@ import json
 import subprocess
 
 SHOWN_MODEL = "xrds-x4-compact"
+OTHERS = ("edsr", "rcan", "swinir", "msspl")  # networks of others, with random weights
 HEAD = """# The kernels under the compilers of GPUs
 
 Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}: RADV on its null device compiled every pipeline of every shipped model,
-and of EDSR, RCAN, SwinIR and MSSPL in their published sizes with random weights, for GPUs of AMD that were not there, and NVK for those of NVIDIA (Turing, chip 164; Ampere, chip 174) on a kernel interface that does nothing (Debian's `mesa-drm-shim`).
+and of EDSR, RCAN, SwinIR and MSSPL in their published sizes with random weights, for GPUs of AMD that were not there, and NVK for those of NVIDIA
+(Turing, chip 164; Ampere, chip 174) on a kernel interface that does nothing (Debian's `mesa-drm-shim`).
 Nothing ran, so these are counts and a compiler's estimates, not times. ACO guesses how often a loop runs: its latency and inverse throughput compare variants of
 one kernel with the same loops, and nothing else. Of NVIDIA's, latency is NAK's count of cycles, waves are warps of a scheduler, and counts are of
 the whole program. On gfx1200 this Mesa offers no matrix units yet, and of Ada (chip 192) the shim knows too little. `bench/results/gpu_static.json` has every pipeline.
@@ -101,13 +103,21 @@ def dispatch_lines(report):
     return rows
 
 
+def kernel_tables(report, name, wanted, models):
+    """Of the models on that GPU, in fp16."""
+    rows = []
+    for gpu in report["gpus"]:
+        for network in gpu["networks"]:
+            if gpu["gpu"] == name and network["family"] in wanted and network["model"] in models and network["precision"] == "fp16":
+                rows += [*kernel_lines(gpu, network), ""]
+    return rows
+
+
 def document(report):
     parts = [HEAD.format(**report), "## All pipelines", "", *overview(report), "", "## Dispatches of a frame", "", *dispatch_lines(report), "",
              f"## Kernels of `{SHOWN_MODEL}`", "", "Those with at least 1 % of the work; counts are of the inner loop, on ampere of the whole program.", ""]
     shown = (("navi31", ("matrix", "fused", "tile")), ("navi21", ("tile",)), ("vega10", ("tile",)), ("ampere", ("matrix", "fused", "tile")))
     for name, wanted in shown:
-        for gpu in report["gpus"]:
-            for network in gpu["networks"]:
-                if gpu["gpu"] == name and network["family"] in wanted and network["model"] == SHOWN_MODEL and network["precision"] == "fp16":
-                    parts += [*kernel_lines(gpu, network), ""]
+        parts += kernel_tables(report, name, wanted, [SHOWN_MODEL])
+    parts += ["## Kernels of networks of others", "", *kernel_tables(report, "navi31", ("matrix",), OTHERS)]
     return "\n".join(parts).rstrip() + "\n"
