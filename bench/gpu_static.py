@@ -5,6 +5,7 @@ device, and NVK for those of NVIDIA on a kernel interface that does nothing.
     cmake --build --preset release --target xrds_gpu_static
     python3 bench/gpu_static.py                                       # minutes; writes bench/gpu_static.md and results
     python3 bench/gpu_static.py --gpus navi31 --models xrds-x4-compact --print  # one, to look at
+    python3 bench/gpu_static.py --gpus vega10 --models xrds-x4-compact --print --shape 4,4  # a shape that tuning tries
 
 Nothing runs: these are what a compiler says and counts, not times. ACO guesses how often loops run, so its latency and
 inverse throughput compare variants of one kernel under one Mesa, and nothing else.
@@ -136,12 +137,16 @@ def main():
     parser.add_argument("--gpus", default=",".join(COMPUTE_UNITS))
     parser.add_argument("--models", default=",".join((*MODELS, *OTHERS)))
     parser.add_argument("--print", action="store_true", help="print the kernels of each model and write nothing")
+    parser.add_argument("--shape", default="0,0", help="OUTPUTS,ROWS asked of all kernels, as tuning asks of one (KernelShape); with --print")
     options = parser.parse_args()
+    if options.shape != "0,0" and not options.print:
+        sys.exit("--shape goes with --print: the table is of the fixed choice.")
     names = options.gpus.split(",")
     for mesa in map(mesa_of, names):
         if not mesa.exists():
             sys.exit(f"{mesa.folder} has no Mesa: run bench/gpu_static_mesa.sh.")
-    gpus = measure_all(options.program, names, options.models.split(","))
+    outputs, rows = options.shape.split(",")
+    gpus = measure_all(options.program, names, options.models.split(","), "--shape-outputs", outputs, "--shape-rows", rows)
     if options.print:
         for gpu in gpus:
             for network in gpu["networks"]:

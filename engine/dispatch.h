@@ -48,7 +48,7 @@ struct MatrixSize {
 /// How the kernel of a family shares out its work, where that may be chosen. What is 0, or does not fit an operator, is
 /// left to the operator's own rule.
 struct KernelShape {
-  uint32_t outputs = 0;   // channels of a lane, or fragments of them of a workgroup
+  uint32_t outputs = 0;   // channels of a lane, fragments of them of a workgroup, or pixels
   uint32_t rows = 0;      // rows of pixels, tokens or queries of an invocation; or the order of its outputs
   uint32_t subgroup = 0;  // invocations of a subgroup, one of subgroupSizes()
   auto operator<=>(const KernelShape&) const = default;

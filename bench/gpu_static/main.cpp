@@ -28,6 +28,7 @@ struct Options {
   uint64_t memoryBytes = uint64_t{8} << 30;        // of the device; the null device says nothing of it
   uint32_t sharedBytes = 0, groupInvocations = 0;  // not 0: those of a smaller device
   uint32_t subgroupSize = 0;                       // not 0: of the kernels that know theirs
+  KernelShape shape;                               // asked of all kernels, as tuning asks of one
 };
 
 // What stands behind the name in the compiler's text of a program: "workgroup_size: 64, 1, 1".
@@ -75,6 +76,7 @@ class Report {
     traits.memoryBytes = options_.memoryBytes;
     if (options_.sharedBytes) traits.maxSharedBytes = options_.sharedBytes;
     if (options_.subgroupSize) traits.subgroupSize = options_.subgroupSize;
+    traits.shape = options_.shape;
     if (options_.groupInvocations) traits.maxGroupInvocations = options_.groupInvocations;
     const Graph graph =
         buildGraph(model.config(), {options_.height, options_.width}, model.lookup(),
@@ -146,6 +148,9 @@ int main(int argc, char** argv) {
   app.add_option("--shared-bytes", options.sharedBytes, "Shared memory of a smaller device");
   app.add_option("--group-invocations", options.groupInvocations, "Invocations of a group of a smaller device");
   app.add_option("--subgroup-size", options.subgroupSize, "Of the kernels that know theirs");
+  app.add_option("--shape-outputs", options.shape.outputs,
+                 "Asked of all kernels, as tuning does: KernelShape::outputs");
+  app.add_option("--shape-rows", options.shape.rows, "KernelShape::rows");
   CLI11_PARSE(app, argc, argv);
   try {
     return xrds::run(options);

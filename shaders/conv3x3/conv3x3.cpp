@@ -72,23 +72,22 @@ LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
 
 // A workgroup of the tile kernel: columns * rows * strips invocations, each four outputs of a strip of pixels.
 struct TileShape {
-  uint32_t columns = 0, rows = 0, strips = 0;  // 0: the device takes the plain kernel
+  uint32_t columns = 0, rows = 0, strips = 0, pixels = 8;  // 0 columns: the device takes the plain kernel
 };
 
-// Fewer rows where a GPU would have too few workgroups.
+// Fewer rows where a GPU would have too few workgroups. Four pixels, which tuning may ask for, take half the registers.
 TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
   constexpr uint32_t kLeastRows = 8, kEnoughGroups = 256;
   const uint32_t columns = tileColumns(kernelOutputs(op) / 4), strips = columns >= 8 ? 2 : 4;
   TileShape tile{columns, std::min(kTileInvocations / columns / strips, 32u), strips};
-  const auto sharedBytes = [&] {
-    return 16 * ((shader::kConv3x3TilePixels * strips + 2) * (tile.rows + 2) + 36 * columns);
-  };
+  if (device.family == KernelFamily::tile && device.shape.outputs == 4) tile.pixels = 4;
+  const auto sharedBytes = [&] { return 16 * ((tile.pixels * strips + 2) * (tile.rows + 2) + 36 * columns); };
   if (device.shape.rows > 0) tile.rows = std::min(tile.rows, device.shape.rows);
   while (tile.rows > 1 && sharedBytes() > device.maxSharedBytes) tile.rows /= 2;
   const auto groups = [&] {
     const TensorShape shape = convolutionShape(op);
-    return uint64_t{ceilDivide(kernelOutputs(op), 4 * columns)} *
-           ceilDivide(shape.width, shader::kConv3x3TilePixels * strips) * ceilDivide(shape.height, tile.rows);
+    return uint64_t{ceilDivide(kernelOutputs(op), 4 * columns)} * ceilDivide(shape.width, tile.pixels * strips) *
+           ceilDivide(shape.height, tile.rows);
   };
   while (tile.rows > kLeastRows && groups() < kEnoughGroups) tile.rows /= 2;
   const bool fits = takesTiles(device) && sharedBytes() <= device.maxSharedBytes &&
@@ -268,10 +267,9 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                          ceilDivide(rowCount, shader::kMatrixRows)};
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {
     launch.program = programName("conv3x3", KernelFamily::tile, op.output.type);
-    launch.specialization = {tile.columns, tile.rows, tile.strips, activation, hasResidual};
+    launch.specialization = {tile.columns, tile.rows, tile.strips, activation, hasResidual, tile.pixels};
     launch.groupCount = {ceilDivide(kernelOutputs(op), 4 * tile.columns),
-                         ceilDivide(shape.width, shader::kConv3x3TilePixels * tile.strips),
-                         ceilDivide(rowCount, tile.rows)};
+                         ceilDivide(shape.width, tile.pixels * tile.strips), ceilDivide(rowCount, tile.rows)};
   } else {
     launch.program = programName("conv3x3", KernelFamily::plain, op.output.type);
     launch.specialization = {activation, hasResidual};
@@ -282,7 +280,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
 }
 
 std::vector<KernelShape> shapesToTry(const Conv3x3&, const DeviceTraits& device) {
-  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}};
+  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.outputs = 4}};
   if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
   if (device.family != KernelFamily::lane) return {};
   return {{8, 4}, {8, 2}, {16, 2}, {32, 2}};

@@ -13,9 +13,8 @@ struct Conv3x3Params {
   uint storeOrigin;         // vec4 index at which the target binding starts
   uint seenWidth;           // columns of the convolution's input from there on are read as zero
 };
-const uint kConv3x3Pixels = 4;      // pixels of an invocation of the plain kernel, side by side
-const uint kConv3x3TilePixels = 8;  // and of the tile kernel
-const float kWinogradPoint = 1.5;   // of F(4, 3), beside its inverse, the negatives of both, zero and infinity
+const uint kConv3x3Pixels = 4;     // pixels of an invocation of the plain kernel, side by side
+const float kWinogradPoint = 1.5;  // of F(4, 3), beside its inverse, the negatives of both, zero and infinity
 XRDS_SHARED_END
 
 #ifdef __cplusplus
@@ -49,7 +48,8 @@ TensorShape outputShape(const Conv3x3& op);
 Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device);
 
 /// Shapes of the device's family that are worth a try beside the rule's own: outputs and rows of a lane, rows of a
-/// workgroup of the tile kernel, fragments of a workgroup of the matrix kernel.
+/// workgroup and pixels of an invocation (as outputs) of the tile kernel, fragments of a workgroup of the matrix
+/// kernel.
 std::vector<KernelShape> shapesToTry(const Conv3x3& op, const DeviceTraits& device);
 
 /// Double precision, in reads as its weights; the kernels' heads give the layouts. A shuffled channel c, y, x stands

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
@@ -134,6 +136,24 @@ INSTANTIATE_TEST_SUITE_P(All, Conv3x3Cases,
 INSTANTIATE_TEST_SUITE_P(Matrix, Conv3x3Cases,
                          testing::Combine(testing::ValuesIn(kCases), testing::Values(KernelFamily::matrix),
                                           testing::Values(DataType::f16)));
+
+TEST(Conv3x3, MatchesReferenceInTheShapesThatTuningTriesOnGpus) {
+  DeviceTraits traits = test::traitsOf(KernelFamily::tile);
+  for (const Case& c : {Case{9, 37, 20, 24}, {10, 7, 20, 64, Layout::shuffled}, {5, 18, 64, 16, Layout::unshuffled}}) {
+    const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs * 9, 1));
+    const auto bias = halves(test::randomNumbers(c.outputs, 2));
+    const Conv3x3 op = operatorOf(c, DataType::f32, weight, bias);
+    std::set<std::vector<uint32_t>> kernels;
+    for (const KernelShape& shape : shapesToTry(op, traits)) {
+      traits.shape = shape;
+      SCOPED_TRACE(std::to_string(shape.outputs) + " pixels, rows " + std::to_string(shape.rows));
+      EXPECT_EQ(dispatch(op, traits).program, "conv3x3_tile_f32");
+      kernels.insert(dispatch(op, traits).specialization);
+      test::expectMatchesReference(op, traits, test::toleranceOf(DataType::f32));
+    }
+    EXPECT_EQ(kernels.size(), 3u);
+  }
+}
 
 // Small integers, of which every order of the sums gives the same float.
 TEST(Conv3x3, IsExactOnMatrixUnits) {

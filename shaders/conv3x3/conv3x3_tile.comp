@@ -1,6 +1,6 @@
 // y = activation(x * w + b) + residual as in conv3x3.comp, for GPUs.
-// A workgroup computes 8 * kStrips by kRows pixels of 4 * kColumns outputs, an invocation (column, row, strip) four outputs
-// of eight pixels side by side. One input quad a step lies in shared memory: the pixels with their border, and the weights
+// A workgroup computes kPixels * kStrips by kRows pixels of 4 * kColumns outputs, an invocation (column, row, strip) four
+// outputs of kPixels side by side. One input quad a step lies in shared memory: the pixels with their border, and the weights
 // of all taps. The next step's texels are on their way to registers while this one is multiplied. Weights as in
 // conv3x3.comp. Any subgroup size; every output is summed in the same order wherever it lies. fp32.
 #version 450
@@ -12,6 +12,7 @@
 layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
+layout(constant_id = 5) const uint kPixels = 8;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
@@ -20,7 +21,7 @@ layout(push_constant) uniform Push { Conv3x3Params p; };
 
 const uint kColumns = gl_WorkGroupSize.x, kRows = gl_WorkGroupSize.y, kStrips = gl_WorkGroupSize.z;
 const uint kInvocations = kColumns * kRows * kStrips;
-const uint kWidth = kConv3x3TilePixels * kStrips, kStride = kWidth + 2;  // of the pixels, without and with the border
+const uint kWidth = kPixels * kStrips, kStride = kWidth + 2;  // of the pixels, without and with the border
 const uint kPixelTexels = kStride * (kRows + 2), kWeightTexels = 36 * kColumns;
 const uint kPixelFetches = (kPixelTexels + kInvocations - 1) / kInvocations;
 const uint kWeightFetches = (kWeightTexels + kInvocations - 1) / kInvocations;
@@ -33,7 +34,7 @@ void main() {
   const uint column = gl_LocalInvocationID.x, row = gl_LocalInvocationID.y;
   const uint firstQuad = gl_WorkGroupID.x * kColumns, quad = firstQuad + column;
   const uvec2 corner = uvec2(gl_WorkGroupID.y * kWidth, p.rowBegin + gl_WorkGroupID.z * kRows);
-  const uint stripBegin = gl_LocalInvocationID.z * kConv3x3TilePixels;  // in the tile
+  const uint stripBegin = gl_LocalInvocationID.z * kPixels;  // in the tile
 
   uint from[kPixelFetches];  // first texels of the pixels that this invocation fetches
   bool inside[kPixelFetches];
@@ -45,9 +46,9 @@ void main() {
     from[i] = (nearest.y * p.width * p.unshuffle + nearest.x) * p.source.stride + p.source.offset;
   }
 
-  vec4 nextX[kPixelFetches], nextW[kWeightFetches], sum[kConv3x3TilePixels];
+  vec4 nextX[kPixelFetches], nextW[kWeightFetches], sum[kPixels];
   const vec4 bias = texelFetch(weights, int(9 * 4 * inputQuads * outputQuads + min(quad, lastQuad)));
-  [[unroll]] for (uint i = 0; i < kConv3x3TilePixels; i++) sum[i] = bias;
+  [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i] = bias;
 
   for (uint step = 0; step <= inputQuads; step++) {
     if (step > 0) {  // what was fetched in the round before
@@ -77,13 +78,13 @@ void main() {
     }
     if (step > 0) {
       [[unroll]] for (uint ky = 0; ky < 3; ky++) {
-        vec4 line[kConv3x3TilePixels + 2];
-        [[unroll]] for (uint i = 0; i < kConv3x3TilePixels + 2; i++)
+        vec4 line[kPixels + 2];
+        [[unroll]] for (uint i = 0; i < kPixels + 2; i++)
           line[i] = x[(row + ky) * kStride + stripBegin + i];
         [[unroll]] for (uint kx = 0; kx < 3; kx++) {
           [[unroll]] for (uint c = 0; c < 4; c++) {
             const vec4 ofChannel = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
-            [[unroll]] for (uint i = 0; i < kConv3x3TilePixels; i++) sum[i] += ofChannel * line[i + kx][c];
+            [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i] += ofChannel * line[i + kx][c];
           }
         }
       }
@@ -93,7 +94,7 @@ void main() {
   const uvec2 first = corner + uvec2(stripBegin, row);
   if (quad > lastQuad || first.y >= p.rowEnd) return;
   const uint targetQuads = p.outputChannels / 4, part = quad / targetQuads, targetQuad = quad % targetQuads;
-  [[unroll]] for (uint i = 0; i < kConv3x3TilePixels; i++) {
+  [[unroll]] for (uint i = 0; i < kPixels; i++) {
     if (first.x + i >= p.width) break;
     const uvec2 to = (first + uvec2(i, 0)) * p.shuffle + uvec2(part % 2, part / 2);
     const uint pixel = to.y * p.width * p.shuffle + to.x;
