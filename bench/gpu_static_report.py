@@ -19,8 +19,10 @@ Frames of {frame} x {frame} low-resolution pixels.
 *Filling* is the share of a frame's work in dispatches of at least two workgroups for each compute unit. *16-bit* are loads of single halves.
 
 Short of the aim of four waves a SIMD, on vega10 alone: window attention (2; plain 3), `linear_tile` (3) and `conv3x3_tile` (2), whose four waves would have 64
-registers each. By the compiler's estimates they are enough: latency divided by the waves is at most the inverse throughput. Half the pixels or
-tokens an invocation gives 3 or 4 waves, and an inverse throughput 7 % (`conv3x3_tile`) and 9 % (`linear_tile`) higher for the same work.
+registers each. Registers are what limits them, not shared memory. By the compiler's estimates two waves are enough: latency divided by the waves is at
+most the inverse throughput. So the fixed choice stays as it is, and smaller ones are left to `xrds tune`: four pixels an invocation of `conv3x3_tile`
+(`--shape 4,0`) have 3 or 4 waves, and an inverse throughput 7 to 12 % higher for the same work; four tokens of `linear_tile` (`--shape 0,4`) 4 waves and 8 to 12 %.
+Window attention that takes four keys together in place of eight has 3 waves where windows are not shifted, else 2, and 16 to 25 % more: not kept.
 
 NVK leaves the loops of `conv3x3_plain` and `linear_plain` over their pixels and tokens as they are: their sums, 64 to 80 bytes, lie in local memory. No other
 family has any.
