@@ -17,21 +17,27 @@ const uint kDownBias = kFew * kQuads, kUp = kDownBias + (kFew + 3) / 4, kUpBias 
 shared vec4 means[kQuads];
 shared float hidden[kFew];
 
+// The lanes leave each loop together: lavapipe of Mesa 26.1 crashes where texels are fetched in one that they leave one by one.
 void main() {
-  const uint lane = gl_LocalInvocationID.x;
-  for (uint quad = lane; quad < kQuads; quad += kChannelGateGroup) {
+  for (uint first = 0; first < kQuads; first += kChannelGateGroup) {
+    const uint quad = first + gl_LocalInvocationID.x;
+    if (quad >= kQuads) continue;
     vec4 sum = vec4(0);
     for (uint y = 0; y < p.height; y++) sum += texelFetch(source, int(y * p.source.stride + p.source.offset + quad));
     means[quad] = sum / float(p.height);
   }
   barrier();
-  for (uint j = lane; j < kFew; j += kChannelGateGroup) {
+  for (uint first = 0; first < kFew; first += kChannelGateGroup) {
+    const uint j = first + gl_LocalInvocationID.x;
+    if (j >= kFew) continue;
     float sum = texelFetch(weights, int(kDownBias + j / 4))[j % 4];
     for (uint quad = 0; quad < kQuads; quad++) sum += dot(texelFetch(weights, int(j * kQuads + quad)), means[quad]);
     hidden[j] = max(sum, 0.0);
   }
   barrier();
-  for (uint quad = lane; quad < kQuads; quad += kChannelGateGroup) {
+  for (uint first = 0; first < kQuads; first += kChannelGateGroup) {
+    const uint quad = first + gl_LocalInvocationID.x;
+    if (quad >= kQuads) continue;
     vec4 sum = texelFetch(weights, int(kUpBias + quad));
     for (uint j = 0; j < kFew; j++) sum += hidden[j] * texelFetch(weights, int(kUp + j * kQuads + quad));
     target[p.target.offset + quad] = stored4(1.0 / (1.0 + exp(-sum)));

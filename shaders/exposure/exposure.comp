@@ -14,14 +14,16 @@ layout(push_constant) uniform Push { ExposureParams p; };
 const uint kGroup = gl_WorkGroupSize.x;
 shared vec2 partial[kGroup];  // sum of what is asked for, count
 
-// The sum of L^(1/8) or log(L) over the pixels with finite L > darkest, and their number, in partial[0].
+// The sum of L^(1/8) or log(L) over the pixels with finite L > darkest, and their number, in partial[0]. The lanes leave
+// each loop together: lavapipe of Mesa 26.1 crashes where texels are fetched in one that they leave one by one.
 void sumOver(bool roots, float darkest) {
   const uint lane = gl_LocalInvocationIndex;
   vec2 total = vec2(0);
-  for (uint begin = lane; begin < p.pixelCount; begin += 64 * kGroup) {
-    const uint end = min(begin + 64 * kGroup, p.pixelCount);
+  for (uint begin = 0; begin < p.pixelCount; begin += 64 * kGroup) {
     vec2 sum = vec2(0);
-    for (uint pixel = begin; pixel < end; pixel += kGroup) {
+    for (uint first = begin; first < min(begin + 64 * kGroup, p.pixelCount); first += kGroup) {
+      const uint pixel = first + lane;
+      if (pixel >= p.pixelCount) continue;
       const vec3 value = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
       const float luminance = dot(value, vec3(0.2126, 0.7152, 0.0722));
       // The second comparison fails for infinity, both for NaN.
