@@ -105,7 +105,8 @@ class TilePlanner {
   uint64_t room_ = 0;
 };
 
-Error tooSmall(const TilePlanner& planner, const Needs& least, const MemoryLimits& limits, FrameShape smallest) {
+Error tooSmall(const TilePlanner& planner, const Needs& least, const MemoryLimits& limits, FrameShape smallest,
+               bool areBounded) {
   if (least.arenaByteSize == kNoGraph)
     return Error("The smallest tiles of the frame are " + std::to_string(smallest.width) + " x " +
                  std::to_string(smallest.height) + " pixels of the colour, but no side of a tile's output may exceed " +
@@ -114,11 +115,12 @@ Error tooSmall(const TilePlanner& planner, const Needs& least, const MemoryLimit
   if (planner.fitsMemory(least))
     return Error("The smallest tiles of the frame hold a tensor of " + std::to_string(least.largestTexels) +
                  " texels, but the device binds at most " + std::to_string(limits.traits.maxTexelBufferElements) +
-                 ": take bounded tiles, a smaller model or another device.");
+                 ": take " + std::string(areBounded ? "" : "bounded tiles, ") + "a smaller model or another device.");
   return Error("The smallest tiles of the frame need " +
                std::to_string((least.arenaByteSize + planner.weightByteSize + 999'999) / 1'000'000) +
                " MB of device memory, but " + std::to_string(limits.byteSize / 1'000'000) +
-               " MB are allowed: allow more, or take fp16, bounded tiles or a smaller model.");
+               " MB are allowed: allow more, or take fp16" + (areBounded ? "" : ", bounded tiles") +
+               " or a smaller model.");
 }
 
 }  // namespace
@@ -142,7 +144,7 @@ TileChoice chooseTiles(const NetworkModel& model, FrameShape frame, Precision pr
     if (needs.arenaByteSize < least.arenaByteSize) least = needs;
     likelyPixels = std::min(0.98, 1.1 * needs.share) * pixels;
   }
-  throw tooSmall(planner, least, limits, smallest->crop);
+  throw tooSmall(planner, least, limits, smallest->crop, wanted.halo <= boundedHalo(model.config()));
 }
 
 }  // namespace xrds

@@ -92,7 +92,7 @@ TEST(ExactHalo, FollowsTheForwardPass) {
 const NetworkConfig kSmall{.channels = 16, .auxChannels = 8, .groups = 1, .blocks = 1, .headChannels = 16};
 
 TileChoice choiceOf(Cut wanted, const MemoryLimits& limits, FrameShape frame = {500, 700}) {
-  wanted.halo = 16;
+  if (wanted.halo == 0) wanted.halo = 16;
   return chooseTiles(NetworkModel::random(kSmall, 1), frame, Precision::fp32, wanted, limits);
 }
 
@@ -144,24 +144,29 @@ TEST(ChooseTiles, TakesTheGridThatIsGiven) {
   EXPECT_THROW(choiceOf({3, 2}, {10'000'000}), Error);
 }
 
-TEST(ChooseTiles, SaysWhatIsNeededAtLeast) {
+const Cut kExact{0, 0, exactHalo(kSmall)}, kBounded{0, 0, boundedHalo(kSmall)};
+
+std::string errorOf(const Cut& wanted, const MemoryLimits& limits) {
   try {
-    choiceOf(kAnyGrid, {1'000'000});
-    FAIL();
+    choiceOf(wanted, limits);
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("1 MB are allowed"), std::string::npos) << error.what();
+    return error.what();
   }
+  return {};
+}
+
+TEST(ChooseTiles, SaysWhatIsNeededAtLeast) {
+  const std::string exact = errorOf(kExact, {1'000'000}), bounded = errorOf(kBounded, {1'000'000});
+  EXPECT_NE(exact.find("1 MB are allowed: allow more, or take fp16, bounded tiles or"), std::string::npos) << exact;
+  EXPECT_NE(bounded.find("1 MB are allowed: allow more, or take fp16 or"), std::string::npos) << bounded;
 }
 
 TEST(ChooseTiles, SaysThatTheDeviceBindsTooLittle) {
   MemoryLimits limits{uint64_t{1} << 40};
-  limits.traits.maxTexelBufferElements = 10'000;
-  try {
-    choiceOf(kAnyGrid, limits);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("binds at most 10000"), std::string::npos) << error.what();
-  }
+  limits.traits.maxTexelBufferElements = 3'000;
+  const std::string exact = errorOf(kExact, limits), bounded = errorOf(kBounded, limits);
+  EXPECT_NE(exact.find("binds at most 3000: take bounded tiles, a smaller"), std::string::npos) << exact;
+  EXPECT_NE(bounded.find("binds at most 3000: take a smaller"), std::string::npos) << bounded;
 }
 
 }  // namespace
