@@ -14,9 +14,11 @@ bool isThere(const fs::path& path) {
   return path.empty() || fs::exists(path, ignored);
 }
 
-// Merging comes before the denoiser, which has no need of it.
+// Merging comes before the denoiser, which has no need of it. Lights are read of the present frame alone.
 UpscaleOptions asRead(UpscaleOptions options) {
-  if (options.temporal) options.denoiseFirst = options.cleanGuides = false;
+  if (!options.temporal) return options;
+  options.denoiseFirst = options.cleanGuides = false;
+  options.lights.clear();
   return options;
 }
 
@@ -45,11 +47,17 @@ MovingFrame TemporalFrames::readOne(const SequenceFrame& frame) const {
 
 FrameGroup TemporalFrames::read(const SequenceFrame& frame) {
   if (!options_.temporal) return {std::make_shared<const MovingFrame>(readOne(frame)), {}, {}};
-  return groupAround(frame.number, options_.temporalRadius, [&](int number) -> SharedFrame {
+  FrameGroup group = groupAround(frame.number, options_.temporalRadius, [&](int number) -> SharedFrame {
     const SequenceFrame files = plan_.frame(number);
     if (number != frame.number && (!isThere(files.colour) || !isThere(files.auxiliary))) return nullptr;
     return shared_.get(number);
   });
+  if (const LayerRequest lights = layerRequest(options_.lights); lights.any()) {
+    auto present = std::make_shared<MovingFrame>(*group.present);
+    failingWith(ExitCode::input, [&] { present->frame.loadLayers(lights); });
+    group.present = std::move(present);
+  }
+  return group;
 }
 
 }  // namespace xrds

@@ -171,8 +171,6 @@ void requireLayersPossible(const UpscaleOptions& options) {
   constexpr const char* kWhy = "--layers needs every pixel of each frame: it cannot go with ";
   if (parseSkip(options.skip) > 0) throw Failure{ExitCode::usage, std::string(kWhy) + "--skip."};
   if (options.keepUnchanged) throw Failure{ExitCode::usage, std::string(kWhy) + "--keep-unchanged."};
-  if (options.temporal)
-    throw Failure{ExitCode::usage, "--temporal does not merge layers of light: it cannot go with --layers."};
 }
 
 UpscaleInput openInput(const UpscaleOptions& options) {

@@ -199,7 +199,6 @@ TEST(CliLayers, AreRefusedWhereTheyCannotBe) {
   };
   expect({"--layers", "Emitt"}, 3, "did you mean 'Emit'");
   expect({"--layers", "all", "--skip", "safe"}, 2, "--layers needs every pixel");
-  expect({"--layers", "all", "--frames", "1", "--temporal"}, 2, "--temporal does not merge layers of light");
   writeGuides(frame);
   const SmallFrame plain;  // without lights
   const Ended ended = runXrds(plain.arguments({"--layers", "all"}));

@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "image/exr_read.h"
 #include "tests/cli/moving_sequence.h"
 #include "tests/cli/process.h"
 
@@ -83,6 +84,28 @@ TEST(CliTemporal, APlainMotionLayerUsesFramesBefore) {
 }
 
 // Killed while it starts, while a file is written, and between frames: what is missing is made with all frames around.
+// The colour is that of a run without layers, and what they add up to.
+TEST(CliTemporal, LightsAddUpToTheMergedColour) {
+  MotionTold told;
+  told.lights = true;
+  const UpscaledSequence sequence(told);
+  ASSERT_EQ(sequence.run("plain", {"--temporal"}).exitCode, 0);
+  const Ended ended = sequence.run("lights", {"--temporal", "--layers", "all", "--frames", "2-4"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  for (int frame = 2; frame <= 4; ++frame) {
+    const ExrFile plain = readExrHeader(sequence.at("plain/f", frame)),
+                  made = readExrHeader(sequence.at("lights/f", frame));
+    const Image colour = readLayer(plain, {0, "", {"R", "G", "B"}}), sum = readLayer(made, {0, "", {"R", "G", "B"}}),
+                emission = readLayer(made, {0, "Emit", {"Emit.R", "Emit.G", "Emit.B"}}),
+                world = readLayer(made, {0, "Env", {"Env.R", "Env.G", "Env.B"}});
+    for (size_t i = 0; i < colour.pixels.size(); ++i) {
+      ASSERT_EQ(sum.pixels[i], colour.pixels[i]) << i;
+      ASSERT_NEAR(emission.pixels[i] + world.pixels[i], sum.pixels[i], 1e-5F * sum.pixels[i]) << i;
+      ASSERT_NEAR(emission.pixels[i], 0.3F * sum.pixels[i], 1e-3F * sum.pixels[i]) << i;
+    }
+  }
+}
+
 TEST(CliTemporal, GoesOnAfterBeingKilledWithTheSameBytes) {
   const UpscaledSequence sequence;
   const auto killedWhen = [&](const std::function<bool()>& due) {

@@ -18,7 +18,8 @@ inline float noise(int frame, int x, int y, int c) {
 struct MotionTold {
   std::string layer = "Vector", channels = "XYZW";
   bool byCameras = false;
-  int step = 3;  // pixels of the full resolution to the right, a frame
+  int step = 3;         // pixels of the full resolution to the right, a frame
+  bool lights = false;  // layers Emit and Env of the colour, 0.3 and 0.7 of it
 };
 
 /// Frames 1 to 6 of a pattern that moves to the right, under noisy light, as
@@ -36,9 +37,13 @@ struct MovingSequence {
 
   void write(int frame, const MotionTold& told) const {
     const Box low = boxOf(kWidth, kHeight), full = boxOf(4 * kWidth, 4 * kHeight);
-    writeParts(
-        at("colour", frame),
-        {{low, low, {Layer{"", "RGB", [=](int x, int y, int c) { return 0.3F + 0.6F * noise(frame, x, y, c); }}}}});
+    const auto light = [frame](float share) {
+      return [=](int x, int y, int c) { return share * (0.3F + 0.6F * noise(frame, x, y, c)); };
+    };
+    Part colour{low, low, {Layer{"", "RGB", light(1)}}};
+    if (told.lights)
+      colour.layers.insert(colour.layers.end(), {{"Emit", "RGB", light(0.3F)}, {"Env", "RGB", light(0.7F)}});
+    writeParts(at("colour", frame), {colour});
     const Layer albedo{"albedo", "RGB", [=](int x, int y, int) {
                          return (x - told.step * frame + 30) / 6 % 2 == y / 6 % 2 ? 0.3F : 0.7F;
                        }};
