@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "network/halo.h"
 #include "xrds/error.h"
 
 namespace xrds {
