@@ -8,6 +8,7 @@
 #include "shaders/common/moments.h"
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
+#include "shaders/common/winograd.h"
 
 namespace xrds {
 namespace {
@@ -130,13 +131,12 @@ class KernelWeights {
   }
   // Element 0 .. pixels + 1 of Winograd's F(pixels, 3) in place of the three weights of a row.
   float transformedAt(uint32_t output, uint32_t input, uint32_t ky, uint32_t element, uint32_t pixels) const {
-    const double w[] = {at(output, input, ky * 3), at(output, input, ky * 3 + 1), at(output, input, ky * 3 + 2)};
+    const std::array<double, 3> w{at(output, input, ky * 3), at(output, input, ky * 3 + 1),
+                                  at(output, input, ky * 3 + 2)};
+    if (pixels == 4) return static_cast<float>(winogradWeight(w, element));
     if (element == 0) return static_cast<float>(w[0]);
-    if (element == pixels + 1) return static_cast<float>(w[2]);
-    const double sign = element % 2 ? 1 : -1;
-    if (pixels == 2) return static_cast<float>((w[0] + sign * w[1] + w[2]) / 2);
-    const double point = element <= 2 ? shader::kWinogradPoint : 1 / shader::kWinogradPoint, square = point * point;
-    return static_cast<float>((w[0] + sign * point * w[1] + square * w[2]) / (2 * (square * square - 1)));
+    if (element == 3) return static_cast<float>(w[2]);
+    return static_cast<float>((w[0] + (element == 1 ? w[1] : -w[1]) + w[2]) / 2);
   }
   float bias(uint32_t output) const {
     const uint32_t o = outputOf(output);

@@ -13,8 +13,7 @@ struct Conv3x3Params {
   uint storeOrigin;         // vec4 index at which the target binding starts
   uint seenWidth;           // columns of the convolution's input from there on are read as zero
 };
-const uint kConv3x3Pixels = 4;     // pixels of an invocation of the plain kernel, side by side
-const float kWinogradPoint = 1.5;  // of F(4, 3), beside its inverse, the negatives of both, zero and infinity
+const uint kConv3x3Pixels = 4;  // pixels of an invocation of the plain kernel, side by side
 XRDS_SHARED_END
 
 #ifdef __cplusplus

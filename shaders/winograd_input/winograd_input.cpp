@@ -1,0 +1,105 @@
+#include "shaders/winograd_input/winograd_input.h"
+
+#include <algorithm>
+
+#include "shaders/common/example.h"
+#include "shaders/common/groups.h"
+#include "shaders/common/moments.h"
+#include "shaders/common/uniform_store.h"
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kSide = shader::kWinogradSide, kElements = shader::kWinogradElements;
+constexpr uint32_t kPlanes = shader::kWinogradPlanes;
+constexpr uint32_t kGroupWidth = 16, kGroupQuads = 4;  // of the plain kernel
+constexpr uint32_t kMostQuads = 8;                     // of a workgroup of the lane kernel
+
+uint32_t seenColumns(const WinogradInput& op) { return op.seenColumns > 0 ? op.seenColumns : op.input.width; }
+
+}  // namespace
+
+TensorShape outputShape(const WinogradInput& op) {
+  checkView(op.input, op.input.shape());
+  XRDS_CHECK_EQ(op.input.width % kSide, 0u);
+  XRDS_CHECK_LE(op.seenColumns, op.input.width);
+  return {ceilDivide(op.input.height, kSide), op.input.width / kSide, kPlanes * op.input.channels};
+}
+
+Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
+  checkView(op.output, outputShape(op));
+  const RowRange rows = resolve(op.rows, op.output.height);
+  const uint32_t quads = op.input.channels / 4, groupQuads = evenShare(quads, kMostQuads);
+  const bool lane = device.family == KernelFamily::lane && device.shaderInt64 &&
+                    device.subgroupSize * groupQuads <= device.maxGroupInvocations;
+  Dispatch launch{
+      .program = programName("winograd_input", lane ? KernelFamily::lane : KernelFamily::plain, op.output.type),
+      .bindings = {readTexels(op.input), writeRows(op.output, rows)}};
+  const shader::WinogradInputParams params{.source = sliceOf(op.input),
+                                           .target = sliceOf(op.output),
+                                           .width = op.input.width,
+                                           .height = op.input.height,
+                                           .seenWidth = seenColumns(op),
+                                           .squares = op.output.width,
+                                           .rowBegin = rows.begin,
+                                           .rowEnd = rows.end,
+                                           .quads = quads,
+                                           .storeOrigin = storeOrigin(op.output, rows)};
+  const uint32_t rowCount = rows.end - rows.begin;
+  if (lane) {
+    launch.specialization = {device.subgroupSize, groupQuads};
+    launch.pushConstants = pushBytesWithDigits(params);
+    launch.groupCount = {quads / groupQuads, ceilDivide(params.squares, device.subgroupSize), rowCount};
+  } else {
+    launch.pushConstants = pushBytes(params);
+    launch.groupCount = {ceilDivide(quads, kGroupQuads), ceilDivide(params.squares, kGroupWidth), rowCount};
+  }
+  return launch;
+}
+
+std::vector<float> packedWeights(const WinogradInput&, const DeviceTraits&) { return {}; }
+
+void reference(const WinogradInput& op, HostMemory& memory) {
+  const auto [height, width, planes] = outputShape(op);
+  const uint32_t channels = op.input.channels;
+  const RowRange rows = resolve(op.rows, height);
+  const auto pixel = [&](int64_t y, int64_t x, uint32_t c) {
+    if (y < 0 || x < 0 || y >= op.input.height || x >= seenColumns(op)) return 0.0;
+    return memory.at(op.input, static_cast<uint32_t>(y), static_cast<uint32_t>(x), c);
+  };
+  for (uint32_t y = rows.begin; y < rows.end; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t c = 0; c < channels; ++c) {
+        std::array<double, kPlanes> d;
+        for (uint32_t e = 0; e < kPlanes; ++e)
+          d[e] = pixel(int64_t{kSide} * y + e / kElements - 1, int64_t{kSide} * x + e % kElements - 1, c);
+        const std::array<double, kPlanes> made = winogradInputs(d);
+        for (uint32_t e = 0; e < kPlanes; ++e) memory.at(op.output, y, x, e * channels + c) = made[e];
+      }
+}
+
+OperatorFacts facts(const WinogradInput& op) { return {"winograd_input", {{op.input, 1}}, {1e-6, 8e-4}}; }
+
+// Neighbouring pixels count as equal.
+void propagate(const WinogradInput& op, Moments& moments) {
+  for (uint32_t e = 0; e < kPlanes; ++e) {
+    double sum = 0, squares = 0;
+    for (uint32_t i = 0; i < kPlanes; ++i) {
+      std::array<double, kPlanes> one{};
+      one[i] = 1;
+      const double share = winogradInputs(one)[e];
+      sum += share, squares += share * share;
+    }
+    for (uint32_t c = 0; c < op.input.channels; ++c) {
+      const Moment x = moments.at(op.input, c);
+      moments.at(op.output, e * op.input.channels + c) = {sum * x.mean, std::max(sum * sum, squares) * x.variance};
+    }
+  }
+}
+
+void addExamples(ExampleMaker& maker, std::vector<WinogradInput>& examples) {
+  if (maker.device().family != KernelFamily::lane) return;  // which the others leave out
+  examples.push_back({.input = maker.view({18, 16, 16}), .output = maker.view({5, 4, 576}, DataType::f32)});
+}
+
+}  // namespace xrds

@@ -1,0 +1,160 @@
+#include "shaders/winograd_output/winograd_output.h"
+
+#include <algorithm>
+
+#include "shaders/common/example.h"
+#include "shaders/common/groups.h"
+#include "shaders/common/moments.h"
+#include "shaders/common/uniform_store.h"
+
+namespace xrds {
+namespace {
+
+constexpr uint32_t kSide = shader::kWinogradSide, kPlanes = shader::kWinogradPlanes;
+constexpr uint32_t kGroupWidth = 16, kGroupQuads = 4;  // of the plain kernel
+constexpr uint32_t kMostQuads = 8;                     // of a workgroup of the lane kernel
+
+uint32_t factor(const WinogradOutput& op) { return op.shuffleOutput ? 2 : 1; }
+
+// Channels of a plane.
+uint32_t channelsOf(const WinogradOutput& op) { return op.input.channels / kPlanes; }
+
+/// Where a channel of the planes is stored.
+struct Stored {
+  uint32_t channel = 0, x = 0, y = 0;  // of the pixel's four
+};
+Stored storedAt(const WinogradOutput& op, uint32_t channel) {
+  const uint32_t channels = op.output.channels, part = channel / channels;
+  return {channel % channels, part % 2, part / 2};
+}
+
+float biasAt(const WinogradOutput& op, uint32_t channel) {
+  const auto [c, x, y] = storedAt(op, channel);
+  const uint32_t output = op.shuffleOutput ? 4 * (op.firstOutput + c) + 2 * y + x : op.firstOutput + c;
+  return output < op.bias.size() ? op.bias[output] : 0;
+}
+
+shader::WinogradOutputParams paramsOf(const WinogradOutput& op, RowRange rows, const TensorView& residual) {
+  const uint32_t f = factor(op);
+  return {.source = sliceOf(op.input),
+          .residual = sliceOf(residual),
+          .target = sliceOf(op.output),
+          .width = op.output.width / f,
+          .rowBegin = rows.begin,
+          .rowEnd = rows.end,
+          .squares = op.input.width,
+          .quads = channelsOf(op) / 4,
+          .targetQuads = op.output.channels / 4,
+          .shuffle = f,
+          .storeOrigin = storeOrigin(op.output, {rows.begin * f, rows.end * f})};
+}
+
+}  // namespace
+
+TensorShape outputShape(const WinogradOutput& op) {
+  const uint32_t height = op.output.height / factor(op), width = op.output.width / factor(op);
+  XRDS_CHECK_EQ(op.output.height % factor(op), 0u);
+  XRDS_CHECK_EQ(op.output.width % (kSide * factor(op)), 0u);
+  checkView(op.input,
+            {ceilDivide(height, kSide), width / kSide, kPlanes * op.output.channels * factor(op) * factor(op)});
+  return op.output.shape();
+}
+
+Dispatch dispatch(const WinogradOutput& op, const DeviceTraits& device) {
+  checkView(op.output, outputShape(op));
+  if (op.residual.exists()) checkView(op.residual, op.output.shape());
+  const uint32_t f = factor(op), height = op.output.height / f;
+  const RowRange rows = resolve(op.rows, height);
+  XRDS_CHECK_EQ(rows.begin % kSide, 0u);
+  XRDS_CHECK(rows.end % kSide == 0 || rows.end == height);
+  const TensorView& residual = op.residual.exists() ? op.residual : op.input;  // bound, not read
+  const shader::WinogradOutputParams params = paramsOf(op, rows, residual);
+  const uint32_t groupQuads = evenShare(params.quads, kMostQuads);
+  const bool lane = device.family == KernelFamily::lane && device.shaderInt64 &&
+                    device.subgroupSize * groupQuads <= device.maxGroupInvocations;
+  Dispatch launch{
+      .program = programName("winograd_output", lane ? KernelFamily::lane : KernelFamily::plain, op.output.type),
+      .specialization = {static_cast<uint32_t>(op.activation), op.residual.exists()},
+      .bindings = {readTexels(op.input), readWeights(DataType::f32), readTexels(residual),
+                   writeRows(op.output, {rows.begin * f, rows.end * f})}};
+  const uint32_t squareRows = ceilDivide(rows.end - rows.begin, kSide);
+  if (lane) {
+    launch.specialization.push_back(device.subgroupSize);
+    launch.specialization.push_back(groupQuads);
+    launch.pushConstants = pushBytesWithDigits(params);
+    launch.groupCount = {params.quads / groupQuads, ceilDivide(params.squares, device.subgroupSize), squareRows};
+  } else {
+    launch.pushConstants = pushBytes(params);
+    launch.groupCount = {ceilDivide(params.quads, kGroupQuads), ceilDivide(params.squares, kGroupWidth), squareRows};
+  }
+  return launch;
+}
+
+std::vector<float> packedWeights(const WinogradOutput& op, const DeviceTraits&) {
+  std::vector<float> packed;
+  for (uint32_t c = 0; c < channelsOf(op); ++c) packed.push_back(biasAt(op, c));
+  return packed;
+}
+
+void reference(const WinogradOutput& op, HostMemory& memory) {
+  const uint32_t channels = channelsOf(op), f = factor(op);
+  const RowRange rows = resolve(op.rows, op.output.height / f);
+  for (uint32_t squareRow = rows.begin / kSide; squareRow < ceilDivide(rows.end, kSide); ++squareRow)
+    for (uint32_t column = 0; column < op.input.width; ++column)
+      for (uint32_t c = 0; c < channels; ++c) {
+        std::array<double, kPlanes> products;
+        for (uint32_t e = 0; e < kPlanes; ++e) products[e] = memory.at(op.input, squareRow, column, e * channels + c);
+        const auto made = winogradSquare(products);
+        const auto [channel, partX, partY] = storedAt(op, c);
+        for (uint32_t i = 0; i < made.size() && kSide * squareRow + i / kSide < rows.end; ++i) {
+          const uint32_t y = (kSide * squareRow + i / kSide) * f + partY, x = (kSide * column + i % kSide) * f + partX;
+          double value = activate(op.activation, made[i] + biasAt(op, c));
+          if (op.residual.exists()) value += memory.at(op.residual, y, x, channel);
+          memory.at(op.output, y, x, channel) = value;
+        }
+      }
+}
+
+OperatorFacts facts(const WinogradOutput& op) {
+  return {.name = "winograd_output", .inputs = {op.input, op.residual}, .budget = {1e-6, 8e-4}, .blocks = {kSide}};
+}
+
+// The largest of the pixels of a square.
+void propagate(const WinogradOutput& op, Moments& moments) {
+  const uint32_t channels = channelsOf(op);
+  std::array<std::array<double, 16>, kPlanes> shares;  // of a product, in the pixels
+  for (uint32_t e = 0; e < kPlanes; ++e) {
+    std::array<double, kPlanes> one{};
+    one[e] = 1;
+    shares[e] = winogradSquare(one);
+  }
+  for (uint32_t c = 0; c < channels; ++c) {
+    Moment largest;
+    for (uint32_t pixel = 0; pixel < 16; ++pixel) {
+      Moment sum{biasAt(op, c), 0};
+      for (uint32_t e = 0; e < kPlanes; ++e) {
+        const Moment m = moments.at(op.input, e * channels + c);
+        sum = sum + Moment{shares[e][pixel] * m.mean, shares[e][pixel] * shares[e][pixel] * m.variance};
+      }
+      if (sum.square() > largest.square()) largest = sum;
+    }
+    const uint32_t channel = storedAt(op, c).channel;
+    const Moment y = moments.finished(largest, op.activation, op.residual, channel);
+    Moment& stored = moments.at(op.output, channel);
+    if (c < op.output.channels || y.square() > stored.square()) stored = y;
+  }
+}
+
+void addExamples(ExampleMaker& maker, std::vector<WinogradOutput>& examples) {
+  if (maker.device().family != KernelFamily::lane) return;  // which the others leave out
+  WinogradOutput op{.input = maker.view({5, 4, 576}, DataType::f32), .output = maker.view({18, 16, 16})};
+  op.residual = maker.view({18, 16, 16});
+  op.bias = maker.weights(16);
+  op.activation = Activation::relu;
+  WinogradOutput shuffled{.input = maker.view({5, 4, 2304}, DataType::f32), .output = maker.view({36, 32, 16})};
+  shuffled.bias = maker.weights(64);
+  shuffled.shuffleOutput = true;
+  examples = {op, shuffled};
+}
+
+}  // namespace xrds

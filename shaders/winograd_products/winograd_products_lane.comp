@@ -1,0 +1,63 @@
+// The products of winograd_products.comp, for CPU devices, as linear_lane.comp makes its own.
+// A square a lane, kTile outputs of a plane a workgroup: gl_WorkGroupID.x is the tile, of plane 0 first. Its weights,
+// [K][kTile], lie in shared memory and are read at constant offsets, outside of any branch or loop that survives
+// compilation. Lanes behind the last square repeat it. fp32.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/winograd_products/winograd_products.h"
+layout(local_size_x_id = 0, local_size_y_id = 1) in;  // x = subgroup size
+#define PARAMS WinogradProductsParams
+#define TARGET_BINDING 2
+#include "shaders/common/uniform_store.glsl"
+layout(constant_id = 2) const uint kInputs = 4;  // of a plane
+layout(constant_id = 3) const uint kTile = 4;
+layout(constant_id = 4) const bool kStoresEights = false;  // the target begins and steps in eights
+layout(binding = 0) uniform samplerBuffer source;
+layout(binding = 1) uniform samplerBuffer weights;
+const uint kTileQuads = kTile / 4;
+const uint kTexels = kInputs * kTileQuads;
+shared vec4 tile[kTexels];
+
+void main() {
+  STAGE_WEIGHTS(tile, weights, gl_WorkGroupID.x * kTexels, kTexels);
+
+  const uint row = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
+  const uint square = min(p.squareBegin + row * kLanes + gl_LocalInvocationID.x, p.squareEnd - 1);
+  const uint firstSquare = p.squareBegin + uniformOf(row, 6) * kLanes;
+  const uint firstTarget = p.target.offset + uniformOf(gl_WorkGroupID.x, 4) * kTileQuads - p.storeOrigin;
+  uint laneTarget[kLanes];
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    laneTarget[l] = min(firstSquare + l, p.squareEnd - 1) * p.target.stride + firstTarget;
+  const uint plane = gl_WorkGroupID.x * kTileQuads / p.outputQuads;
+  const uint start = square * p.source.stride + p.source.offset + plane * (kInputs / 4);
+  vec4 x[kInputs / 4];
+  [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] = texelFetch(source, int(start + k));
+
+  [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
+    const uint n = 2 * m;
+    const bool isPair = n + 1 < kTileQuads;  // else the last four outputs of an odd number
+    vec4 a = vec4(0), b = vec4(0);
+    [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
+      const vec4 v = x[k];
+      const uint at = 4 * k * kTileQuads + n;
+      a = plusProduct(a, v.x, tile[at]);
+      if (isPair) b = plusProduct(b, v.x, tile[at + 1]);
+      a = plusProduct(a, v.y, tile[at + kTileQuads]);
+      if (isPair) b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
+      a = plusProduct(a, v.z, tile[at + 2 * kTileQuads]);
+      if (isPair) b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
+      a = plusProduct(a, v.w, tile[at + 3 * kTileQuads]);
+      if (isPair) b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
+    }
+    const WIDE4 first = wide4(a), second = wide4(b);
+    const WIDE8 both = WIDE8(first, second);
+    [[unroll]] for (uint l = 0; l < kLanes; l++)
+      if (isPair && kStoresEights) {
+        storeLane8((laneTarget[l] + n) / 2, both, l);
+      } else {
+        storeLane(laneTarget[l] + n, first, l);
+        if (isPair) storeLane(laneTarget[l] + n + 1, second, l);
+      }
+  }
+}
