@@ -31,6 +31,8 @@ PackedKey keyOf(const std::string& program, const Operator& op) {
         if constexpr (requires { o.weight; }) key.weight = o.weight.data();
         if constexpr (requires { o.biasTable; }) key.weight = o.biasTable.data();
         if constexpr (requires { o.first; }) key.first = o.first.weight.data();
+        if constexpr (std::is_same_v<std::decay_t<decltype(o)>, WinogradOutput>) key.weight = o.bias.data();
+        if constexpr (requires { o.firstOutput; }) key.firstOutput = o.firstOutput;
       },
       op);
   return key;

@@ -49,6 +49,7 @@ struct SessionOptions {
 struct PackedKey {
   std::string program;
   const float *weight = nullptr, *first = nullptr;     // first: of a map joined to the layer's own
+  uint32_t firstOutput = 0;                            // of a layer that is made in parts
   KernelShape shape{};                                 // asked of the kernel
   auto operator<=>(const PackedKey&) const = default;  // NOLINT(modernize-use-nullptr): no null pointer is written
 };

@@ -25,6 +25,7 @@ std::vector<uint32_t> dispatchBounds(const Op& op, const DeviceTraits& device, u
   uint64_t step = std::min((device.maxStorageBufferRange - kBindingSlack) / rowBytes, mostWork / rowWork);
   step = std::clamp<uint64_t>(step, 1, count);
   if (step < count && step > kStepRows) step = step / kStepRows * kStepRows;
+  if constexpr (requires { Op::kRowUnit; }) step = std::max<uint64_t>(Op::kRowUnit, step / Op::kRowUnit * Op::kRowUnit);
   uint32_t first = rows.begin;
   std::vector<uint32_t> bounds{first};
   if constexpr (requires { op.shift; }) {  // whole windows: the rows above the shift belong to the wrapped ones

@@ -29,6 +29,7 @@ ResidualSum residualSum(const Node& node) {
 struct RowUse {
   uint32_t node = 0;
   uint64_t begin = 0, end = 0;  // of the stored tensor
+  bool isResidual = false;      // each element is read before the node writes the same one of its output
   bool overlaps(const RowUse& other) const { return begin < other.end && other.begin < end; }
 };
 
@@ -48,12 +49,18 @@ RowUse rowsRead(uint32_t node, const TensorView& view) {
 std::vector<ValueUses> usesOf(const Graph& graph) {
   std::vector<ValueUses> uses(graph.values.size());
   for (uint32_t n = 0; n < graph.nodes.size(); ++n) {
-    const TensorView output = outputOf(graph.nodes[n]);
+    const TensorView output = outputOf(graph.nodes[n]), residual = residualSum(graph.nodes[n]).residual;
     const RowRange rows = outputRows(graph.nodes[n]);
-    uses[output.value].writes.push_back({n, output.storedRow(rows.begin), output.storedRow(rows.end)});
+    const RowUse write{n, output.storedRow(rows.begin), output.storedRow(rows.end)};
+    uses[output.value].writes.push_back(write);
     uses[output.value].rowByteSize = output.rowByteSize();
-    for (const OperatorInput& input : factsOf(graph.nodes[n]).inputs)
-      if (input.view.exists()) uses[input.view.value].reads.push_back(rowsRead(n, input.view));
+    const std::vector<OperatorInput> inputs = factsOf(graph.nodes[n]).inputs;
+    const auto ofResidual = [&](const OperatorInput& input) { return input.view.value == residual.value; };
+    const bool isApart = std::count_if(inputs.begin(), inputs.end(), ofResidual) == 1 && sameBytes(residual, output);
+    for (const OperatorInput& input : inputs)
+      if (input.view.exists())
+        uses[input.view.value].reads.push_back(isApart && ofResidual(input) ? RowUse{n, write.begin, write.end, true}
+                                                                            : rowsRead(n, input.view));
   }
   return uses;
 }
@@ -71,14 +78,15 @@ ValueId residualToContinue(const Graph& graph, const std::vector<ValueUses>& use
 }
 
 // Whether `made` may be written over `read`: that is whole before, and none of its rows is read by the node that
-// overwrites it, or later.
+// overwrites it, or later. A node may overwrite what it reads as its residual alone.
 bool mayOverwrite(const ValueUses& made, const ValueUses& read) {
   if (read.writes.empty() || read.reads.empty() || read.rowByteSize != made.rowByteSize) return false;
   const uint32_t firstMade = made.writes.front().node;
   if (read.writes.back().node >= firstMade || read.reads.back().node <= firstMade) return false;
   return std::all_of(made.writes.begin(), made.writes.end(), [&](const RowUse& write) {
-    return std::none_of(read.reads.begin(), read.reads.end(),
-                        [&](const RowUse& use) { return use.node >= write.node && use.overlaps(write); });
+    return std::none_of(read.reads.begin(), read.reads.end(), [&](const RowUse& use) {
+      return use.node + (use.isResidual ? 0U : 1U) > write.node && use.overlaps(write);
+    });
   });
 }
 

@@ -26,7 +26,8 @@ std::string operatorKey(const Operator& op) {
   for (const OperatorInput& input : facts.inputs)
     if (input.view.exists()) {
       key += " " + std::to_string(input.view.channels);
-      const uint32_t finer = input.view.height / output.height, coarser = output.height / input.view.height;
+      const uint32_t finer = ceilDivide(input.view.height, output.height);
+      const uint32_t coarser = ceilDivide(output.height, input.view.height);
       if (finer > 1 && output.height > 1) key += "/" + std::to_string(finer);
       if (coarser > 1 && input.view.height > 1) key += "x" + std::to_string(coarser);
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>
 
+#include "graph/convolution.h"
 #include "network/network.h"
 
 namespace xrds {
@@ -39,8 +40,15 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   op.weightType = storedWeights(name);
   op.rows = options.rows;
   op.seenColumns = options.seenColumns;
-  graph.nodes.push_back({name, op});
+  addConvolution(name, op, options.rowsInFours);
   return op.output;
+}
+
+void Layers::addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours) {
+  if (graphOptions.inSquares && (rowsInFours || op.rows == RowRange{}) && isWorthSquares(op))
+    addInSquares(graph, name, op, graphOptions.bandRows == kWholeFrame);
+  else
+    graph.nodes.push_back({name, op});
 }
 
 TensorView Layers::addLinear(const std::string& name, uint32_t outputs, Linear op) {
@@ -124,7 +132,7 @@ ConvWeights Layers::doublingWeights(const std::string& doubling, uint32_t channe
 
 // Nothing stands between the two, and a 1x1 convolution sees no border.
 void Layers::outputOfDoubling(const std::string& doubling, const std::string& name, TensorView x, TensorView appended,
-                              uint32_t outputs, TensorView into, RowRange rows) {
+                              uint32_t outputs, TensorView into, RowRange rows, bool rowsInFours) {
   const uint32_t c = x.channels, inputs = c + appended.channels;
   const ConvWeights output{weight(name + ".weight", {outputs, inputs, 1, 1}), weight(name + ".bias", {outputs})};
   Conv3x3 op = joinedConvolution(
@@ -146,18 +154,18 @@ void Layers::outputOfDoubling(const std::string& doubling, const std::string& na
     graph.nodes.push_back({name, linear});
     op.residual = linear.output;
   }
-  graph.nodes.push_back({doubling, op});
+  addConvolution(doubling, op, rowsInFours);
 }
 
 void Layers::patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
-                               TensorView into, RowRange rows) {
+                               TensorView into, RowRange rows, bool rowsInFours) {
   const uint32_t c = x.channels;
   const ConvWeights output{weight(name + ".weight", {outputs, c, 3, 3}), weight(name + ".bias", {outputs})};
   Conv3x3 op = joinedConvolution(
       doubling, x, madeOnce(doubling, [&] { return joinedAsPatches(doublingWeights(doubling, c), output, c); }));
   op.output = into;
   op.rows = rows;
-  graph.nodes.push_back({doubling, op});
+  addConvolution(doubling, op, rowsInFours);
 }
 
 TensorView Layers::conv1x1OfSum(const std::string& first, const std::string& name, TensorView x, TensorView t,
@@ -245,6 +253,10 @@ Sweep Layers::sweep(uint32_t height, uint32_t width) const {
       asked > 0 ? asked
                 : std::max<uint64_t>({ofGpu, ceilDivide(height, kSweepSteps), ceilDivide(kLeastSweepPixels, width)});
   return {height, alignUp(rows, kSweepUnit)};
+}
+
+bool Layers::rowsInFours(uint32_t distance, uint32_t rowHeight) {
+  return kSweepUnit % (4 * rowHeight) == 0 && distance % (4 * rowHeight) == 0;
 }
 
 std::vector<WindowBand> Layers::bands(const TensorView& image, bool shifted, uint32_t tensors) const {

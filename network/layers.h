@@ -24,6 +24,7 @@ class Layers {
     RowRange rows{};           // of the convolution
     uint32_t seenColumns = 0;  // see Conv3x3
     bool inFours = false;      // see Conv3x3; wider kernels, for which exactHalo() is larger
+    bool rowsInFours = false;  // the rows begin at multiples of 4 in bands of any size
   };
   TensorView conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs, ConvOptions options);
   TensorView conv(const std::string& name, TensorView x, uint32_t outputs) {
@@ -40,12 +41,12 @@ class Layers {
   TensorView conv1x1Rows(const std::string& name, TensorView x, TensorView appended, uint32_t outputs, TensorView into,
                          RowRange rows);
   /// The 1x1 convolution `name` of the doubling pixel_shuffle(conv3x3(x)) and of `appended`, joined; rows of the
-  /// output.
+  /// output. rowsInFours: as in ConvOptions, of the convolution's.
   void outputOfDoubling(const std::string& doubling, const std::string& name, TensorView x, TensorView appended,
-                        uint32_t outputs, TensorView into, RowRange rows);
+                        uint32_t outputs, TensorView into, RowRange rows, bool rowsInFours);
   /// The 3x3 convolution `name` of the doubling, joined, as the patches that Fold adds up; rows of x.
   void patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
-                         TensorView into, RowRange rows);
+                         TensorView into, RowRange rows, bool rowsInFours);
   /// RDB: three convolutions over the growing concatenation `dense` = [x, y_1, y_2, y_3], of which x is there already,
   /// and a 1x1 convolution of all of it, plus x.
   TensorView denseConvolutions(const std::string& name, TensorView dense, TensorView into);
@@ -83,6 +84,8 @@ class Layers {
   /// Rows between two stages of a sweep at high resolution: enough for a convolution at any of its resolutions, and
   /// whole strips of the kernels.
   uint32_t sweepDistance() const { return std::max(8u, config.scale); }
+  /// Whether the rows of a stage of a sweep, each of so many high-resolution rows, begin at multiples of 4.
+  static bool rowsInFours(uint32_t distance, uint32_t rowHeight);
   /// Bands for a chain of operators that holds at most `tensors` times the bytes of the branch's features for a row.
   std::vector<WindowBand> bands(const TensorView& image, bool shifted, uint32_t tensors) const;
 
@@ -99,6 +102,8 @@ class Layers {
   ConvWeights madeOnce(const std::string& name, const std::function<JoinedWeights()>& make);
   Conv3x3 joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined);
   ConvWeights doublingWeights(const std::string& doubling, uint32_t channels);
+  // Rows that are all of the image, or where inFours begin at multiples of 4, may be made in squares.
+  void addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours);
   TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
   std::map<std::string, ConvWeights> made_;
   std::map<std::string, std::span<const float>> derived_;

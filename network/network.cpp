@@ -23,6 +23,7 @@ GraphOptions fastOn(const DeviceTraits& device, GraphOptions options) {
   const KernelTable& tuned = options.kernels;
   options.normsInLinear = tuned.normsInLinear.value_or(device.family == KernelFamily::lane);
   options.mapsJoined = true;
+  options.inSquares = device.family == KernelFamily::lane;
   options.bandPixels = bandPixels(device);
   if (tuned.layersFused.value_or(device.family == KernelFamily::fused)) {
     options.layersFusedOn = device;

@@ -32,6 +32,8 @@ struct GraphOptions {
   /// Linear maps in a row with nothing between them are made as one, whose weights are their product: of an RDST a
   /// seventh fewer multiply-adds; so are the last doubling and the output convolution where that is less work.
   bool mapsJoined = false;
+  /// Wide convolutions are made by squares of 4 x 4 pixels, in three steps, as CPU devices like.
+  bool inSquares = false;
   /// The device on which Swin layers that fit() it are made by one kernel each, in fp16; none: nowhere.
   std::optional<DeviceTraits> layersFusedOn{};
   KernelTable kernels{};  // what tuning found; empty: the fixed choice of the device's family

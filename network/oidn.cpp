@@ -219,7 +219,8 @@ class UNet {
                         .activation = Activation::relu,
                         .rows = made,
                         .seenColumns = seenWidth_,
-                        .inFours = true});
+                        .inFours = true,
+                        .rowsInFours = layers_.rowsInFours(stage * layers_.sweepDistance(), 1)});
       }
   }
 

@@ -56,6 +56,9 @@ class Doublings {
   uint32_t divisorOf(uint32_t stage) const {
     return folded_ && stage == doublings_.size() ? 2 : layers_.config.scale >> stage;
   }
+  bool rowsInFours(uint32_t stage, uint32_t rowHeight) const {
+    return layers_.rowsInFours((stage - 1) * layers_.sweepDistance(), rowHeight);
+  }
   const TensorView& before(uint32_t stage) const { return stage == 1 ? u_ : tensors_[stage - 2].view(); }
 
   void makeDoubling(uint32_t step, uint32_t j) {
@@ -66,10 +69,14 @@ class Doublings {
     const uint32_t next = rows(step, j + 1).begin / divisor;  // whose convolution reads the row above
     const TensorView into = tensors_[j - 1].advance(graph_, made, next - std::min(next, 1u));
     if (folded_ && j == doublings_.size())
-      layers_.patchesOfDoubling(name, output_, before(j), kColours, into, made);
+      layers_.patchesOfDoubling(name, output_, before(j), kColours, into, made, rowsInFours(j, divisor));
     else
       layers_.conv(name, before(j), before(j).channels, 4 * channels,
-                   {.into = into, .shuffle = true, .rows = {made.begin / 2, made.end / 2}, .inFours = true});
+                   {.into = into,
+                    .shuffle = true,
+                    .rows = {made.begin / 2, made.end / 2},
+                    .inFours = true,
+                    .rowsInFours = rowsInFours(j, 2 * divisor)});
   }
 
   void makePicture(RowRange made) {

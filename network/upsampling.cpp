@@ -69,6 +69,9 @@ class Upsampling {
     return tail_ == Tail::folded && stage == config_.steps() ? 2 : config_.scale >> stage;
   }
   RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, stage * layers_.sweepDistance()); }
+  bool rowsInFours(uint32_t stage, uint32_t rowHeight) const {
+    return layers_.rowsInFours(stage * layers_.sweepDistance(), rowHeight);
+  }
   // The base image reads the means of the filtered images two low-resolution rows below its own.
   uint32_t decodeDistance() const {
     if (!u_.exists()) return 0;
@@ -87,13 +90,17 @@ class Upsampling {
     const TensorView all = doublings_[j].advance(graph_, made, next - std::min(next, 1u));
     if (j == config_.steps() && tail_ == Tail::folded)
       return layers_.patchesOfDoubling("up." + std::to_string(j - 1), "out", doublings_[j - 1].view(),
-                                       config_.outputWidth(), all, made);
+                                       config_.outputWidth(), all, made, rowsInFours(j, divisor));
     const TensorView into = slice(all, 0, c);
     if (j == 0)
       layers_.conv("up_pre", u_, c, c, {.into = into, .activation = Activation::leakyRelu, .rows = made});
     else
       layers_.conv("up." + std::to_string(j - 1), doublings_[j - 1].view(), c, 4 * c,
-                   {.into = into, .shuffle = true, .rows = {made.begin / 2, made.end / 2}, .inFours = true});
+                   {.into = into,
+                    .shuffle = true,
+                    .rows = {made.begin / 2, made.end / 2},
+                    .inFours = true,
+                    .rowsInFours = rowsInFours(j, 2 * divisor)});
     if (j == config_.steps() && copiesFeatures()) copyRows(graph_, "aux_skip", h_, slice(all, c, h_.channels), made);
   }
 
@@ -108,7 +115,7 @@ class Upsampling {
       graph_.nodes.push_back({"out", Fold{upscaled, out, made}});
     else if (tail_ == Tail::joined)
       layers_.outputOfDoubling("up." + std::to_string(config_.steps() - 1), "out", upscaled, h_, config_.outputWidth(),
-                               out, made);
+                               out, made, rowsInFours(outputStage(), 2));
     else if (config_.outputSide == 1)
       layers_.conv1x1Rows("out", upscaled, h_, config_.outputWidth(), out, made);
     else

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "graph/graph.h"
+
+namespace xrds {
+
+/// Whether Winograd's filtering in two directions, squares of 4 x 4 pixels at a time, makes the convolution and is
+/// worth its two transforms on a CPU device. The same for a frame and for parts of it. Pure.
+bool isWorthSquares(const Conv3x3& op);
+
+/// Adds the convolution as three steps: a transform of its input, a linear map of each plane, a transform of the
+/// products. Rows of squares are made a band at a time, with the same bits, so that little memory is needed, or all at
+/// once. The operator's rows must begin at multiples of 4, and end there or with the image.
+void addInSquares(Graph& graph, const std::string& name, const Conv3x3& op, bool atOnce);
+
+}  // namespace xrds
