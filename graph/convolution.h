@@ -7,7 +7,8 @@
 namespace xrds {
 
 /// Whether Winograd's filtering in two directions, squares of 4 x 4 pixels at a time, makes the convolution and is
-/// worth its two transforms on a CPU device. The same for a frame and for parts of it. Pure.
+/// worth its two transforms on a CPU device. The same for a frame and for parts of it, but for rows that are
+/// too wide to be bound: of 256 channels 13628 pixels. Pure.
 bool isWorthSquares(const Conv3x3& op);
 
 /// Adds the convolution as three steps: a transform of its input, a linear map of each plane, a transform of the
