@@ -1,6 +1,6 @@
 // out(p) = sums(p) + (w x, w), (g a, g z), (g normal, g): g = n exp(-|mean a'|^2 / 0.2^2 - |mean normal'|^2 / 0.35^2 -
-// (mean z')^2 / 0.1^2) over 3 x 3 pixels, w = g / (1 + 8 n b / v), v = n k / (n + k) sum_c var(t_c), k the count of the
-// present pixel, b = sum_c max(0, mean(t_c)^2 - var(t_c) / N) over N = (2 kRadius + 1)^2. warped: [H, W, 16], (x, n),
+// (mean z')^2 / 0.1^2) over 3 x 3 pixels, w = g / (1 + r + r^2), r = 6 n b / v, v = n k / (n + k) sum_c var(t_c), k the count
+// of the present pixel, b = sum_c max(0, mean(t_c)^2 - var(t_c) / N) over N = (2 kRadius + 1)^2. warped: [H, W, 16], (x, n),
 // (t, z'), (a', 0), (normal', 0), primes for differences from the present frame; present, sums, out: [H, W, 12]. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -53,7 +53,8 @@ void main() {
   const float both = max(light.a + colour.a, kHistoryLeast);
   const float noise = dot(variance, vec3(1)) * light.a * colour.a / both + kHistoryNoise;
   const float bias = dot(max(mean * mean - variance / count, 0.0), vec3(1));
-  const float weight = guideWeight / (1.0 + kHistoryBias * light.a * bias / noise);
+  const float ratio = kHistoryBias * light.a * bias / noise;
+  const float weight = guideWeight / (1.0 + ratio + ratio * ratio);
 
   const vec3 facing = texelFetch(present, frame + 2).xyz;
   const vec4 first[3] = {vec4(colour.rgb / (max(surface.rgb, 0.0) + kAlbedoEpsilon), 1) * colour.a, surface * colour.a,

@@ -46,7 +46,8 @@ void referencePixel(const MergeHistory& op, HostMemory& memory, uint32_t y, uint
   const double both = std::max(count + present(3), double{shader::kHistoryLeast});
   noise = noise * count * present(3) / both + shader::kHistoryNoise;
   const double guideWeight = count * std::exp(-std::min(part, 80.0));
-  const double weight = guideWeight / (1 + shader::kHistoryBias * count * bias / noise);
+  const double ratio = shader::kHistoryBias * count * bias / noise;
+  const double weight = guideWeight / (1 + ratio + square(ratio));
 
   std::array<double, shader::kHistoryFrame> first{}, further{};
   for (uint32_t c = 0; c < 3; ++c) {

@@ -15,11 +15,12 @@ namespace xrds {
 
 /// Adds what WarpHistory made of another frame to the weighted sums of a frame. The weight of the pixel's guides is
 /// g = n exp(-|a|^2 / 0.2^2 - |normal|^2 / 0.35^2 - z^2 / 0.1^2) of the differences' means over 3 x 3 pixels, n its
-/// count. That of its light is g / (1 + 8 n b / v); without the 8 it would make the mean's expected error least, if the
-/// light were even around (where it is not, a pixel's bias is larger): v is the variance of one frame's pixel, from
-/// that of the difference t over the (2 r + 1)^2 pixels around, var(t) n k / (n + k) summed over the channels with the
-/// present pixel's count k, and b the squared bias, the sum of max(0, mean(t)^2 - var(t) / (2 r + 1)^2), 0 where the
-/// means differ as noise does. The sums are (sum w x, sum w), (sum g a, sum g z) and (sum g normal, sum g).
+/// count. That of its light is g / (1 + r + r^2), r = 6 n b / v; g / (1 + n b / v) would make the mean's expected error
+/// least if the light were even around. Where it is not, a pixel's bias is larger. v is the variance of one frame's
+/// pixel, from that of the difference t over the (2 r + 1)^2 pixels around, var(t) n k / (n + k) summed over the
+/// channels with the present pixel's count k, and b the squared bias, the sum of max(0, mean(t)^2 - var(t) / (2 r +
+/// 1)^2), 0 where the means differ as noise does. The sums are (sum w x, sum w), (sum g a, sum g z) and (sum g normal,
+/// sum g).
 struct MergeHistory {
   TensorView warped;    // [H, W, 16] of WarpHistory
   TensorView present;   // [H, W, 12], a frame as shaders/common/history.h has it

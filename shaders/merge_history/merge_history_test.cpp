@@ -107,7 +107,8 @@ TEST(MergeHistory, TellsNoiseFromOtherLight) {
   };
   EXPECT_NEAR(noisy(0).weight, 2, 1e-3);
   // Bias 3 (0.2^2 - 0.2^2 / 25), variance of one frame 3 0.2^2 / 2: the mean of 25 moves the numbers by a hundredth.
-  EXPECT_NEAR(noisy(0.2).weight, 1 + 1 / (1 + shader::kHistoryBias * 2.0 * 24 / 25), 0.006);
+  const double ratio = shader::kHistoryBias * 2.0 * 24 / 25;
+  EXPECT_NEAR(noisy(0.2).weight, 1 + 1 / (1 + ratio + ratio * ratio), 0.006);
 }
 
 // Means of k and n samples differ by the noise of one over k and over n.
@@ -125,7 +126,8 @@ TEST(MergeHistory, KnowsOfHowManySamplesAPixelIs) {
   // 12 of 25 differences are 0.4, 13 are 0: their variance, and the squared bias of their mean.
   const double variance = 0.16 * 12 * 13 / 625, bias = 0.16 * 12 * 12 / 625 - variance / 25;
   const auto expected = [&](double own, double other) {
-    return own + other / (1 + shader::kHistoryBias * other * bias / variance * (own + other) / (own * other));
+    const double ratio = shader::kHistoryBias * other * bias / variance * (own + other) / (own * other);
+    return own + other / (1 + ratio + ratio * ratio);
   };
   for (const auto& [own, other] : {std::pair{4.0, 4.0}, {2.0, 8.0}, {16.0, 1.0}})
     EXPECT_NEAR(noisy(own, other).weight, expected(own, other), 1e-3) << own << " " << other;
