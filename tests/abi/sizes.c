@@ -9,7 +9,7 @@
 
 #define SIZE(type) printf(#type " %zu\n", sizeof(type))
 #define FIELD(type, field) printf(#type "." #field " %zu\n", offsetof(type, field))
-#define VALUE(name) printf(#name " %d\n", (int)name)
+#define VALUE(name) printf(#name " %d\n", (int)(name))
 
 int main(void) {
   SIZE(XrdsDeviceDescription);
