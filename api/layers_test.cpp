@@ -66,7 +66,7 @@ struct Render {
     for (const auto& image : images) views.push_back(full(image));
     return views;
   }
-  LayerSet layers(std::vector<Light> wanted = {direct, indirect, emission, black, group, environment}) {
+  LayerSet layers(const std::vector<Light>& wanted = {direct, indirect, emission, black, group, environment}) {
     LayerSet set{.colours = {{low(lowColour), full(fullColour), colourOutput}}};
     for (const Light light : wanted)
       set.lights.push_back(

@@ -127,7 +127,8 @@ FrameMerger::FrameMerger(Gpu& gpu, uint32_t width, uint32_t height, uint32_t sca
   if (width == 0 || height == 0 || scale == 0 || scale > 16 || (scale & (scale - 1)) != 0)
     throw InvalidArgument("A temporal filter of " + sizeText(width, height) + " pixels and scale " +
                           std::to_string(scale) + " was asked for; the scale must be 1, 2, 4, 8 or 16.");
-  state_.reset(new State{{width, height}, {scale * width, scale * height}, HistoryMerger(gpu, height, width, scale)});
+  state_ = std::make_unique<State>(
+      State{{width, height}, {scale * width, scale * height}, HistoryMerger(gpu, height, width, scale)});
 }
 
 FrameMerger::~FrameMerger() = default;

@@ -213,6 +213,7 @@ TEST_F(CApi, CancelsAndSaysWhenItIsBusy) {
 TEST_F(CApi, ThreadsWithAnUpscalerEachShareADevice) {
   const std::vector<float> wanted = expected();
   std::vector<std::thread> threads;
+  threads.reserve(3);
   for (int i = 0; i < 3; ++i)
     threads.emplace_back([&] {
       XrdsUpscaler* own = nullptr;

@@ -21,5 +21,5 @@ const char* xrdsGetDenoiserFolder() {
     text = xrds::call::text(xrds::folderOfDenoisers());
     return XRDS_OK;
   });
-  return text.c_str();
+  return text.c_str();  // NOLINT(clang-analyzer-cplusplus.InnerPointer): it lives as long as the thread
 }

@@ -171,7 +171,7 @@ TEST_F(EmbeddedAlpha, RefusesWhatCannotBe) {
 TEST_F(EmbeddedAlpha, IsOpaqueForOlderHeaders) {
   Frame mine = frameWithAlpha();
   mine.frame.structSize = offsetof(XrdsVulkanFrame, alpha);
-  std::memset(&mine.frame.alpha, 0x5A, sizeof mine.frame.alpha);
+  std::memset(&mine.frame.alpha, 0x5A, sizeof mine.frame.alpha);  // NOLINT(bugprone-sizeof-expression): all of it
   run(mine);
   EXPECT_EQ(get(mine.output), expected());
   EXPECT_EQ(getAlpha(mine.output), std::vector<float>(pixels[1].size() / 3, 1));

@@ -38,16 +38,16 @@ xrds::HostDevice hostOf(const XrdsVulkanDevice& given) {
 
 // The names last as long as the program, and so does the list of each combination that was asked for.
 const std::vector<const char*>& extensionNames(const xrds::HostFeatures& features) {
-  static const std::vector<const char*> none,
-      khr = xrds::extensionsOf({.computeFullSubgroups = true,
+  static const std::vector<const char*> kNone,
+      kKhr = xrds::extensionsOf({.computeFullSubgroups = true,
+                                 .shaderFloat16 = true,
+                                 .vulkanMemoryModel = true,
+                                 .cooperativeMatrixKhr = true}),
+      kNv = xrds::extensionsOf({.computeFullSubgroups = true,
                                 .shaderFloat16 = true,
                                 .vulkanMemoryModel = true,
-                                .cooperativeMatrixKhr = true}),
-      nv = xrds::extensionsOf({.computeFullSubgroups = true,
-                               .shaderFloat16 = true,
-                               .vulkanMemoryModel = true,
-                               .cooperativeMatrixNv = true});
-  return features.cooperativeMatrixKhr ? khr : features.cooperativeMatrixNv ? nv : none;
+                                .cooperativeMatrixNv = true});
+  return features.cooperativeMatrixKhr ? kKhr : features.cooperativeMatrixNv ? kNv : kNone;
 }
 
 }  // namespace

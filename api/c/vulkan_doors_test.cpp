@@ -163,9 +163,9 @@ TEST_F(EmbeddedDoors, OpenFromSeveralThreads) {
   std::vector<VkCommandBuffer> commands{host->begin(), host->begin(), host->begin()};
   for (Frame& each : frames) each.frame.auxiliary = each.images;
   std::vector<std::thread> threads;
-  for (size_t i = 0; i < frames.size(); ++i)
-    threads.emplace_back([&, i] {
-      ASSERT_EQ(xrdsCreateRecording(upscaler, &frames[i].frame, &frames[i].recording), XRDS_OK) << xrdsGetMessage();
+  for (Frame& each : frames)
+    threads.emplace_back([this, &each] {
+      ASSERT_EQ(xrdsCreateRecording(upscaler, &each.frame, &each.recording), XRDS_OK) << xrdsGetMessage();
     });
   for (std::thread& thread : threads) thread.join();
   for (size_t i = 0; i < frames.size(); ++i) {
