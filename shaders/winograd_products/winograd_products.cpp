@@ -11,8 +11,8 @@ namespace xrds {
 namespace {
 
 constexpr uint32_t kPlanes = shader::kWinogradPlanes;
-// As of the lane kernel of Linear: multiply-adds of a lane, and outputs.
-constexpr uint32_t kMaxBody = 7200, kGoodBody = 4096, kMaxTile = 64, kGoodTile = 48;
+// Of the lane kernel: multiply-adds of a lane, of which more take long to compile, and outputs.
+constexpr uint32_t kMaxBody = 8192, kMaxTile = 64;
 constexpr uint32_t kMaxSubgroups = 32;  // of a workgroup of the lane kernel
 
 // Channels of a plane.
@@ -29,7 +29,7 @@ uint32_t laneTile(const WinogradProducts& op, const DeviceTraits& device) {
     return outputs(op) % tile == 0 && inputs(op) * tile <= kMaxBody && inputs(op) * tile * 4 <= device.maxSharedBytes;
   };
   if (const uint32_t asked = device.shape.outputs; asked > 0 && asked % step == 0 && fits(asked)) return asked;
-  const uint32_t most = std::min(std::clamp(kGoodBody / inputs(op), kGoodTile, kMaxTile), outputs(op));
+  const uint32_t most = std::min(kMaxTile, outputs(op));
   for (uint32_t tile = most / step * step; tile > 0; tile -= step)
     if (fits(tile)) return tile;
   return 0;
