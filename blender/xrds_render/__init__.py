@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders the colour at low resolution and its guides at full resolution, and upscales them with xrds."""
-import glob
-import importlib
+import importlib.util
 import os
+import shutil
 import sys
 import zipfile
 
@@ -21,13 +21,14 @@ def _find_wheel():
     """Unpacks the wheel beside this file where Blender does not install it by itself, which is before 4.2."""
     if importlib.util.find_spec("xrds"):
         return
-    tag = f"-cp{sys.version_info[0]}{sys.version_info[1]}-"
-    wheels = glob.glob(os.path.join(os.path.dirname(__file__), "wheels", "*.whl"))
-    fitting = [wheel for wheel in wheels if tag in wheel or "-abi3-" in wheel and sys.version_info >= (3, 12)]
+    from . import checks
+
+    fitting = checks.wheels()
     if not fitting:
         return  # the panel says so
     folder = os.path.splitext(fitting[0])[0]
     if not os.path.isdir(folder):
+        shutil.rmtree(f"{folder}.part", ignore_errors=True)
         zipfile.ZipFile(fitting[0]).extractall(f"{folder}.part")
         os.rename(f"{folder}.part", folder)
     sys.path.append(folder)

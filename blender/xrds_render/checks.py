@@ -1,20 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What stands in the way of a render, as a sentence for the artist."""
+import glob
 import os
+import sys
 
 import bpy
 
 from . import passes, temporal
-from .settings import AUTO, needs_light
+from .settings import AUTO, device_problem, needs_light
 
 BYTES_PER_PIXEL = 4 * 40  # ten passes of four floats, at full resolution
 IMAGE_ENDINGS = frozenset({".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr", ".bmp", ".tga", ".webp", ".jp2", ".mp4", ".mkv", ".avi", ".mov", ".webm"})
+
+
+def wheels():
+    """Those that the extension carries for this Python."""
+    tag = f"-cp{sys.version_info[0]}{sys.version_info[1]}-"
+    found = sorted(glob.glob(os.path.join(os.path.dirname(__file__), "wheels", "*.whl")))
+    return [wheel for wheel in found if tag in wheel or ("-abi3-" in wheel and sys.version_info >= (3, 12))]
 
 
 def package_problem():
     try:
         import xrds  # noqa: F401
     except ImportError as error:
+        if not wheels():
+            return (f"This Blender has Python {sys.version_info[0]}.{sys.version_info[1]}, for which the extension carries no package. "
+                    "Make it with one: scripts/blender_extension.sh.")
         return f"The package xrds, which does the work, cannot be loaded: {error}. Install the extension again."
     return None
 
@@ -31,12 +43,12 @@ def _output(scene):
 def output_file(scene, frame):
     """Where the result goes: the scene's output path, with the number of the frame and _xrds."""
     root, digits = _output(scene)
-    return f"{root}{frame:0{digits}d}_xrds.exr"
+    return os.path.abspath(f"{root}{frame:0{digits}d}_xrds.exr")
 
 
 def renders_folder(scene):
     """Where the renders of an animation that is stable over time are kept while they are needed."""
-    return f"{_output(scene)[0]}xrds_renders"
+    return os.path.abspath(f"{_output(scene)[0]}xrds_renders")
 
 
 def _memory():
@@ -73,9 +85,11 @@ def _size_problem(scene, settings):
 
 
 def _output_problem(scene):
+    if not scene.render.filepath:
+        return "The Output path is empty. Choose one in the Output properties."
     if scene.render.filepath.startswith("//") and not bpy.data.filepath:
         return "The Output path begins beside the .blend file, which is not saved yet. Save it, or choose another path in the Output properties."
-    folder = os.path.dirname(output_file(scene, 0)) or "."
+    folder = os.path.dirname(output_file(scene, 0))
     while not os.path.exists(folder) and os.path.dirname(folder) != folder:
         folder = os.path.dirname(folder)
     if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
@@ -110,7 +124,7 @@ def steady(scene):
 def problem(scene):
     """The first thing that stands in the way, or None."""
     settings = scene.xrds
-    return package_problem() or _scene_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
+    return package_problem() or device_problem() or _scene_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
 
 
 def notes(scene):
@@ -124,6 +138,8 @@ def notes(scene):
         yield f"Rendered with {width} x {height} pixels: sides are whole multiples of the scale."
     if scene.xrds.steady and unsteady(scene):
         yield unsteady(scene)
+    if render.use_freestyle:
+        yield "Freestyle's lines are left out: render them by themselves."
     if render.use_border:
         yield "The render region is ignored: the whole frame is rendered."
     if render.use_compositing and getattr(scene, "compositing_node_group", None) or getattr(scene, "use_nodes", False) and bpy.app.version < (5, 0):

@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 from . import exr
-from .passes import is_colour, is_light, layers_of, stack
+from .passes import is_colour, is_light, layers_of, load, stack
 
 DENOISING = "Denoising "
 LEVEL = 4  # of zlib: twice as fast as the usual 6 for 3 % more bytes
@@ -69,7 +69,7 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
     """
     import xrds
 
-    low, full = exr.load(low_file), exr.load(full_file)
+    low, full = load(low_file), load(full_file)
     channels = dict(full.channels)
     low_layers = layers_of(low, wish.layers)
     for place, low_layer in enumerate(low_layers):

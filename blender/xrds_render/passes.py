@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the two renders of a frame are asked for, and what their passes mean."""
+import os
+import struct
+import zlib
+
 import numpy as np
 
-from . import guides
+from . import exr, guides
 
 # Flags of a view layer whose passes hold light: they come from the low-resolution render.
 LIGHT_FLAGS = tuple(f"use_pass_{kind}_{part}" for kind in ("diffuse", "glossy", "transmission", "subsurface", "volume") for part in ("direct", "indirect")) + (
@@ -53,7 +57,7 @@ def _configure(scene, width, height, samples, path, put, keep):
         if hasattr(settings, name):
             put(settings, name, value)
     for name, value in {
-        "resolution_x": width, "resolution_y": height, "resolution_percentage": 100, "use_border": False, "use_compositing": False, "use_sequencer": False,
+        "resolution_x": width, "resolution_y": height, "resolution_percentage": 100, "use_border": False, "use_compositing": False, "use_sequencer": False, "use_freestyle": False,
         "use_file_extension": False, "use_overwrite": True, "use_placeholder": False, "filepath": path,
     }.items():
         put(render, name, value)
@@ -105,6 +109,19 @@ def _with_colours(layer, put):
             put(layer, f"use_pass_{kind}_color", True)
 
 
+class Damaged(RuntimeError):
+    """A file of a render that is not whole, as when the disk was full."""
+
+
+def load(path):
+    """A render's file as an exr.Picture. Raises OSError, and Damaged: then it is removed, to be rendered again when an animation goes on."""
+    try:
+        return exr.load(path)
+    except (ValueError, IndexError, KeyError, struct.error, zlib.error) as error:
+        os.remove(path)
+        raise Damaged(f"The render {os.path.basename(path)} is damaged: {error}. Is there room on the disk?") from error
+
+
 class Layer:
     """The passes of a view layer in a file: {pass: {component: channel}}."""
 
@@ -112,8 +129,9 @@ class Layer:
         self.name = name
         self.passes = {}
         for channel in picture.channels:
-            if channel.startswith(f"{name}."):
-                found, _, component = channel[len(name) + 1:].rpartition(".")
+            rest, _, component = channel.rpartition(".")
+            layer, _, found = rest.rpartition(".")  # names of layers may have dots, as "Front.001", those of passes have none
+            if layer == name:
                 self.passes.setdefault(found, {})[component] = channel
 
 

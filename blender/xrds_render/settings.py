@@ -22,6 +22,18 @@ def _devices():
 
 
 @functools.lru_cache(maxsize=None)
+def device_problem():
+    """Why nothing can be upscaled on this machine, as a sentence; None: there is a device."""
+    import xrds
+
+    try:
+        found = xrds.devices()
+    except RuntimeError as error:
+        return str(error)
+    return None if found else "No Vulkan device was found. Install the driver of your GPU, or Mesa's lavapipe to use the processor, and start Blender again."
+
+
+@functools.lru_cache(maxsize=None)
 def _models(scale):
     items = [(AUTO, "Automatic", "The model that suits samples and guides", 0)]
     try:

@@ -2,18 +2,20 @@
 """Animations that are stable over time: which renders a frame needs, where they are kept, and what they are merged to."""
 import json
 import os
-import shutil
+import re
 
-from . import exr
-from .passes import layers_of, stack
+from .passes import layers_of, load, stack
 
+NOTE = "settings.json"
+FILE = re.compile(r"(-?\d+)_(?:low|full)\.exr(?:\.part\.exr)?")  # of a render, whole or not
 RADIUS = 5  # frames before and after that are worth it
 BYTES_PER_PIXEL = (2 * RADIUS + 1) * 56  # of the full resolution: colour, albedo, normal, depth and motion of all of them
 
 
 def needed(frames, missing):
     """The frames to render: those without a result, and those that they are merged with."""
-    return [number for number in frames if any(abs(number - other) <= RADIUS for other in missing)]
+    around = {number for other in missing for number in range(other - RADIUS, other + RADIUS + 1)}
+    return [number for number in frames if number in around]
 
 
 class Renders:
@@ -25,10 +27,10 @@ class Renders:
 
     def __init__(self, folder, settings, state, goes_on):
         self.folder, self.state = folder, state
-        note = os.path.join(folder, "settings.json")
+        note = os.path.join(folder, NOTE)
         before = _read(note) or {}
         if before.get("settings") != settings or not (goes_on or state and before.get("state") == state):
-            shutil.rmtree(folder, ignore_errors=True)
+            self.forget(None)
         os.makedirs(folder, exist_ok=True)
         with open(note, "w") as file:
             json.dump({"settings": settings, "state": state}, file)
@@ -40,13 +42,15 @@ class Renders:
         return os.path.exists(self.file(number, kind))
 
     def forget(self, before):
-        """Removes those of frames before this one; None: everything."""
-        if before is None:
-            return shutil.rmtree(self.folder, ignore_errors=True)
+        """Removes those of frames before this one; None: everything that is of this class, and then the folder if nothing else is in it."""
+        if not os.path.isdir(self.folder):
+            return
         for name in os.listdir(self.folder):
-            number = name.partition("_")[0]
-            if name.endswith(".exr") and number.lstrip("-").isdigit() and int(number) < before:
+            found = FILE.fullmatch(name)
+            if name == NOTE and before is None or found and (before is None or int(found[1]) < before):
                 os.remove(os.path.join(self.folder, name))
+        if before is None and not os.listdir(self.folder):
+            os.rmdir(self.folder)
 
 
 def _read(path):
@@ -95,7 +99,7 @@ class Surroundings:
 
     def _of(self, number):
         if number not in self._read:
-            low, full = (exr.load(self._renders.file(number, kind)) for kind in ("low", "full"))
+            low, full = (load(self._renders.file(number, kind)) for kind in ("low", "full"))
             whole = {layer.name: layer for layer in layers_of(full, self._wish.layers)}
             self._read[number] = {layer.name: self._images(low, layer, full, whole[layer.name]) for layer in layers_of(low, self._wish.layers)}
         return self._read[number]
