@@ -30,7 +30,7 @@ except ImportError as error:
 import scenes  # noqa: E402
 import xrds_render  # noqa: E402
 from properties import differences, snapshot  # noqa: E402
-from xrds_render import checks, exr, frame, jobs, operators, passes, recorder, temporal  # noqa: E402
+from xrds_render import checks, exr, frame, jobs, operators, passes, recorder, settings, temporal  # noqa: E402
 
 MODEL = "xrds-x4-nano"
 
@@ -168,6 +168,27 @@ class OneClick(WithBlender):
         self.assertEqual((image.type, node.has_layers), ("MULTILAYER", True))
         self.assertTrue({"Combined", "Alpha"} <= {socket.name for socket in node.outputs})
 
+    def test_view_layers_whose_names_have_dots(self):
+        scene = self.open("layers")
+        for layer in scene.view_layers:
+            layer.name = "Front"
+            layer.use_pass_diffuse_direct = layer.use_pass_diffuse_color = True
+        self.assertEqual(sorted(layer.name for layer in scene.view_layers), ["Front", "Front.001"])
+        self.render()
+        diffuse = {"Diffuse Direct", "Diffuse Color"} if bpy.app.version >= (5, 0) else {"DiffDir", "DiffCol"}
+        found = passes.layers_of(self.result("layers_0002_xrds.exr"), ["Front", "Front.001"])
+        self.assertEqual([layer.passes.keys() - {"Depth"} for layer in found], [{"Combined", *diffuse}] * 2)
+
+    def test_without_the_lines_of_freestyle(self):
+        scene = self.open("cryptomatte")
+        scene.render.use_freestyle = True
+        self.assertIn("Freestyle", " ".join(checks.notes(scene)))
+        before = snapshot()
+        with recorder.Recorder(scene) as made:
+            passes.configure_low(scene, scene.xrds, "/nowhere", made)
+            self.assertFalse(scene.render.use_freestyle)
+        self.assertEqual(differences(before, snapshot()), [])
+
     def test_odd_sizes_become_whole_multiples(self):
         scene = self.open("cryptomatte")
         scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 122, 96, 50
@@ -282,6 +303,27 @@ class Steady(WithBlender):
         renders.forget(12)
         self.assertEqual([renders.has(number, "full") for number in (-1, 3, 12)], [False, False, True])
 
+    def test_files_of_others_stay_in_the_folder_of_renders(self):
+        folder = os.path.join(self.folder, "renders")
+        os.makedirs(folder)
+        for name in ("1_low.exr", "1_low.exr.part.exr", "1_look.exr", "notes.txt"):
+            open(os.path.join(folder, name), "w").close()
+        renders = temporal.Renders(folder, {"samples": [2, 1]}, None, False)
+        self.assertEqual(sorted(os.listdir(folder)), ["1_look.exr", "notes.txt", "settings.json"])
+        renders.forget(None)
+        self.assertEqual(sorted(os.listdir(folder)), ["1_look.exr", "notes.txt"])
+
+    def test_a_damaged_render_is_made_again(self):
+        scene = self.open("layers")
+        self.stop_after_a_frame()
+        damaged = os.path.join(checks.renders_folder(scene), "2_full.exr")
+        os.truncate(damaged, os.path.getsize(damaged) // 2)
+        with self.assertRaisesRegex(RuntimeError, "The render 2_full.exr is damaged"):
+            bpy.ops.xrds.render(animation=True)
+        self.assertFalse(os.path.exists(damaged))
+        self.render(animation=True)
+        self.assertEqual(len(self.exrs()), 3)
+
     def test_what_is_needed(self):
         self.assertEqual(temporal.needed(range(1, 30), [1, 20]), [*range(1, 7), *range(15, 26)])
         self.assertEqual(temporal.needed(range(1, 3), [1]), [1, 2])
@@ -353,12 +395,38 @@ class Trouble(WithBlender):
         def folder(scene):
             scene.render.filepath = "/dev/null/frame_"
 
+        def nowhere(scene):
+            scene.render.filepath = ""
+
         cases = {engine: "Choose Cycles", camera: "no camera", stereo: "Stereoscopy", huge: "60000 x 60000 needs about [0-9]+ GB", tiny: "at least 8 x 8",
-                 unused: "No view layer", device: "device is missing", model: "model is missing", dark: "takes the light", folder: "Nothing can be written into"}
+                 unused: "No view layer", device: "device is missing", model: "model is missing", dark: "takes the light", folder: "Nothing can be written into",
+                 nowhere: "Output path is empty"}
         for spoil, sentence in cases.items():
             with self.subTest(spoil.__name__):
                 spoil(self.open("cryptomatte"))
                 self.assertRegex(checks.problem(bpy.context.scene), sentence)
+                self.refused(sentence)
+
+    def test_a_path_without_a_folder(self):
+        self.open("cryptomatte")
+        bpy.context.scene.render.filepath = "shot_"
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(self.folder)
+        self.render()
+        self.assertEqual(self.exrs(), ["shot_0001_xrds.exr"])
+
+    def test_a_python_without_a_wheel(self):
+        with mock.patch.dict(sys.modules, {"xrds": None}):
+            self.assertRegex(checks.package_problem(), "carries no package")
+            with mock.patch.object(checks, "wheels", return_value=["one.whl"]):
+                self.assertRegex(checks.package_problem(), "Install the extension again")
+
+    def test_a_machine_without_a_device(self):
+        for found, sentence in (({"return_value": []}, "No Vulkan device"), ({"side_effect": xrds.Error("There is no loader.")}, "no loader")):
+            settings.device_problem.cache_clear()
+            self.addCleanup(settings.device_problem.cache_clear)
+            self.open("cryptomatte")
+            with self.subTest(sentence), mock.patch.object(xrds, "devices", **found):
                 self.refused(sentence)
 
     def test_an_unsaved_file(self):
@@ -370,7 +438,8 @@ class Trouble(WithBlender):
 
     def test_what_fails_underway_is_a_sentence_too(self):
         for error, sentence in ((xrds.Error("The device went away."), "The device went away"), (MemoryError(), "too little memory"),
-                                (OSError(28, "No space left on device", "/there/frame.exr"), "frame.exr cannot be written or read: No space left")):
+                                (OSError(28, "No space left on device", "/there/frame.exr"), "frame.exr cannot be written or read: No space left"),
+                                (OSError(28, "No space left on device"), "A file cannot be written or read: No space left")):
             self.open("layers")
             with self.subTest(sentence), mock.patch.object(frame, "upscale", side_effect=error):
                 self.refused(sentence)
@@ -433,6 +502,24 @@ class Recording(WithBlender):
         with bpy.data.libraries.load(path) as (there, wanted):
             wanted.scenes = there.scenes
         self.assertEqual([wanted.scenes[0].render.resolution_x, scene.render.resolution_x], [64, 64])
+
+    def test_undo_brings_no_changed_setting_back(self):
+        """A step of undo that is kept while a render runs, as when the artist moves something, has its settings."""
+        scene = self.open("layers")
+        scene.xrds.guides = "CHEAP"
+        bpy.ops.ed.undo_push(message="before")
+        before = snapshot()
+        with recorder.Recorder(scene) as made:
+            passes.configure_full(scene, scene.xrds, "/nowhere", made)
+            made.mark()
+            changed = differences(before, snapshot())
+            bpy.ops.ed.undo_push(message="underway")
+        self.assertNotIn(recorder.MARK, scene)
+        bpy.ops.ed.undo_push(message="after")
+        bpy.ops.ed.undo()
+        self.assertGreater(len(changed), 15)
+        self.assertEqual([found for found in differences(before, snapshot()) if "use_extra_user" not in found], [], "which undo itself sets")
+        self.assertNotIn(recorder.MARK, bpy.context.scene)
 
     def test_what_is_deleted_hinders_nothing(self):
         scene = self.open("layers")

@@ -20,11 +20,16 @@ class Stopped(Exception):
 class Render:
     """A step: Blender's own render into a file, with its progress and its ways to cancel it."""
 
+    cancelled = False  # told by a handler of Blender: the last one that ran beside the interface
+
     def __init__(self, scene, path):
         self._scene, self._path = scene, path
+        self._slot = None
 
     def start(self):
-        bpy.ops.render.render("INVOKE_DEFAULT", write_still=True, scene=self._scene.name)
+        Render.cancelled = False
+        bpy.ops.render.render("INVOKE_DEFAULT", scene=self._scene.name)
+        self._slot = self._slots().active_index
 
     def done(self):
         return not bpy.app.is_job_running("RENDER")
@@ -33,8 +38,26 @@ class Render:
         bpy.ops.render.render(write_still=True, scene=self._scene.name)
 
     def finish(self):
+        if self._slot is not None and not Render.cancelled:
+            self._save()
         if not os.path.exists(self._path):  # Blender writes it unless it was cancelled
             raise Stopped("The render was cancelled.")
+
+    def _save(self):
+        """Here, not by the render: Blender 3.4 crashes where one that writes is ended by undo or another file."""
+        slots = self._slots()
+        shown, slots.active_index = slots.active_index, self._slot
+        try:
+            self._result().save_render(self._path, scene=self._scene)
+        finally:
+            slots.active_index = shown
+
+    @staticmethod
+    def _result():
+        return next(image for image in bpy.data.images if image.type == "RENDER_RESULT")
+
+    def _slots(self):
+        return self._result().render_slots
 
 
 class Work:
@@ -189,8 +212,9 @@ class Job:
             half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops))
 
     def _render(self, configure, path, text, share):
-        with Recorder() as recorder:
+        with Recorder(self.scene) as recorder:
             configure(self.scene, self.settings, path, recorder)
+            recorder.mark()
             yield from self._timed("renders", Render(self.scene, path), text, share)
 
     def _timed(self, kind, step, text, share):

@@ -6,9 +6,10 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import checks, jobs
-from .recorder import active
+from .recorder import active, restore_marked
 
 current = None  # the job that runs
+steps = None  # its steps, beside the interface
 last = ""  # what became of the one before
 
 
@@ -42,7 +43,8 @@ class XRDS_OT_render(bpy.types.Operator):
             return {"CANCELLED"}
         if not self._begin(context):
             return {"CANCELLED"}
-        self._steps, self._step = current.steps(), None
+        global steps
+        steps, self._step = current.steps(), None
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -55,22 +57,23 @@ class XRDS_OT_render(bpy.types.Operator):
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         _redraw(context)
+        if steps.gi_frame is None:  # before_undo() ended it
+            return self._end(context, jobs.Stopped("Cancelled."))
         if self._step and not self._step.done():
             return {"PASS_THROUGH"}
         try:
-            self._step = next(self._steps, None)
+            self._step = next(steps, None)
             if self._step is None:
                 return self._end(context, None)
             self._step.start()
         except Exception as error:
-            self._steps.close()
+            steps.close()
             return self._end(context, error)
         return {"PASS_THROUGH"}
 
     def cancel(self, context):
         """Blender quits or loads a file: what ran ends without it."""
-        current.cancel()
-        self._steps.close()
+        stop()
         self._end(context, jobs.Stopped("Cancelled."))
 
     def _begin(self, context):
@@ -86,8 +89,8 @@ class XRDS_OT_render(bpy.types.Operator):
         return True
 
     def _end(self, context, error):
-        global current, last
-        job, current = current, None
+        global current, last, steps
+        job, current, steps = current, None, None
         if getattr(self, "_timer", None):
             context.window_manager.event_timer_remove(self._timer)
         last, kind = _outcome(job, error)
@@ -132,8 +135,8 @@ def _outcome(job, error):
     kept = f" {len(job.written)} frames are saved." if job.written else ""
     if isinstance(error, jobs.Stopped) or type(error).__name__ == "Cancelled":
         return f"Cancelled; the settings are as before.{kept}", "WARNING"
-    if isinstance(error, OSError) and error.filename:
-        return f"{os.path.basename(error.filename)} cannot be written or read: {error.strerror}.{kept}", "ERROR"
+    if isinstance(error, OSError) and error.strerror:
+        return f"{os.path.basename(error.filename or 'A file')} cannot be written or read: {error.strerror}.{kept}", "ERROR"
     if isinstance(error, MemoryError):
         return f"There is too little memory for this frame. Choose a smaller resolution.{kept}", "ERROR"
     return f"{str(error).strip().removeprefix('Error: ')}{kept}", "ERROR"
@@ -144,6 +147,30 @@ def _redraw(context):
         for area in window.screen.areas:
             if area.type == "PROPERTIES":
                 area.tag_redraw()
+
+
+@persistent
+def after_cancel(*_):
+    jobs.Render.cancelled = True
+
+
+def stop():
+    """Ends what runs beside the interface, and puts the settings back, at once."""
+    if steps:
+        current.cancel()
+        steps.close()
+
+
+@persistent
+def before_undo(*_):
+    """Undo and redo put another scene in the place of the one that is rendered."""
+    stop()
+
+
+@persistent
+def after_undo(*_):
+    """The state that is back may have been kept while settings were changed. So may that of a file, which Blender wrote by itself."""
+    restore_marked()
 
 
 @persistent
@@ -158,7 +185,9 @@ def after_save(*_):
         recorder.resume()
 
 
-HANDLERS = {"save_pre": before_save, "save_post": after_save}
+HANDLERS = {"render_cancel": after_cancel, "save_pre": before_save, "save_post": after_save, "save_post_fail": after_save, "undo_pre": before_undo, "redo_pre": before_undo,
+            "undo_post": after_undo, "redo_post": after_undo, "load_post": after_undo}
+HANDLERS = {name: function for name, function in HANDLERS.items() if hasattr(bpy.app.handlers, name)}  # save_post_fail: Blender 3.6
 
 
 def register():

@@ -1,16 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings that are changed for a while, and come back whatever happens."""
+import json
+
+import bpy
+
+MARK = "xrds_before"  # a custom property of a scene while a recorder has changed it: what was there
 
 
 class Recorder:
     """Changes properties, and puts back what was there when its `with` ends.
 
-    In between, suspend() puts it back for a moment, as while the file is saved, and resume() changes it again.
+    In between, suspend() puts it back for a moment, as while the file is saved, and resume() changes it again. scene: gets
+    a mark with what was there, for states of it that others keep meanwhile, as steps of undo: restore_marked() mends these.
     """
 
-    def __init__(self):
+    def __init__(self, scene=None):
+        self._scene = scene
         self._before = []
         self._suspended = []
+
+    def mark(self):
+        """Call it once all is changed."""
+        places = [(_place(owner), name, value) for owner, name, value in reversed(self._before)]
+        self._scene[MARK] = json.dumps([(*place, name, value) for place, name, value in places if place and isinstance(value, (bool, int, float, str))])
 
     def put(self, owner, name, value):
         """Sets a property; a value that is there already stays unrecorded."""
@@ -29,15 +41,26 @@ class Recorder:
         """Puts everything back. Returns a sentence for each property that did not come back, as of a deleted object."""
         self._suspended = []
         changes, self._before = self._before, []
+        self._unmark()
         return _apply(reversed(changes))
 
     def suspend(self):
         self._suspended = [(owner, name, getattr(owner, name)) for owner, name, _ in self._before]
+        self._unmark()
         _apply(reversed(self._before))
 
     def resume(self):
         changes, self._suspended = self._suspended, []
         _apply(changes)
+        if changes and self._scene:
+            self.mark()
+
+    def _unmark(self):
+        try:
+            if self._scene and MARK in self._scene:
+                del self._scene[MARK]
+        except ReferenceError:
+            pass  # the scene is deleted
 
     def __enter__(self):
         active.append(self)
@@ -49,6 +72,46 @@ class Recorder:
 
 
 active = []  # the recorders whose changes are in force: saving a file suspends them
+
+
+def restore_marked():
+    """Puts back what the marks of scenes say: of a state that was kept while a recorder had changed it. Not while one is active."""
+    for scene in bpy.data.scenes:
+        if not active and MARK in scene:
+            marked = json.loads(scene[MARK])
+            del scene[MARK]
+            _apply([(owner, name, value) for kind, block, path, name, value in marked for owner in _owner(kind, block, path)])
+
+
+def _place(owner):
+    """(collection of bpy.data, name, path within) of what is local; None where that cannot be told."""
+    block = owner.id_data
+    for kind in ("scenes", "materials", "worlds", "objects"):
+        if getattr(bpy.data, kind).get(block.name) == block:
+            return next(((kind, block.name, path) for path in _paths(owner, block) if owner in _owner(kind, block.name, path)), None)
+    return None
+
+
+def _paths(owner, block):
+    """Ways that may lead to an owner: Blender knows not all."""
+    if owner == block:
+        yield ""
+    try:
+        yield owner.path_from_id()
+    except ValueError:
+        pass
+    yield "render.image_settings.linear_colorspace_settings"
+    for layer in getattr(block, "view_layers", ()):
+        yield f"{layer.path_from_id()}.cycles"
+
+
+def _owner(kind, name, path):
+    """[what is there], or nothing."""
+    block = getattr(bpy.data, kind).get(name)
+    try:
+        return [block.path_resolve(path) if path else block] if block else []
+    except ValueError:
+        return []
 
 
 def _apply(changes):
