@@ -49,9 +49,10 @@ def register():
 def unregister():
     import bpy
 
-    from . import operators, panel, settings
+    from . import jobs, operators, panel, settings
 
     operators.unregister()
+    jobs.release()
     del bpy.types.Scene.xrds
     for made in (panel.XRDS_PT_panel, operators.XRDS_OT_cancel, operators.XRDS_OT_render, settings.XRDS_Settings):
         bpy.utils.unregister_class(made)

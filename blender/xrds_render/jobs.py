@@ -2,6 +2,7 @@
 """A render of one or more frames, as a row of steps: the interface runs between them, or waits for each where there is none."""
 import functools
 import os
+import sys
 import tempfile
 import threading
 import time
@@ -115,6 +116,8 @@ class Job:
         finally:
             if (scene.frame_current, scene.frame_subframe) != before:
                 scene.frame_set(before[0], subframe=before[1])
+            if self.frames:
+                release()
             self.seconds["all"] = time.monotonic() - begin
 
     def _each(self):
@@ -230,6 +233,12 @@ class Job:
         self.text = text if stage == "upscaling" else "Preparing the device"
         self.share = share
         return not self.cancelled
+
+
+def release():
+    """Gives back the memory that the package keeps for the next frame."""
+    if "xrds" in sys.modules:
+        sys.modules["xrds"].release()
 
 
 def _saved():

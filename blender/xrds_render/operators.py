@@ -196,5 +196,8 @@ def register():
 
 
 def unregister():
+    global current, steps
+    stop()  # switched off while it runs
+    current = steps = None
     for name, function in HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(function)
