@@ -4,9 +4,9 @@
     python3 blender/tests/window.py build/blender/xrds_render-0.1.0.zip [--pictures docs/images] [--blender blender]
 
 Installs the file as an add-on of a new user, renders the scene that Blender starts with, cancels while it renders and while it upscales, takes a step
-back by undo and opens another file meanwhile, and compares every setting after each. Says what it saw, and ends with an error where something is not
-as it should be. --pictures: where the pictures of docs/blender.md are written to. For Blender before 4.2.
-Needs xvfb and xdotool.
+back by undo and opens another file meanwhile, stops an animation and goes on with it, and compares every setting after each. Says what it saw, and ends
+with an error where something is not as it should be. --pictures: where the pictures of docs/blender.md are written to. For Blender before 4.2. Needs
+xvfb and xdotool.
 """
 import argparse
 import os
@@ -221,6 +221,29 @@ def same(before):
     return not found
 
 
+def animation():
+    """Stopped after its first frame, it goes on."""
+    scene, cube = bpy.context.scene, bpy.data.objects["Cube"]
+    scene.frame_start, scene.frame_end = 1, 8
+    scene.render.resolution_x, scene.render.resolution_y, scene.xrds.samples, scene.xrds.guide_samples = 64, 48, 4, 1
+    for frame, turn in ((1, 0.0), (8, 1.0)):
+        cube.rotation_euler.z = turn
+        cube.keyframe_insert("rotation_euler", frame=frame)
+    scene.frame_set(3)
+    yield 0.5
+    before = snapshot()
+    invoke(animation=True)
+    yield from until(lambda: results())
+    bpy.ops.xrds.cancel()
+    yield from until(lambda: job() is None)
+    stopped = results()
+    check(0 < len(stopped) < 8 and differences(before, snapshot()) == [], f"an animation was stopped after {len(stopped)} frames, every setting is as before")
+    invoke(animation=True)
+    yield from until(lambda: job() is None)
+    check(len(results()) == 8 and differences(before, snapshot()) == [], "it went on to its end, every setting is as before")
+    check(sorted(name for name in os.listdir(HOME) if name.startswith("shot_")) == results(), "nothing else is left beside the frames")
+
+
 def loaded():
     bpy.context.scene.xrds.samples = 2000
     invoke()
@@ -231,7 +254,7 @@ def loaded():
 
 
 def all_steps():
-    for part in (install, prepare, one_click, compositor, cancelled, loaded):
+    for part in (install, prepare, one_click, compositor, cancelled, animation, loaded):
         yield from part()
     os._exit(0)
 
