@@ -152,7 +152,8 @@ std::vector<nb::dict> devices() {
 
 std::string findModel(const std::string& name) {
   std::array<char, 4096> path{};
-  require(xrdsFindModel(name.c_str(), path.data(), path.size()), xrdsGetMessage());
+  const XrdsResult result = xrdsFindModel(name.c_str(), path.data(), path.size());
+  require(result, xrdsGetMessage());  // not in one call: the sentence is there after it
   return path.data();
 }
 
@@ -160,9 +161,9 @@ std::string chooseModel(uint32_t scale, const std::vector<std::string>& inputs, 
   std::array<char, 256> name{};
   std::vector<const char*> images;
   for (const std::string& input : inputs) images.push_back(input.c_str());
-  require(
-      xrdsChooseModel(scale, images.data(), static_cast<uint32_t>(images.size()), samples, name.data(), name.size()),
-      xrdsGetMessage());
+  const XrdsResult result =
+      xrdsChooseModel(scale, images.data(), static_cast<uint32_t>(images.size()), samples, name.data(), name.size());
+  require(result, xrdsGetMessage());
   return name.data();
 }
 

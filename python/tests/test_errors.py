@@ -80,6 +80,11 @@ def test_nothing_is_lost():
     numpy.testing.assert_array_equal(xrds.upscale(COLOUR, model=MODEL, **IMAGES), wanted)
 
 
+def test_a_scale_without_a_model():
+    with pytest.raises(xrds.Error, match=r"^No model is shipped that upscales by 3 .*\.$"):
+        xrds.upscale(COLOUR, albedo=noise(72, 96), normal=noise(72, 96))
+
+
 def test_a_closed_upscaler_is_refused():
     with xrds.Upscaler(32, 24, MODEL) as upscaler:
         upscaler(COLOUR, **IMAGES)
