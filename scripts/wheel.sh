@@ -8,7 +8,7 @@ scripts/packages.sh
 [ $# -gt 0 ] || set -- python3
 work=$PWD/build/wheel_work
 wheels=$PWD/build/wheels
-rm -rf "$work/raw" "$wheels" "$work"/test-*
+rm -rf "$work/raw" "$wheels" "$work"/make-* "$work"/test-*
 mkdir -p "$work/raw" "$wheels"
 
 tools=$work/tools/bin
@@ -23,8 +23,9 @@ made_stable=
 for python; do
   newer=$("$python" -c 'import sys; print(int(sys.version_info >= (3, 12)))')
   [ "$newer$made_stable" = 11 ] && continue
-  "$python" -m venv "$work/make-$newer"
-  "$work/make-$newer/bin/pip" --quiet wheel . --no-deps --wheel-dir "$work/raw"
+  make=$work/make-$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+  "$python" -m venv "$make"
+  "$make/bin/pip" --quiet wheel . --no-deps --wheel-dir "$work/raw"
   [ "$newer" = 1 ] && made_stable=1
 done
 for wheel in "$work"/raw/*.whl; do
