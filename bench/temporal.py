@@ -1,11 +1,11 @@
 """Measures `xrds upscale --temporal` on the sequences of bench/temporal_scenes.py, beside its rivals.
 
-    python3 bench/temporal.py FOLDER OUT [--xrds build/release/cli/xrds] [--strips bench/images]
+    python3 bench/temporal.py FOLDER OUT [--xrds build/release/cli/xrds] [--strips bench/images] [--rdg COPY_OF_ITS_REPOSITORY]
     python3 bench/tables.py write
 
 Upscales every sequence with and without --temporal, denoises the full-resolution render of as many samples with Open Image Denoise, and
 takes the median of three frames of xrds alone, brought together by the Vector pass; writes bench/results/temporal.json, of which bench/tables.py makes
-the table of bench/temporal.md. Needs bench/oidn-requirements.txt; `pip install cvvdp` adds ColorVideoVDP.
+the table of bench/temporal.md. Needs bench/oidn-requirements.txt; `pip install cvvdp` adds ColorVideoVDP, --rdg another rival (bench/rdg.py).
 """
 import argparse
 import pathlib
@@ -27,7 +27,7 @@ def layers(path, *names):
     import OpenEXR
     with OpenEXR.File(str(path), separate_channels=True) as file:
         channels = {name.split(".", 1)[-1]: np.asarray(channel.pixels, np.float32) for name, channel in file.channels().items()}
-    letters = {"Combined": "RGB", "Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Vector": "XYZW"}
+    letters = {"Combined": "RGB", "Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth": "Z", "Vector": "XYZW"}
     return [np.stack([channels[f"{name}.{letter}"] for letter in letters[name]], -1) for name in names]
 
 
@@ -40,6 +40,10 @@ def colour(path):
 def srgb(linear):
     linear = np.clip(linear, 0, 1)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def linear(picture):
+    return np.where(picture <= 0.04045, picture / 12.92, ((picture + 0.055) / 1.055) ** 2.4)
 
 
 def psnr(x, y):
@@ -158,6 +162,17 @@ def denoised(sequence):
     return results
 
 
+def by_rdg(sequence, checkout):
+    import rdg
+    frames = []
+    for low, guides in zip(sequence.files["low"], sequence.files["guides"]):
+        albedo, normal, depth, vector = layers(guides, "Denoising Albedo", "Denoising Normal", "Denoising Depth", "Vector")
+        colour_, = layers(low, "Combined")
+        frames.append({"colour": colour_, "albedo": np.clip(albedo, 0, 1), "normal": normal, "depth": depth, "motion": to_previous(vector)})
+    ends = [*sorted(sequence.cuts), len(frames)]
+    return [image for begin, end in zip([0, *ends], ends) for image in rdg.upscaled(checkout, frames[begin:end], srgb, linear)]
+
+
 def video_score(results, references):
     """ColorVideoVDP in just-objectionable differences of 10, at 24 frames a second; none where it is not installed."""
     try:
@@ -198,8 +213,10 @@ def measure(options):
         sequence.read()
         results = {"xrds": upscaled(options.xrds, sequence, options.out), "temporal": upscaled(options.xrds, sequence, options.out, "--temporal")}
         results["median"], results["oidn"] = median(sequence, results["xrds"]), denoised(sequence)
+        if options.rdg:
+            results["rdg"] = by_rdg(sequence, options.rdg)
         rows[name] = {"frames": sequence.length, "ways": {}}
-        for way in WAYS:
+        for way in filter(results.__contains__, WAYS):
             pairs = list(zip(results[way], sequence.references))
             found = {"psnr": [float(psnr(*pair)) for pair in pairs], "relmse": float(np.mean([relmse(*pair) for pair in pairs])),
                      "flicker": sequence.flicker(results[way]), "video": video_score(results[way], sequence.references)}
@@ -209,7 +226,7 @@ def measure(options):
             print(name, way, {key: np.round(value, 4) for key, value in found.items() if value is not None}, flush=True)
         if options.strips and name in ("cut", "moving", "orbit"):
             save_png(options.strips / f"temporal_{name}.png", strip(sequence, results, CUT - 2 if name == "cut" else 0, 4 if name == "cut" else 3))
-    tables.keep("temporal", {**tables.origin(), "command": "python3 bench/temporal.py FOLDER OUT", "samples": SAMPLES, "sequences": rows})
+    tables.keep("temporal", {**tables.origin(), "command": "python3 bench/temporal.py FOLDER OUT --rdg COPY", "samples": SAMPLES, "sequences": rows})
 
 
 def main():
@@ -218,6 +235,7 @@ def main():
     parser.add_argument("out", type=pathlib.Path, help="folder for results")
     parser.add_argument("--xrds", default=tables.ROOT / "build" / "release" / "cli" / "xrds")
     parser.add_argument("--strips", type=pathlib.Path, help="folder for pictures of some frames")
+    parser.add_argument("--rdg", type=pathlib.Path, help="a copy of RDG's repository")
     measure(parser.parse_args())
 
 
