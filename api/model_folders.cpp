@@ -7,6 +7,8 @@
 #include <dlfcn.h>
 #endif
 
+#include "engine/environment.h"
+
 namespace xrds {
 namespace fs = std::filesystem;
 namespace {
@@ -46,7 +48,7 @@ std::vector<fs::path> foldersOfModels() {
 #if defined(_WIN32)  // getenv() would give what has no letter in the code page as '?'
   if (const wchar_t* folder = _wgetenv(L"XRDS_MODELS")) folders.emplace_back(folder);
 #else
-  if (const char* folder = std::getenv("XRDS_MODELS")) folders.emplace_back(folder);
+  if (std::string folder = environmentVariable("XRDS_MODELS"); !folder.empty()) folders.emplace_back(std::move(folder));
 #endif
   if (const fs::path own = ownFolder(); !own.empty())
     for (const char* up : {".", "..", "../.."}) folders.push_back((own / up / "share/xrds/models").lexically_normal());

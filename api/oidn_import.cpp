@@ -1,20 +1,11 @@
 #include "api/oidn_import.h"
 
-#include <cstdlib>
-
+#include "engine/environment.h"
 #include "network/oidn_import.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
-namespace {
-
-fs::path folderOf(const char* variable) {
-  const char* text = std::getenv(variable);
-  return text ? fs::path(text) : fs::path();
-}
-
-}  // namespace
 
 std::vector<fs::path> writeOidnModels(const fs::path& library, const fs::path& folder) {
   const std::vector<ImportedNetwork> networks = importNetworks(library);
@@ -30,12 +21,12 @@ std::vector<fs::path> writeOidnModels(const fs::path& library, const fs::path& f
 }
 
 fs::path folderOfDenoisers() {
-  if (fs::path own = folderOf("XRDS_DENOISERS"); !own.empty()) return own;
+  if (fs::path own = environmentVariable("XRDS_DENOISERS"); !own.empty()) return own;
 #if defined(_WIN32)
-  const fs::path data = folderOf("LOCALAPPDATA");
+  const fs::path data = environmentVariable("LOCALAPPDATA");
 #else
-  fs::path data = folderOf("XDG_DATA_HOME");
-  if (const fs::path home = folderOf("HOME"); data.empty() && !home.empty()) data = home / ".local/share";
+  fs::path data = environmentVariable("XDG_DATA_HOME");
+  if (const fs::path home = environmentVariable("HOME"); data.empty() && !home.empty()) data = home / ".local/share";
 #endif
   return data.empty() ? data : data / "xrds" / "denoisers";
 }

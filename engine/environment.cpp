@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <mutex>
 #include <thread>
 #if (defined(__x86_64__) || defined(__i386__)) && defined(__GNUC__)
 #include <cpuid.h>
@@ -20,12 +21,11 @@
 namespace xrds {
 namespace {
 
-std::string variable(const char* name) {
-  const char* text = std::getenv(name);
-  return text ? text : "";
-}
+// The C library lets nobody read the environment while another thread changes it.
+std::mutex access;
 
 void setVariable(const char* name, const std::string& text) {
+  const std::lock_guard lock(access);
 #ifdef _WIN32
   _putenv_s(name, text.c_str());
 #else
@@ -58,7 +58,9 @@ std::string brandOfProcessor() {
 // Mesa takes an empty folder for one that it cannot make, and keeps nothing.
 void leaveToDriverIfEmpty([[maybe_unused]] const char* name) {
 #ifndef _WIN32
-  if (variable(name).empty()) unsetenv(name);
+  if (!environmentVariable(name).empty()) return;
+  const std::lock_guard lock(access);
+  unsetenv(name);
 #endif
 }
 
@@ -83,23 +85,35 @@ std::string usersShaderCache;  // in which ours lies; empty: in the engine's cac
 
 }  // namespace
 
+std::string environmentVariable(const char* name) {
+  const std::lock_guard lock(access);
+  const char* text = std::getenv(name);
+  return text ? text : "";
+}
+
 std::string processorName() {
   return brandOfProcessor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
 }
 
 std::filesystem::path defaultCacheFolder() {
-  if (const auto folder = variable("XDG_CACHE_HOME"); !folder.empty()) return std::filesystem::path(folder) / "xrds";
+  if (const auto folder = environmentVariable("XDG_CACHE_HOME"); !folder.empty())
+    return std::filesystem::path(folder) / "xrds";
 #ifdef _WIN32
-  if (const auto folder = variable("LOCALAPPDATA"); !folder.empty()) return std::filesystem::path(folder) / "xrds";
+  if (const auto folder = environmentVariable("LOCALAPPDATA"); !folder.empty())
+    return std::filesystem::path(folder) / "xrds";
 #endif
-  if (const auto home = variable("HOME"); !home.empty()) return std::filesystem::path(home) / ".cache" / "xrds";
+  if (const auto home = environmentVariable("HOME"); !home.empty())
+    return std::filesystem::path(home) / ".cache" / "xrds";
   return temporaryCacheFolder();
 }
 
 std::filesystem::path temporaryCacheFolder() {
-  std::error_code failed;
-  auto folder = std::filesystem::temp_directory_path(failed);
-  if (failed) folder = "/tmp";
+  const auto folder = [] {
+    const std::lock_guard lock(access);
+    std::error_code failed;
+    auto found = std::filesystem::temp_directory_path(failed);
+    return failed ? std::filesystem::path("/tmp") : found;
+  }();
 #ifdef _WIN32
   return folder / "xrds-cache";
 #else
@@ -108,7 +122,7 @@ std::filesystem::path temporaryCacheFolder() {
 }
 
 std::filesystem::path usersShaderCacheFolder() {
-  const std::string present = variable(kShaderCache);
+  const std::string present = environmentVariable(kShaderCache);
   return present == ourShaderCache ? usersShaderCache : present;
 }
 
@@ -118,24 +132,24 @@ void placeShaderCache(const std::filesystem::path& folder) {
   setVariable(kShaderCache, ourShaderCache);
 }
 
-std::string wantedKernelFamily() { return variable("XRDS_KERNEL_FAMILY"); }
+std::string wantedKernelFamily() { return environmentVariable("XRDS_KERNEL_FAMILY"); }
 
 void widenCpuVectors() {
   leaveToDriverIfEmpty(kShaderCache);
-  if (!variable(kWidth).empty() || !cpuHasAvx512() || lavapipeIsLoaded()) return;
+  if (!environmentVariable(kWidth).empty() || !cpuHasAvx512() || lavapipeIsLoaded()) return;
   ourWidth = "512";
   setVariable(kWidth, ourWidth);
 }
 
 bool narrowCpuVectors() {
-  if (ourWidth != "512" || variable(kWidth) != ourWidth) return false;
+  if (ourWidth != "512" || environmentVariable(kWidth) != ourWidth) return false;
   ourWidth = "256";
   setVariable(kWidth, ourWidth);
   return true;
 }
 
 void separateShaderCache(const std::filesystem::path& cacheFolder) {
-  const std::string width = variable(kWidth), present = variable(kShaderCache);
+  const std::string width = environmentVariable(kWidth), present = environmentVariable(kShaderCache);
   if (present != ourShaderCache) usersShaderCache = present;
   // A user who chose both knows; a user who chose the folder alone did not expect another width in it.
   if (width.empty() || (!usersShaderCache.empty() && width != ourWidth)) return;

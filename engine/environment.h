@@ -5,6 +5,10 @@
 
 namespace xrds {
 
+/// A variable of the environment; empty if it is not set. May be called while another thread of the library changes
+/// one.
+std::string environmentVariable(const char* name);
+
 /// The folder in which caches are kept unless the caller names one: $XDG_CACHE_HOME/xrds, ~/.cache/xrds,
 /// %LOCALAPPDATA%/xrds, or a temporary folder.
 std::filesystem::path defaultCacheFolder();

@@ -16,6 +16,8 @@
  * Threads. Everything may be called from any thread. Calls on one device, and on the upscalers of one device, wait for
  * each other; an upscaler in use on another thread is refused, XRDS_ERROR_BUSY. Models never change and may be shared.
  * Callbacks are heard while the device is taken: they must not call functions of it, nor throw.
+ * xrdsPrepareVulkan(), and what opens or lists devices of the library's own, may set variables of the environment for
+ * Mesa's driver for CPUs: meanwhile no other thread of the program may read or change the environment.
  *
  * Structures. `structSize` is sizeof the structure. Later versions add fields behind those of today, which keep their
  * meaning; what a program was built without is as if the default were given, and is not written. The structures of a
