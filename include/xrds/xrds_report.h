@@ -71,6 +71,7 @@ XRDS_API XrdsResult xrdsLevelColour(const XrdsImage* full, const XrdsImage* merg
 XRDS_API XrdsResult xrdsPaysToTune(XrdsDevice* device, const XrdsModel* model, uint32_t width, uint32_t height,
                                    int32_t fp16, int32_t* pays);
 
+/* How the upscaler's frames are cut. The caller sets tiling->structSize. */
 XRDS_API XrdsResult xrdsGetTiling(XrdsUpscaler* upscaler, XrdsTiling* tiling);
 
 /* Pixels of the last run that were not finite: of the inputs, filled from their neighbours, and of the network's
@@ -80,6 +81,7 @@ typedef struct XrdsRepairs {
   uint64_t colour, auxiliary, output;
 } XrdsRepairs;
 
+/* The caller sets repairs->structSize. */
 XRDS_API XrdsResult xrdsGetRepairs(XrdsUpscaler* upscaler, XrdsRepairs* repairs);
 
 /* What became of each attention window in the last run. side: of a window, in pixels of the output; work: pixels

@@ -22,6 +22,7 @@ typedef struct XrdsDeviceCapabilities {
   uint64_t maxTensorTexels; /* four channels each, of a tensor that kernels read; larger frames need tiles */
 } XrdsDeviceCapabilities;
 
+/* Of an open device. The caller sets capabilities->structSize. */
 XRDS_API XrdsResult xrdsGetDeviceCapabilities(XrdsDevice* device, XrdsDeviceCapabilities* capabilities);
 
 /* One kernel on a small tensor of random numbers, against double precision and against itself. rms, max: difference
@@ -48,6 +49,7 @@ typedef struct XrdsFrameExamination {
   double rms, rmsBound, microseconds;
 } XrdsFrameExamination;
 
+/* Upscales that frame `runs` times, at least once: seconds. The caller sets frame->structSize. */
 XRDS_API XrdsResult xrdsExamineKnownFrame(XrdsDevice* device, int32_t fp16, uint32_t runs, XrdsFrameExamination* frame);
 
 #ifdef __cplusplus
