@@ -9,6 +9,17 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
+# Without the models of the environment, and under the validation layer, which prints what it finds; a loader that does not
+# find the layer only warns.
+function(run_validated)
+  run(${CMAKE_COMMAND} -E env --unset=XRDS_MODELS VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation
+      VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT ${ARGV})
+  if(output MATCHES "VUID|SYNC-|UNASSIGNED|Validation")
+    message(FATAL_ERROR "${ARGV}\nis not valid:\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
 file(REMOVE_RECURSE ${WORK})
 set(prefix ${WORK}/prefix)
 if(UNIX)
@@ -76,8 +87,7 @@ if(PKG_CONFIG AND UNIX AND NOT SANITIZE)
   cmake_path(GET folder PARENT_PATH libraries)
   run(cc -std=c11 -Wall -Wextra -Werror ${prefix}/share/doc/xrds/examples/upscale.c ${flags} -Wl,-rpath,${libraries} -o ${WORK}/upscale)
   run(${WORK}/build/frames write ${WORK})
-  run(${CMAKE_COMMAND} -E env --unset=XRDS_MODELS ${WORK}/upscale xrds-x4-nano ${WORK}/colour.pfm ${WORK}/albedo.pfm ${WORK}/normal.pfm
-      ${WORK}/result.pfm)
+  run_validated(${WORK}/upscale xrds-x4-nano ${WORK}/colour.pfm ${WORK}/albedo.pfm ${WORK}/normal.pfm ${WORK}/result.pfm)
   run(${WORK}/build/frames check ${WORK})
 
   # The renderer with a device of its own, as its CMakeLists.txt says; of 16 x 16 pixels, for which kernels are quick to
@@ -85,7 +95,7 @@ if(PKG_CONFIG AND UNIX AND NOT SANITIZE)
   run(${CMAKE_COMMAND} -S ${prefix}/share/doc/xrds/examples/embed_vulkan -B ${WORK}/embed -G ${GENERATOR}
       -D CMAKE_BUILD_TYPE=${CONFIG} -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_C_FLAGS=-Wall\ -Wextra\ -Werror)
   run(${CMAKE_COMMAND} --build ${WORK}/embed --config ${CONFIG})
-  run(${CMAKE_COMMAND} -E env --unset=XRDS_MODELS ${WORK}/embed/embed_vulkan ${WORK}/traced.pfm xrds-x4-nano 16 16)
+  run_validated(${WORK}/embed/embed_vulkan ${WORK}/traced.pfm xrds-x4-nano 16 16)
   if(NOT output MATCHES "frame 2: xrdsRecord took")
     message(FATAL_ERROR "embed_vulkan says\n${output}")
   endif()
