@@ -6,8 +6,10 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <gtest/gtest.h>
+#ifndef _WIN32
 #include <sys/resource.h>
 #include <unistd.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -188,16 +190,19 @@ TEST(ExrWrite, RefusesFoldersThatCannotBeWritten) {
   test::writeBytes(folder / "file", "x");
   EXPECT_THROW(writeExr(folder / "absent" / "a.exr", image, outputFor(image)), Error);
   EXPECT_THROW(writeExr(folder / "file" / "a.exr", image, outputFor(image)), Error);
+  EXPECT_THROW(writeExr(folder / "", image, outputFor(image)), Error);
+#ifndef _WIN32
   EXPECT_THROW(writeExr("/dev/full", image, outputFor(image)), Error);
   EXPECT_THROW(writeExr("/proc/self/a.exr", image, outputFor(image)), Error);
-  EXPECT_THROW(writeExr(folder / "", image, outputFor(image)), Error);
   if (geteuid() != 0) {
     std::filesystem::permissions(folder / "", std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
     EXPECT_THROW(writeExr(folder / "a.exr", image, outputFor(image)), Error);
     std::filesystem::permissions(folder / "", std::filesystem::perms::owner_all);
   }
+#endif
 }
 
+#ifndef _WIN32  // which has other limits, links and permissions
 // Lets no file grow beyond `byteSize` while it lives, which looks to a writer like a full disk.
 class FullDisk {
  public:
@@ -276,6 +281,7 @@ TEST(ExrWrite, KeepsThePermissionsOfWhatItReplaces) {
     EXPECT_EQ(readLayer(readExrHeader(folder / "old.exr"), {0, "", {"R", "G", "B"}}), image);
   }
 }
+#endif
 
 }  // namespace
 }  // namespace xrds

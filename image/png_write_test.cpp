@@ -67,8 +67,10 @@ TEST(Png, RefusesWhatItCannotWrite) {
   EXPECT_THROW(writePng(folder / "a.png", Image(2, 2, 2)), Error);
   EXPECT_THROW(writePng(folder / "a.png", Image()), Error);
   EXPECT_THROW(writePng(folder / "absent" / "a.png", Image(2, 2, 3)), Error);
+#ifndef _WIN32
   EXPECT_THROW(writePng("/dev/full", Image(2, 2, 3)), Error);
   EXPECT_THROW(writePng("/proc/self/a.png", Image(2, 2, 3)), Error);
+#endif
   EXPECT_EQ(folder.fileCount(), 0U);
 }
 

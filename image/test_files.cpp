@@ -109,6 +109,7 @@ void writeFixture(const std::filesystem::path& path, const std::vector<FixturePa
   for (size_t number = headers.size(); number < parts.size(); ++number) {
     headers.push_back(fixtureHeader(parts[number]));
   }
+  std::filesystem::remove(path);  // built with MinGW, OpenEXR leaves the end of a longer one
   Imf::MultiPartOutputFile file(path.string().c_str(), headers.data(), static_cast<int>(headers.size()));
   for (size_t number = 0; number < parts.size(); ++number) {
     writePart(file, static_cast<int>(number), parts[number]);

@@ -73,7 +73,10 @@ cross xrds . -D XRDS_COMMAND=$command -D XRDS_SOURCE_MODELS=OFF -D XRDS_VIEWER=O
   -D CMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
 targets=(xrds)
 [ $command = OFF ] || targets=(xrds_product)
-[ $test = no ] || targets+=(xrds_tests)
+if [ $test = yes ]; then
+  targets+=(xrds_tests)
+  [ $command = OFF ] || targets+=(xrds_image_tests xrds_advice_tests xrds_sequence_tests)
+fi
 cmake --build "$work/xrds" --target "${targets[@]}"
 quietly cpack --config "$work/xrds/CPackConfig.cmake" -G ZIP -B "$out"
 rm -rf "$out/_CPack_Packages"

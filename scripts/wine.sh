@@ -13,11 +13,15 @@ command -v xvfb-run > /dev/null && screen=(xvfb-run -a)
 prefix=$build/wine
 rm -rf "$prefix"
 cmake --install "$build" --prefix "$prefix" > /dev/null
-results=$prefix/tests.json
-cp "$build/tests/xrds_tests.exe" "$prefix/bin/"
-"${screen[@]}" "$wine" "$prefix/bin/xrds_tests.exe" --gtest_filter="$filter" --gtest_output="json:Z:$(realpath "$prefix")/tests.json" > "$prefix/tests.txt" 2>&1 || true
-[ -s "$results" ] || { tail "$prefix/tests.txt"; echo "The tests did not come to their end" >&2; exit 1; }
-python3 scripts/wine_results.py "$results"
+failed=0
+for program in image/xrds_image_tests advice/xrds_advice_tests sequence/xrds_sequence_tests tests/xrds_tests; do
+  [ -e "$build/$program.exe" ] || continue
+  name=${program##*/}
+  cp "$build/$program.exe" "$prefix/bin/"
+  "${screen[@]}" "$wine" "$prefix/bin/$name.exe" --gtest_filter="$filter" --gtest_output="json:Z:$(realpath "$prefix")/$name.json" > "$prefix/$name.txt" 2>&1 || true
+  [ -s "$prefix/$name.json" ] || { tail "$prefix/$name.txt"; echo "$name did not come to its end" >&2; exit 1; }
+  python3 scripts/wine_results.py "$prefix/$name.json" | sed "s/^/$name: /" || failed=1
+done
 if [ -e "$prefix/bin/xrds.exe" ]; then
   "$wine" "$prefix/bin/xrds.exe" --version
   "$wine" "$prefix/bin/xrds.exe" info | tr -d '\r' | tr '\n' ' '
@@ -29,3 +33,4 @@ if [ -e "$prefix/bin/xrds.exe" ]; then
     "$wine" "$prefix/bin/xrds.exe" compare "$prefix/out.exr" samples/outdoor_gt.exr
   fi
 fi
+exit $failed

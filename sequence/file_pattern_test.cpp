@@ -33,7 +33,7 @@ TEST_F(FilePatterns, FieldsOfDigits) {
   EXPECT_EQ(FilePattern("b%d.exr").of(7), "b7.exr");
   EXPECT_EQ(FilePattern("b.exr").of(7), "b.exr");
   EXPECT_FALSE(FilePattern("b.exr").isMany());
-  EXPECT_EQ(FilePattern("a/b.%04d.exr").text(), "a/b.####.exr");
+  EXPECT_EQ(fs::path(FilePattern("a/b.%04d.exr").text()), fs::path("a/b.####.exr"));  // whatever separates folders
   EXPECT_EQ(FilePattern("a/b.##.exr").in("c").of(3), "c/b.03.exr");
   for (const char* text : {"a##_##.exr", "a%04d#.exr", "a%099d.exr"}) EXPECT_THROW(FilePattern{text}, Error) << text;
 }
