@@ -407,6 +407,11 @@ class Trouble(WithBlender):
                 self.assertRegex(checks.problem(bpy.context.scene), sentence)
                 self.refused(sentence)
 
+    @unittest.skipIf(bpy.app.version < (4, 5), "this Blender has no templates")
+    def test_a_template(self):
+        self.open("cryptomatte").render.filepath = "//{blend_name}_"
+        self.refused("template in braces")
+
     def test_a_path_without_a_folder(self):
         self.open("cryptomatte")
         bpy.context.scene.render.filepath = "shot_"

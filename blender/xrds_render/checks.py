@@ -87,6 +87,8 @@ def _size_problem(scene, settings):
 def _output_problem(scene):
     if not scene.render.filepath:
         return "The Output path is empty. Choose one in the Output properties."
+    if bpy.app.version >= (4, 5) and "{" in scene.render.filepath:
+        return "The Output path has a template in braces, which only Blender's own renders replace. Write it out in the Output properties."
     if scene.render.filepath.startswith("//") and not bpy.data.filepath:
         return "The Output path begins beside the .blend file, which is not saved yet. Save it, or choose another path in the Output properties."
     folder = os.path.dirname(output_file(scene, 0))
