@@ -189,6 +189,13 @@ class OneClick(WithBlender):
             self.assertFalse(scene.render.use_freestyle)
         self.assertEqual(differences(before, snapshot()), [])
 
+    def test_animated_settings_are_noted(self):
+        scene = self.open("cryptomatte")
+        scene.view_settings.keyframe_insert("exposure", frame=1)
+        self.assertNotIn("animated", " ".join(checks.notes(scene)))
+        scene.cycles.keyframe_insert("samples", frame=1)
+        self.assertIn("animated", " ".join(checks.notes(scene)))
+
     def test_odd_sizes_become_whole_multiples(self):
         scene = self.open("cryptomatte")
         scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 122, 96, 50

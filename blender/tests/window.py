@@ -3,10 +3,10 @@
 
     python3 blender/tests/window.py build/blender/xrds_render-0.1.0.zip [--pictures docs/images] [--blender blender]
 
-Installs the file as an add-on of a new user, renders the scene that Blender starts with, cancels while it renders and while it upscales, takes a step
+Installs the file for a new user, renders the scene that Blender starts with, cancels while it renders and while it upscales, takes a step
 back by undo and opens another file meanwhile, stops an animation and goes on with it, and compares every setting after each. Says what it saw, and ends
-with an error where something is not as it should be. --pictures: where the pictures of docs/blender.md are written to. For Blender before 4.2. Needs
-xvfb and xdotool.
+with an error where something is not as it should be. --pictures: where the pictures of docs/blender.md are written to; they are of
+Blender 3.4. Needs xvfb and xdotool, and Blender before 5.0.
 """
 import argparse
 import os
@@ -26,7 +26,7 @@ def start():
     ask = parser.parse_args()
     with tempfile.TemporaryDirectory() as home:
         pictures = ask.pictures.resolve() if ask.pictures else home
-        environment = {**os.environ, "BLENDER_USER_SCRIPTS": f"{home}/scripts", "BLENDER_USER_CONFIG": f"{home}/config"}
+        environment = {**os.environ, "BLENDER_USER_SCRIPTS": f"{home}/scripts", "BLENDER_USER_CONFIG": f"{home}/config", "BLENDER_USER_EXTENSIONS": f"{home}/extensions"}
         command = ["xvfb-run", "-a", "-s", "-screen 0 1600x900x24", ask.blender, "--factory-startup", "-noaudio", "-p", "0", "0", "1600", "900",
                    "-P", str(pathlib.Path(__file__).resolve()), "--", str(ask.archive.resolve()), str(pictures), home]
         sys.exit(subprocess.run(command, env=environment, timeout=900).returncode)
@@ -44,6 +44,7 @@ sys.path.insert(0, str(HERE))
 from properties import differences, snapshot  # noqa: E402
 
 
+MODULE = "xrds_render" if bpy.app.version < (4, 2) else "bl_ext.user_default.xrds_render"
 bpy.context.preferences.view.show_splash = False
 
 
@@ -82,9 +83,7 @@ def invoke(**options):
 
 
 def job():
-    from xrds_render import operators
-
-    return operators.current
+    return sys.modules[f"{MODULE}.operators"].current
 
 
 def until(right, seconds=120.0):
@@ -101,8 +100,11 @@ def results():
 
 
 def install():
-    bpy.ops.preferences.addon_install(filepath=ARCHIVE)
-    bpy.ops.preferences.addon_enable(module="xrds_render")
+    if MODULE == "xrds_render":
+        bpy.ops.preferences.addon_install(filepath=ARCHIVE)
+        bpy.ops.preferences.addon_enable(module=MODULE)
+    else:
+        bpy.ops.extensions.package_install_files(filepath=ARCHIVE, repo="user_default", enable_on_install=True)
     import xrds
 
     check(os.path.realpath(xrds.__file__).startswith(os.path.realpath(HOME)), f"installed in Blender {bpy.app.version_string}, with the package that it carries")
@@ -222,7 +224,8 @@ def same(before):
 
 
 def animation():
-    """Stopped after its first frame, it goes on."""
+    """Stopped after its first frame, it goes on; with a window of its own for renders, as Blender does it by itself."""
+    bpy.context.preferences.view.render_display_type = "WINDOW"
     scene, cube = bpy.context.scene, bpy.data.objects["Cube"]
     scene.frame_start, scene.frame_end = 1, 8
     scene.render.resolution_x, scene.render.resolution_y, scene.xrds.samples, scene.xrds.guide_samples = 64, 48, 4, 1

@@ -129,6 +129,18 @@ def problem(scene):
     return package_problem() or device_problem() or _scene_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
 
 
+def _animated(scene):
+    """Whether animation or drivers set what the two renders are asked for."""
+    curves, there = [], scene.animation_data
+    if there:
+        curves.extend(there.drivers)
+    if there and there.action and hasattr(there.action, "fcurves"):
+        curves.extend(there.action.fcurves)
+    elif there and there.action:  # Blender 5
+        curves.extend(curve for layer in there.action.layers for strip in layer.strips for bag in strip.channelbags for curve in bag.fcurves)
+    return any(curve.data_path.startswith(("cycles.", "render.", "view_layers[")) for curve in curves)
+
+
 def notes(scene):
     """What the result will not be as an artist may expect, as sentences."""
     render, scale = scene.render, int(scene.xrds.scale)
@@ -140,6 +152,8 @@ def notes(scene):
         yield f"Rendered with {width} x {height} pixels: sides are whole multiples of the scale."
     if scene.xrds.steady and unsteady(scene):
         yield unsteady(scene)
+    if _animated(scene):
+        yield "Render settings are animated or driven: both renders take them as they are, samples and passes, too."
     if render.use_freestyle:
         yield "Freestyle's lines are left out: render them by themselves."
     if render.use_border:
