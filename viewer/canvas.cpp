@@ -147,6 +147,8 @@ Canvas::Choice Canvas::choiceOf(View view) {
       return {Slot::auxiliary, shader::kKindNormal};
     case View::skip:
       return {Slot::output, shader::kKindSkip, Slot::skipMap};
+    case View::denoised:
+      return {Slot::denoised};
     case View::flicker:
       return {Slot::flicker, shader::kKindFlicker};
     case View::output:

@@ -17,6 +17,7 @@ struct LoadedFrame {
   Image colour;
   std::vector<std::string> inputs;  // "albedo", "normal": as many as the files have
   std::vector<Image> auxiliary;     // one for each of inputs
+  Image fullColour;                 // of the full-resolution render, empty if there is none
   std::optional<Image> reference;   // of the size of the auxiliary images
   int scale = 0;                    // of the auxiliary images or the reference over the colour; 0: neither is there
   ExrOutput output;                 // windows and attributes of the upscaled frame; of the colour's if scale is 0

@@ -19,6 +19,8 @@ enum class Command : uint8_t {
   showLeft,
   flickerRight,
   flickerLeft,
+  denoisedRight,
+  denoisedLeft,
   zoomIn,
   zoomOut,
   fit,

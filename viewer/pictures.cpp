@@ -1,5 +1,7 @@
 #include "viewer/pictures.h"
 
+#include <algorithm>
+
 #include "viewer/vulkan/kernel.h"
 
 namespace xrds {
@@ -52,6 +54,13 @@ void Pictures::upload(Slot slot, uint32_t width, uint32_t height, uint32_t plane
   fresh.memory->upload(0, std::as_bytes(pixels));
   fresh.view.valid = true;
   replace(slot, std::move(fresh));
+}
+
+void Pictures::upload(Slot slot, const Image& image) {
+  std::vector<float> pixels(image.pixelCount() * 4);
+  for (size_t p = 0; p < image.pixelCount(); ++p)
+    std::copy_n(&image.pixels[p * static_cast<size_t>(image.channels)], 3, &pixels[4 * p]);
+  upload(slot, static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height), 1, pixels);
 }
 
 void Pictures::invalidate(Slot slot) {

@@ -6,13 +6,26 @@
 #include <optional>
 #include <span>
 
+#include "image/image.h"
 #include "viewer/vulkan/buffer.h"
 
 namespace xrds {
 
 /// The images of a frame that can be looked at.
-enum class Slot : uint8_t { input, auxiliary, output, bicubic, demodulated, guided, reference, heat, skipMap, flicker };
-inline constexpr size_t kSlotCount = 10;
+enum class Slot : uint8_t {
+  input,
+  auxiliary,
+  output,
+  bicubic,
+  demodulated,
+  guided,
+  reference,
+  heat,
+  skipMap,
+  flicker,
+  denoised
+};
+inline constexpr size_t kSlotCount = 11;
 
 /// An image in device memory, [height, planes, width, 4] floats: each row has those of its planes one after the other.
 /// `valid` once it belongs to the frame that is shown.
@@ -45,6 +58,8 @@ class Pictures {
   void copy(std::span<const PictureSource> sources);
   /// Gives the slot memory of its own with these pixels.
   void upload(Slot slot, uint32_t width, uint32_t height, uint32_t planes, std::span<const float> pixels);
+  /// The same with the first three channels of an image.
+  void upload(Slot slot, const Image& image);
   void invalidate(Slot slot);
   uint64_t byteSize() const;
 

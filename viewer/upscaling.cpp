@@ -167,6 +167,7 @@ void Upscaling::showChosen(const Wanted& wanted) {
   if (wanted.slots[static_cast<size_t>(Slot::flicker)] && !flicker_) showFlicker(wanted);  // begins with what is shown
   for (const Slot slot : {Slot::bicubic, Slot::demodulated, Slot::guided})
     if (wanted.slots[static_cast<size_t>(slot)] && (live_ || !pictures_.at(slot).valid)) makeBase(slot);
+  showDenoised(wanted);
   if (wanted.metrics && frame_) startMetrics();
 }
 

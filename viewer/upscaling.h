@@ -93,6 +93,7 @@ class Upscaling {
   bool showProgress(double share);
   size_t giveInputs(PreparedNetwork& network);
   void makeBase(Slot slot);
+  void showDenoised(const Wanted& wanted);
   void startMetrics();
   void takeMetrics();
   void saveIfAsked();
@@ -130,6 +131,8 @@ class Upscaling {
   FrameSize size_;         // of the frame or the live view
   std::unique_ptr<PreparedNetwork> network_;
   std::map<Slot, std::unique_ptr<PreparedNetwork>> bases_;
+  Image denoised_;              // the full-resolution render, what is in the slot
+  uint64_t askedDenoiser_ = 0;  // the frame that it was asked of last
   bool upscaled_ = false;
   std::chrono::steady_clock::time_point lastShown_{};
   uint32_t tilesShown_ = 0;

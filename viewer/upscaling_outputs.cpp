@@ -16,6 +16,7 @@ void Upscaling::startMetrics() {
   images.emplace_back(fs::path(network_->name()).stem().string(), network_->download());
   for (const auto& [slot, base] : bases_)
     if (base && pictures_.at(slot).valid) images.emplace_back(base->name(), base->download());
+  if (pictures_.at(Slot::denoised).valid) images.emplace_back("denoised", denoised_);
   measured_ = true;
   measuredFrame_ = frameCount_;
   measuring_ = std::async(std::launch::async, [images = std::move(images), reference = *frame_->reference] {

@@ -30,7 +30,8 @@ void Upscaling::trace(const Wanted& wanted) {
     clock_.end("preparing");
     size_ = {wanted.live.width, wanted.live.height, kScale, {"albedo", "normal"}};
     upscaled_ = false;
-    for (const Slot slot : {Slot::output, Slot::bicubic, Slot::demodulated, Slot::guided, Slot::reference})
+    for (const Slot slot :
+         {Slot::output, Slot::bicubic, Slot::demodulated, Slot::guided, Slot::reference, Slot::denoised})
       pictures_.invalidate(slot);
     tell([&](Report& report) {
       report.scene = wanted.live.scene;
@@ -83,7 +84,7 @@ void Upscaling::takeFrame(LoadedFrame frame) {
            frame_->inputs};
   ++frameCount_;
   measured_ = false;
-  for (const Slot slot : {Slot::output, Slot::bicubic, Slot::demodulated, Slot::guided}) {
+  for (const Slot slot : {Slot::output, Slot::bicubic, Slot::demodulated, Slot::guided, Slot::denoised}) {
     const PictureView now = pictures_.at(slot);
     const bool fits = now.width % static_cast<uint32_t>(frame_->colour.width) == 0 &&
                       now.height % static_cast<uint32_t>(frame_->colour.height) == 0;
@@ -91,12 +92,7 @@ void Upscaling::takeFrame(LoadedFrame frame) {
     if (slot != Slot::output || !fits) pictures_.invalidate(slot);
   }
   if (!frame_->reference) return pictures_.invalidate(Slot::reference);
-  const Image& reference = *frame_->reference;
-  std::vector<float> pixels(reference.pixelCount() * 4);
-  for (size_t p = 0; p < reference.pixelCount(); ++p)
-    std::copy_n(&reference.pixels[p * static_cast<size_t>(reference.channels)], 3, &pixels[4 * p]);
-  pictures_.upload(Slot::reference, static_cast<uint32_t>(reference.width), static_cast<uint32_t>(reference.height), 1,
-                   pixels);
+  pictures_.upload(Slot::reference, *frame_->reference);
 }
 
 }  // namespace xrds

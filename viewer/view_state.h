@@ -21,11 +21,12 @@ enum class View : uint8_t {
   albedo,
   normal,
   skip,
-  flicker
+  flicker,
+  denoised
 };
-inline constexpr std::array<const char*, 11> kViewNames{"xrds",   "input",     "bicubic", "demodulated",
+inline constexpr std::array<const char*, 12> kViewNames{"xrds",   "input",     "bicubic", "demodulated",
                                                         "guided", "reference", "error",   "albedo",
-                                                        "normal", "skip map",  "flicker"};
+                                                        "normal", "skip map",  "flicker", "denoised"};
 inline const char* nameOf(View view) { return kViewNames[static_cast<size_t>(view)]; }
 
 /// Where a picture lies on an area of the display. Lengths are display pixels from the top left corner of the area.

@@ -160,6 +160,10 @@ bool Viewer::performView(Command command, int digit) {
       return view_.right = view_.right == View::flicker ? View::output : View::flicker, true;
     case Command::flickerLeft:
       return view_.left = View::flicker, view_.wiping = true;
+    case Command::denoisedRight:
+      return view_.right = view_.right == View::denoised ? View::output : View::denoised, true;
+    case Command::denoisedLeft:
+      return view_.left = View::denoised, view_.wiping = true;
     case Command::zoomIn:
       return viewport.zoomAbout(middleX, middleY, viewport.zoomStep(1)), true;
     case Command::zoomOut:

@@ -36,6 +36,7 @@ void Viewer::printReport() {
   for (const PixelProbe::Row& row : probe_.rows)
     std::printf(" %s@%d,%d=%.4g,%.4g,%.4g", row.name.c_str(), probe_.x, probe_.y, row.red, row.green, row.blue);
   if (!report_.error.empty()) std::printf(" error=\"%s\"", report_.error.c_str());
+  for (const std::string& warning : report_.warnings) std::printf(" warning=\"%s\"", warning.c_str());
   if (!report_.whyNotSkipped.empty()) std::printf(" not-skipped=\"%s\"", report_.whyNotSkipped.c_str());
   if (!report_.waiting.empty()) std::printf(" waiting=\"%s\"", report_.waiting.c_str());
   std::printf("\n");

@@ -35,7 +35,8 @@ struct Wanted {
   SkipChoice skip;
   uint64_t memoryBytes = 0;  // of the device; 0: most of it
   Upscaler::Tune tune = Upscaler::Tune::automatic;
-  std::array<bool, kSlotCount> slots{};  // of bicubic, demodulated, guided and flicker: those that are looked at
+  std::array<bool, kSlotCount>
+      slots{};  // of bicubic, demodulated, guided, flicker and denoised: those that are looked at
   bool metrics = true;
   uint64_t reload = 0;  // another number reads the files again
   bool operator==(const Wanted&) const;

@@ -22,8 +22,8 @@ TEST_F(ViewerDisplay, SwitchesSkippingAndShowsTheMap) {
   EXPECT_EQ(compared.exitCode, 0) << compared.output << compared.error;
 }
 
-// The pace of a run that was computed as a whole may lead to a network prepared anew, which has nothing to keep: that of
-// the first pictures, then no more.
+// The pace of a run that was computed as a whole may lead to a network prepared anew, which has nothing to keep: that
+// of the first pictures, then no more.
 TEST_F(ViewerDisplay, KeepsWhatDidNotChangeInWatchedFiles) {
   writeHalfEvenFrame(folder / "first.exr", folder / "aux.exr", 70);
   writeHalfEvenFrame(folder / "second.exr", folder / "aux.exr", 70, 63);

@@ -9,15 +9,6 @@
 namespace xrds::test {
 namespace {
 
-// The red, green and blue of each pixel that was printed of a view.
-std::vector<std::array<double, 3>> printedOf(const std::string& output, const std::string& view) {
-  std::vector<std::array<double, 3>> found;
-  const std::regex pattern(" " + view + "@[0-9,]+=([-+.0-9e]+),([-+.0-9e]+),([-+.0-9e]+)");
-  for (std::sregex_iterator at(output.begin(), output.end(), pattern); at != std::sregex_iterator(); ++at)
-    found.push_back({std::stod((*at)[1]), std::stod((*at)[2]), std::stod((*at)[3])});
-  return found;
-}
-
 std::vector<std::string> shown(const MovingSequence& sequence, std::vector<std::string> more = {}) {
   more.insert(more.begin(),
               {(sequence.folder / "colour.####.exr").string(), (sequence.folder / "aux.####.exr").string(), "--size",

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <regex>
 
 #include "tests/viewer/virtual_desktop.h"
@@ -33,6 +34,15 @@ inline std::vector<double> valuesOf(const std::string& text, const std::string& 
   for (std::sregex_iterator at(text.begin(), text.end(), pattern); at != std::sregex_iterator(); ++at)
     values.push_back(std::stod((*at)[1]));
   return values;
+}
+
+/// The red, green and blue of each pixel that was printed of a view.
+inline std::vector<std::array<double, 3>> printedOf(const std::string& output, const std::string& view) {
+  std::vector<std::array<double, 3>> found;
+  const std::regex pattern(" " + view + "@[0-9,]+=([-+.0-9e]+),([-+.0-9e]+),([-+.0-9e]+)");
+  for (std::sregex_iterator at(output.begin(), output.end(), pattern); at != std::sregex_iterator(); ++at)
+    found.push_back({std::stod((*at)[1]), std::stod((*at)[2]), std::stod((*at)[3])});
+  return found;
 }
 
 /// A display on a desktop of its own, driven by scripts.

@@ -54,12 +54,12 @@ void VirtualDesktop::scale(double factor) const {
 }
 
 Ended runViewer(const VirtualDesktop& desktop, const TemporaryFolder& folder, const std::string& script,
-                std::vector<std::string> arguments) {
+                std::vector<std::string> arguments, const std::map<std::string, std::string>& environment) {
   writeBytes(folder / "script.txt", script);
   arguments.insert(arguments.begin(), {"view", "--validation", "--script", "script.txt"});
-  const StartOptions options{
-      .environment = {{"DISPLAY", desktop.name()}, {"XDG_CONFIG_HOME", (folder / "config").string()}},
-      .folder = folder / ""};
+  StartOptions options{.environment = {{"DISPLAY", desktop.name()}, {"XDG_CONFIG_HOME", (folder / "config").string()}},
+                       .folder = folder / ""};
+  options.environment.insert(environment.begin(), environment.end());
   return runXrds(arguments, options);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ class VirtualDesktop {
 /// Starts `xrds view` with these arguments and a script, under the validation layers, with a configuration folder of
 /// its own; files in the script and the arguments may be named relative to `folder`.
 Ended runViewer(const VirtualDesktop& desktop, const TemporaryFolder& folder, const std::string& script,
-                std::vector<std::string> arguments = {});
+                std::vector<std::string> arguments = {}, const std::map<std::string, std::string>& environment = {});
 
 /// The 8-bit RGB values of a PNG file, 0 to 255.
 Image readPng(const std::filesystem::path& file);
