@@ -127,7 +127,9 @@ void expectCopies(const SmallFrame& frame) {
     EXPECT_EQ(given[i].type, found[i].type) << names[i];
     EXPECT_EQ(given[i].bytes, found[i].bytes) << names[i];
     const Raw raw = rawChannels()[i];
-    if (raw.type != Imf::HALF) EXPECT_EQ(std::memcmp(raw.bits.data(), found[i].bytes.data(), 4 * raw.bits.size()), 0);
+    if (raw.type != Imf::HALF) {
+      EXPECT_EQ(std::memcmp(raw.bits.data(), found[i].bytes.data(), 4 * raw.bits.size()), 0);
+    }
   }
 }
 
