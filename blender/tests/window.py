@@ -183,6 +183,20 @@ def compositor():
     area.ui_type = "VIEW_3D"
 
 
+def again():
+    """Blender turns an editor into one for the render where none shows it: not one more for each click."""
+    scene, kinds = bpy.context.scene, []
+    size, scene.render.resolution_x = scene.render.resolution_x, 64
+    scene.xrds.model, scene.xrds.samples = "xrds-x4-nano", 1
+    for _ in range(3):
+        invoke()
+        yield from until(lambda: job() is None)
+        yield 0.3
+        kinds.append([area.type for area in bpy.context.window_manager.windows[0].screen.areas])
+    scene.render.resolution_x = size
+    check(kinds[0] == kinds[2], "three clicks take no other editor")
+
+
 def cancelled():
     """While it renders, and while it upscales."""
     bpy.context.scene.xrds.model = "xrds-x4-nano"
@@ -257,7 +271,7 @@ def loaded():
 
 
 def all_steps():
-    for part in (install, prepare, one_click, compositor, cancelled, animation, loaded):
+    for part in (install, prepare, one_click, compositor, again, cancelled, animation, loaded):
         yield from part()
     os._exit(0)
 

@@ -44,6 +44,7 @@ class XRDS_OT_render(bpy.types.Operator):
         if not self._begin(context):
             return {"CANCELLED"}
         global steps
+        show_render(context)
         steps, self._step = current.steps(), None
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
         context.window_manager.modal_handler_add(self)
@@ -118,14 +119,26 @@ class XRDS_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _editors(context):
+    return [area.spaces.active for window in context.window_manager.windows for area in window.screen.areas if area.type == "IMAGE_EDITOR"]
+
+
 def show(context, path):
     """Loads the result, and shows it in the Image Editors that show a render, or in the first one."""
     image = bpy.data.images.load(path, check_existing=True)
     image.reload()
-    editors = [area.spaces.active for window in context.window_manager.windows for area in window.screen.areas if area.type == "IMAGE_EDITOR"]
+    editors = _editors(context)
     renders = [space for space in editors if space.image is None or space.image.type in ("RENDER_RESULT", "MULTILAYER")]
     for space in renders or editors[:1]:
         space.image = image
+
+
+def show_render(context):
+    """Shows the render again where a result is shown: Blender would turn one more editor into one that does."""
+    found = next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
+    for space in _editors(context):
+        if found and space.image and space.image.filepath.endswith("_xrds.exr"):
+            space.image = found
 
 
 def _outcome(job, error):
