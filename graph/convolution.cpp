@@ -6,10 +6,12 @@ namespace xrds {
 namespace {
 
 constexpr uint32_t kSide = shader::kWinogradSide, kPlanes = shader::kWinogradPlanes;
-constexpr uint32_t kMostInputs = 512;                 // whose weights for eight outputs the lane kernel takes
-constexpr uint32_t kMostOutputs = 256;                // whose products are made at once
-constexpr uint64_t kBandBytes = uint64_t{12} << 20;   // of planes and products, which caches hold
-constexpr uint64_t kMostBytes = uint64_t{120} << 20;  // of a row of planes, which must be bound at once
+constexpr uint32_t kMostInputs = 512;                    // whose weights for eight outputs the lane kernel takes
+constexpr uint32_t kMostOutputs = 256;                   // whose products are made at once
+constexpr uint64_t kBandBytes = uint64_t{12} << 20;      // of planes and products, which caches hold
+constexpr uint64_t kGroupSquares = 512;                  // of a workgroup of the products, which share its weights
+constexpr uint64_t kWideBandBytes = uint64_t{48} << 20;  // of so many squares of many channels
+constexpr uint64_t kMostBytes = uint64_t{120} << 20;     // of a row of planes, which must be bound at once
 constexpr uint32_t kPadding = 16;  // channels behind the planes: squares must not all begin at the same set of a cache
 
 uint32_t partsOf(const Conv3x3& op) { return op.shuffleOutput ? 4 : 1; }
@@ -31,7 +33,6 @@ uint64_t rowByteSize(const Conv3x3& op) {
 
 // Of at most so many rows those whose squares fill whole workgroups best, but no less than half of them.
 uint32_t bandRows(uint32_t squaresOfRow, uint64_t most) {
-  constexpr uint64_t kGroupSquares = 512;
   const auto waste = [&](uint64_t rows) {
     const uint64_t squares = rows * squaresOfRow;
     return static_cast<double>(alignUp(squares, kGroupSquares)) / static_cast<double>(squares);
@@ -83,9 +84,11 @@ bool isWorthSquares(const Conv3x3& op) {
 void addInSquares(Graph& graph, const std::string& name, const Conv3x3& op, bool atOnce) {
   const RowRange rows = resolve(op.rows, op.input.height);
   const uint32_t begin = rows.begin / kSide, end = ceilDivide(rows.end, kSide);
-  const uint64_t fitting = std::max<uint64_t>(1, kBandBytes / rowByteSize(op));
-  const uint32_t step =
-      atOnce ? end - begin : bandRows(op.input.width / kSide, std::min<uint64_t>(fitting, end - begin));
+  const uint32_t squaresOfRow = op.input.width / kSide;
+  const uint64_t group = ceilDivide(kGroupSquares, uint64_t{squaresOfRow});
+  const uint64_t fitting =
+      std::max({kBandBytes / rowByteSize(op), std::min(group, kWideBandBytes / rowByteSize(op)), uint64_t{1}});
+  const uint32_t step = atOnce ? end - begin : bandRows(squaresOfRow, std::min<uint64_t>(fitting, end - begin));
   for (uint32_t row = begin; row < end; row += step) {
     const RowRange squares{row, std::min(row + step, end)};
     addBand(graph, name, op, squares, {kSide * squares.begin, std::min(kSide * squares.end, rows.end)});
