@@ -24,7 +24,7 @@ run info | tr '\n' ' '
 echo
 run upscale /packages/outdoor_lr64.exr /packages/outdoor_aux16.exr -o /out.exr --model xrds-x4-nano --quiet
 run compare /out.exr /packages/outdoor_gt.exr
-in_root sh -c 'xrds-view --help' | head -1
+in_root sh -c 'xrds-view --help' | sed -n 1p
 for file in share/man/man1/xrds.1.gz share/bash-completion/completions/xrds share/zsh/vendor-completions/_xrds \
   share/fish/vendor_completions.d/xrds.fish share/xrds/models/xrds-x4-nano.md share/doc/xrds/copyright; do
   [ -s "$root/usr/$file" ] || { echo "/usr/$file is missing"; exit 1; }
