@@ -85,7 +85,9 @@ TEST_F(CApi, ThreadsLoseWhatAnotherOneCloses) {
   XrdsResult result = XRDS_OK;
   for (; result == XRDS_OK && frames < 100'000; ++frames) {
     result = run(hear, &heard);
-    if (result == XRDS_OK) EXPECT_EQ(outputPixels, wanted);
+    if (result == XRDS_OK) {
+      EXPECT_EQ(outputPixels, wanted);
+    }
   }
   other.join();
   EXPECT_GT(frames, 1);
