@@ -14,7 +14,7 @@ for made; do
   packages=("${compiled[@]}")
   for library in "${unpacked[0]}"/xrds.libs/*; do
     name=$(basename "$library" | sed -E 's/-[0-9a-f]{8}\.so/.so/')  # auditwheel adds a hash
-    packages+=("$(dpkg-query -S "*/$name" | head -n 1 | cut -d: -f1)")
+    packages+=("$(dpkg-query -S "*/$name" | sed -n 1p | cut -d: -f1)")
   done
   for package in $(printf '%s\n' "${packages[@]}" | sort -u); do cp -L "/usr/share/doc/$package/copyright" "${licenses[0]}/$package.txt"; done
   cp "$nanobind" "${licenses[0]}/nanobind.txt"
