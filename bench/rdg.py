@@ -35,12 +35,6 @@ def box_mean(image):
     return image.reshape(height // SCALE, SCALE, width // SCALE, SCALE, channels).mean((1, 3))
 
 
-def without_noise(device, colour, albedo, normal):
-    albedo = oidn.filtered(device, {"albedo": albedo}, {})[0]
-    normal = oidn.filtered(device, {"normal": normal}, {})[0]
-    return oidn.filtered(device, {"color": colour, "albedo": albedo, "normal": normal}, {"hdr": True, "cleanAux": True})[0]
-
-
 def between_extremes(image):
     return (image - image.min()) / max(image.max() - image.min(), 1e-6)
 
@@ -55,7 +49,7 @@ def upscaled(checkout, frames, to_srgb, to_linear):
     inputs = {"Image": [], "Normal": [], "BRDF": [], "Depth": [], "Motion": []}
     for frame in frames:
         guides = {name: np.ascontiguousarray(box_mean(frame[name])) for name in ("albedo", "normal", "depth", "motion")}
-        inputs["Image"].append(to_srgb(without_noise(device, frame["colour"], guides["albedo"], guides["normal"])))
+        inputs["Image"].append(to_srgb(oidn.denoise(device, {"color": frame["colour"], "albedo": guides["albedo"], "normal": guides["normal"]}, prefilter=True)[0]))
         inputs["Normal"].append((guides["normal"] + 1) / 2)
         inputs["BRDF"].append(between_extremes(guides["albedo"]))
         inputs["Depth"].append(between_extremes(guides["depth"]))

@@ -153,13 +153,7 @@ def denoised(sequence):
     import pyoidn
     device = pyoidn.Device()
     device.commit()
-    results = []
-    for path in sequence.files["full"]:
-        images = oidn.read_layers(path)
-        albedo = oidn.filtered(device, {"albedo": images["albedo"]}, {})[0]
-        normal = oidn.filtered(device, {"normal": images["normal"]}, {})[0]
-        results.append(oidn.filtered(device, {"color": images["color"], "albedo": albedo, "normal": normal}, {"hdr": True, "cleanAux": True})[0])
-    return results
+    return [oidn.denoise(device, oidn.read_layers(path), prefilter=True)[0] for path in sequence.files["full"]]
 
 
 def by_rdg(sequence, checkout):
@@ -167,8 +161,8 @@ def by_rdg(sequence, checkout):
     frames = []
     for low, guides in zip(sequence.files["low"], sequence.files["guides"]):
         albedo, normal, depth, vector = layers(guides, "Denoising Albedo", "Denoising Normal", "Denoising Depth", "Vector")
-        colour_, = layers(low, "Combined")
-        frames.append({"colour": colour_, "albedo": np.clip(albedo, 0, 1), "normal": normal, "depth": depth, "motion": to_previous(vector)})
+        low_colour, = layers(low, "Combined")
+        frames.append({"colour": low_colour, "albedo": np.clip(albedo, 0, 1), "normal": normal, "depth": depth, "motion": to_previous(vector)})
     ends = [*sorted(sequence.cuts), len(frames)]
     return [image for begin, end in zip([0, *ends], ends) for image in rdg.upscaled(checkout, frames[begin:end], srgb, linear)]
 
