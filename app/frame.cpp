@@ -179,10 +179,7 @@ void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) 
   denoisedBy_ = denoiser.name();
 }
 
-const Image* Frame::imageOf(std::string_view input) const {
-  const auto found = std::find(inputs_.begin(), inputs_.end(), input);
-  return found == inputs_.end() ? nullptr : &auxiliary_[static_cast<size_t>(found - inputs_.begin())];
-}
+const Image* Frame::imageOf(std::string_view input) const { return xrds::imageOf(inputs_, auxiliary_, input); }
 
 Image* Frame::imageOf(std::string_view input) { return const_cast<Image*>(std::as_const(*this).imageOf(input)); }
 
@@ -257,13 +254,18 @@ void requireKnownInputs(const Model& model, const std::string& modelName) {
                   "', which this program cannot find in an EXR file: use the library.");
 }
 
+const Image* imageOf(const std::vector<std::string>& inputs, const std::vector<Image>& images, std::string_view input) {
+  const auto found = std::find(inputs.begin(), inputs.end(), input);
+  return found == inputs.end() ? nullptr : &images.at(static_cast<size_t>(found - inputs.begin()));
+}
+
 std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::string>& inputs,
                                 const std::vector<Image>& images) {
   std::vector<PixelView> views;
   for (const std::string& input : model.auxiliaryInputs()) {
-    const auto found = std::find(inputs.begin(), inputs.end(), input);
-    if (found == inputs.end()) throw Error("The model takes the image '" + input + "', which is not there.");
-    views.push_back(viewOf(images.at(static_cast<size_t>(found - inputs.begin()))));
+    const Image* image = imageOf(inputs, images, input);
+    if (!image) throw Error("The model takes the image '" + input + "', which is not there.");
+    views.push_back(viewOf(*image));
   }
   return views;
 }

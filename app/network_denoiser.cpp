@@ -95,4 +95,10 @@ Image NetworkDenoiser::denoised(Device& device, const Image& colour, const Image
   return filtered(device, model, colour, guides);
 }
 
+Image NetworkDenoiser::prefiltered(Device& device, const Image& colour, const Image* albedo, const Image* normal) {
+  if (!albedo || !normal) return denoised(device, colour, albedo, normal, false);
+  const Image cleanAlbedo = denoisedAlbedo(device, *albedo), cleanNormal = denoisedNormal(device, *normal);
+  return denoised(device, colour, &cleanAlbedo, &cleanNormal, true);
+}
+
 }  // namespace xrds

@@ -42,6 +42,8 @@ class NetworkDenoiser {
   /// normal must be where there is no albedo. `clean`: they have no noise. Tiles, where the memory asks for them, have
   /// halos with which the picture is that of the whole frame bit for bit. Throws Error, as load() does.
   Image denoised(Device& device, const Image& colour, const Image* albedo, const Image* normal, bool clean);
+  /// The same with albedo and normal that were denoised before, where both are there; an albedo alone stays as it is.
+  Image prefiltered(Device& device, const Image& colour, const Image* albedo, const Image* normal);
   /// Albedo and normal without their noise, each by a network of its own.
   Image denoisedAlbedo(Device& device, const Image& albedo);
   Image denoisedNormal(Device& device, const Image& normal);

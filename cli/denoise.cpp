@@ -65,11 +65,8 @@ NetworkDenoiser::Options optionsOf(const DenoiseOptions& options, std::optional<
 Image denoise(NetworkDenoiser& denoiser, Device& device, const Frame& frame, const std::string& guides) {
   const auto& images = frame.auxiliary();
   const Image *albedo = images.empty() ? nullptr : &images[0], *normal = images.size() < 2 ? nullptr : &images[1];
-  if (!normal || guides != "prefilter")
-    return denoiser.denoised(device, frame.colour(), albedo, normal, guides == "clean");
-  const Image cleanAlbedo = denoiser.denoisedAlbedo(device, *albedo),
-              cleanNormal = denoiser.denoisedNormal(device, *normal);
-  return denoiser.denoised(device, frame.colour(), &cleanAlbedo, &cleanNormal, true);
+  if (guides == "prefilter") return denoiser.prefiltered(device, frame.colour(), albedo, normal);
+  return denoiser.denoised(device, frame.colour(), albedo, normal, guides == "clean");
 }
 
 void write(const DenoiseOptions& options, const Frame& frame, const Image& picture, const std::string& denoiser) {

@@ -67,9 +67,9 @@ LoadedFrame loadedFrame(const FrameFiles& files, const Frame& frame) {
   loaded.inputs = frame.inputs();
   loaded.colour = frame.colour();
   loaded.auxiliary = frame.auxiliary();
-  if (const Image* full = frame.imageOf(kFullColour.name)) loaded.fullColour = *full;
   if (!frame.merged() && !loaded.inputs.empty() && loaded.inputs.back() == kFullColour.name) {
     loaded.inputs.pop_back();  // models that take it expect the merged colour
+    loaded.unmergedColour = std::move(loaded.auxiliary.back());
     loaded.auxiliary.pop_back();
   }
   loaded.scale = frame.scale();

@@ -15,12 +15,12 @@ namespace xrds {
 struct LoadedFrame {
   FrameFiles files;
   Image colour;
-  std::vector<std::string> inputs;  // "albedo", "normal": as many as the files have
-  std::vector<Image> auxiliary;     // one for each of inputs
-  Image fullColour;                 // of the full-resolution render, empty if there is none
-  std::optional<Image> reference;   // of the size of the auxiliary images
-  int scale = 0;                    // of the auxiliary images or the reference over the colour; 0: neither is there
-  ExrOutput output;                 // windows and attributes of the upscaled frame; of the colour's if scale is 0
+  std::vector<std::string> inputs;      // "albedo", "normal": as many as the files have
+  std::vector<Image> auxiliary;         // one for each of inputs
+  std::optional<Image> unmergedColour;  // of the full-resolution render, where it is not among the auxiliary images
+  std::optional<Image> reference;       // of the size of the auxiliary images
+  int scale = 0;                        // of the auxiliary images or the reference over the colour; 0: neither is there
+  ExrOutput output;                     // windows and attributes of the upscaled frame; of the colour's if scale is 0
   std::vector<std::string> warnings;
   size_t merged = 1;  // frames of a sequence that it is made of
 };

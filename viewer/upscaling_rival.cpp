@@ -1,6 +1,4 @@
 // The full-resolution render through a denoiser: what else a frame's files may become.
-#include <algorithm>
-
 #include "app/network_denoiser.h"
 #include "viewer/upscaling.h"
 #include "xrds/error.h"
@@ -8,22 +6,15 @@
 namespace xrds {
 namespace {
 
-const Image* auxiliaryOf(const LoadedFrame& frame, std::string_view name) {
-  const auto found = std::find(frame.inputs.begin(), frame.inputs.end(), name);
-  return found == frame.inputs.end() ? nullptr : &frame.auxiliary[static_cast<size_t>(found - frame.inputs.begin())];
-}
-
-// With albedo and normal that were denoised before, as Open Image Denoise's manual advises for the best result.
+// As `xrds denoise` makes it.
 Image denoisedRender(NetworkDenoiser& networks, Device& device, const LoadedFrame& frame) {
-  if (frame.fullColour.pixels.empty()) throw Error("The files hold no full-resolution colour to denoise.");
-  const Image* albedo = auxiliaryOf(frame, kAlbedo.name);
-  const Image* normal = albedo ? auxiliaryOf(frame, kNormal.name) : nullptr;
-  networks.load(albedo ? normal ? 2 : 1 : 0, false, true);
-  DeviceDenoiser denoiser(networks, device);
-  Image cleanAlbedo, cleanNormal;
-  if (albedo) cleanAlbedo = denoiser.denoisedAlbedo(*albedo);
-  if (normal) cleanNormal = denoiser.denoisedNormal(*normal);
-  return denoiser.denoised(frame.fullColour, albedo ? &cleanAlbedo : nullptr, normal ? &cleanNormal : nullptr);
+  const auto find = [&](const AuxiliaryInput& input) { return imageOf(frame.inputs, frame.auxiliary, input.name); };
+  const Image* colour = frame.unmergedColour ? &*frame.unmergedColour : find(kFullColour);
+  if (!colour) throw Error("The files hold no full-resolution colour to denoise.");
+  const Image* albedo = find(kAlbedo);
+  const Image* normal = albedo ? find(kNormal) : nullptr;
+  networks.load(normal ? 2 : albedo ? 1 : 0, false, normal != nullptr);
+  return networks.prefiltered(device, *colour, albedo, normal);
 }
 
 }  // namespace

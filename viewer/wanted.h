@@ -35,8 +35,7 @@ struct Wanted {
   SkipChoice skip;
   uint64_t memoryBytes = 0;  // of the device; 0: most of it
   Upscaler::Tune tune = Upscaler::Tune::automatic;
-  std::array<bool, kSlotCount>
-      slots{};  // of bicubic, demodulated, guided, flicker and denoised: those that are looked at
+  std::array<bool, kSlotCount> slots{};  // pictures besides input and output that are looked at
   bool metrics = true;
   uint64_t reload = 0;  // another number reads the files again
   bool operator==(const Wanted&) const;
