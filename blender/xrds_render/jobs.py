@@ -18,6 +18,11 @@ class Stopped(Exception):
     """Cancelled by the artist, or by Blender."""
 
 
+def render_result():
+    """The image that Blender renders into; None before the first render."""
+    return next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
+
+
 class Render:
     """A step: Blender's own render into a file, with its progress and its ways to cancel it."""
 
@@ -49,16 +54,13 @@ class Render:
         slots = self._slots()
         shown, slots.active_index = slots.active_index, self._slot
         try:
-            self._result().save_render(self._path, scene=self._scene)
+            render_result().save_render(self._path, scene=self._scene)
         finally:
             slots.active_index = shown
 
     @staticmethod
-    def _result():
-        return next(image for image in bpy.data.images if image.type == "RENDER_RESULT")
-
-    def _slots(self):
-        return self._result().render_slots
+    def _slots():
+        return render_result().render_slots
 
 
 class Work:

@@ -135,7 +135,7 @@ def show(context, path):
 
 def show_render(context):
     """Shows the render again where a result is shown: Blender would turn one more editor into one that does."""
-    found = next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
+    found = jobs.render_result()
     for space in _editors(context):
         if found and space.image and space.image.filepath.endswith("_xrds.exr"):
             space.image = found
