@@ -5,6 +5,7 @@
 
 #include "checks/reference.h"
 #include "checks/stress/edges.h"
+#include "network/architecture.h"
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
 #include "tests/print_case.h"
@@ -71,6 +72,14 @@ INSTANTIATE_TEST_SUITE_P(Session, Aliasing,
 INSTANTIATE_TEST_SUITE_P(OfGpus, Aliasing,
                          testing::Values(std::tuple{BlockKind::rdst, Precision::fp16, KernelFamily::tile}));
 
+// The architectures that have a small network.
+std::vector<const char*> namesOfOthers() {
+  std::vector<const char*> names;
+  for (const Architecture* architecture : kArchitectures)
+    if (architecture->small) names.push_back(architecture->name);
+  return names;
+}
+
 class Banding : public testing::TestWithParam<std::tuple<const char*, Precision, KernelFamily>> {};
 
 TEST_P(Banding, NeverChangesABit) {
@@ -110,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(Session, Banding,
                                           testing::Values(Precision::fp32, Precision::fp16),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane)));
 INSTANTIATE_TEST_SUITE_P(OtherArchitectures, Banding,
-                         testing::Combine(testing::Values("swinir", "edsr", "msspl", "rcan"),
+                         testing::Combine(testing::ValuesIn(namesOfOthers()),
                                           testing::Values(Precision::fp32, Precision::fp16),
                                           testing::Values(KernelFamily::lane)));
 INSTANTIATE_TEST_SUITE_P(OfGpus, Banding, testing::Values(std::tuple{"full", Precision::fp16, KernelFamily::tile}));

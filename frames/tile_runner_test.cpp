@@ -7,6 +7,7 @@
 
 #include "checks/stress/edges.h"
 #include "network/halo.h"
+#include "network/oidn.h"
 #include "tests/harness.h"
 #include "tests/noise_frame.h"
 #include "tests/print_case.h"
@@ -23,7 +24,7 @@ struct Frame : test::NoiseFrame {
 };
 
 // Those of the stress run, in which every scale, kind of block, way to join, filter and full-resolution stage occurs;
-// then a window of 8 pixels, no network, and the other architectures but RCAN, whose tiles are not exact.
+// then a window of 8 pixels, no network, and the other architectures whose tiles are exact.
 std::vector<NetworkConfig> tiledConfigs() {
   NetworkConfig narrow = stressConfig("full");
   narrow.groups = 1;
@@ -35,7 +36,10 @@ std::vector<NetworkConfig> tiledConfigs() {
   std::vector<NetworkConfig> all{narrow, wide};
   for (const char* name : {"dense", "plain", "bare"}) all.push_back(stressConfig(name));
   all.push_back({.scale = 4, .groups = 0});
-  for (const char* name : {"merged", "swinir", "edsr", "msspl"}) all.push_back(stressConfig(name));
+  all.push_back(stressConfig("merged"));
+  for (const StressNetwork& network : stressNetworks())
+    if (network.config.architecture != NetworkConfig{}.architecture && !seesWholeFrame(network.config))
+      all.push_back(network.config);
   return all;
 }
 const std::vector<NetworkConfig> kConfigs = tiledConfigs();
@@ -61,10 +65,11 @@ void expectTilesEqualTheWhole(const NetworkConfig& config, Precision precision) 
   Frame frame(config, shape);
   std::vector<float> expected(frame.output.size());
   Session whole(test::gpu(), model, shape, {.precision = precision});
-  ASSERT_TRUE(whole.run(frame.input(), expected));
+  const std::optional<float> exposure = takesBinnedExposure(config) ? std::optional(0.5f) : std::nullopt;
+  ASSERT_TRUE(whole.run(frame.input(exposure), expected));
   const Cut cut{2, 2, halo};
   ASSERT_EQ(cutFrame(shape, config.window, cut).size(), 4u);
-  ASSERT_TRUE(frame.run(runner, cut, config));
+  ASSERT_TRUE(frame.run(runner, cut, config, exposure));
   EXPECT_EQ(frame.output, expected);
   EXPECT_EQ(runner.exposure(), whole.exposure());
 }

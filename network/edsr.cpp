@@ -44,8 +44,13 @@ void forward(Layers& layers, FrameShape frame) {
   upscaleFromTrunk(layers, "body." + std::to_string(config.blocks), f, head, prepared);
 }
 
+constexpr PublishedNetwork kPublished[] = {
+    {"edsr", "scale=4 channels=256 transfer=none blocks=32 residual_divisor=10 range=255", 43.09, 2895},
+    {"edsr_baseline", "scale=4 channels=64 transfer=none blocks=16 residual_divisor=1 range=255", 1.518, 114}};
+constexpr const char* kSmall = "scale=4 channels=16 transfer=log1p blocks=2 residual_divisor=10 range=255";
+
 }  // namespace
 
-const Architecture kEdsr{"edsr", parse, describe, forward};
+const Architecture kEdsr{"edsr", parse, describe, forward, kPublished, kSmall};
 
 }  // namespace xrds

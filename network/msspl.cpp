@@ -74,8 +74,12 @@ void forward(Layers& layers, FrameShape frame) {
   upscale(layers, f, prepared, doublings, "out");
 }
 
+constexpr PublishedNetwork kPublished[] = {
+    {"msspl", "scale=4 channels=64 transfer=none groups=3 blocks=5 aux_inputs=albedo,normal"}};
+constexpr const char* kSmall = "scale=4 channels=16 transfer=log1p groups=1 blocks=2 aux_inputs=colour,albedo,normal";
+
 }  // namespace
 
-const Architecture kMsspl{"msspl", parse, describe, forward};
+const Architecture kMsspl{"msspl", parse, describe, forward, kPublished, kSmall};
 
 }  // namespace xrds

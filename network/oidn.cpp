@@ -264,9 +264,12 @@ class UNet {
 
 void forward(Layers& layers, FrameShape frame) { UNet(layers, frame).build(); }
 
+constexpr PublishedNetwork kPublished[] = {{"oidn", "scale=1 size=base input=hdr aux_inputs=albedo,normal"}};
+constexpr const char* kSmall = "scale=1 size=small input=hdr width_divisor=8 aux_inputs=albedo,normal";
+
 }  // namespace
 
-const Architecture kOidn{"oidn", parse, describe, forward};
+const Architecture kOidn{"oidn", parse, describe, forward, kPublished, kSmall};
 
 bool takesBinnedExposure(const NetworkConfig& config) {
   return config.architecture == kOidn.name && curveOf(config) == FrameCurve::hdr;

@@ -66,8 +66,12 @@ void forward(Layers& layers, FrameShape frame) {
   upscaleFromTrunk(layers, "body." + std::to_string(config.groups), f, head, prepared);
 }
 
+constexpr PublishedNetwork kPublished[] = {
+    {"rcan", "scale=4 channels=64 transfer=none groups=10 blocks=20 reduction=16 range=255", 15.59, 917}};
+constexpr const char* kSmall = "scale=4 channels=16 transfer=log1p groups=1 blocks=2 reduction=4";
+
 }  // namespace
 
-const Architecture kRcan{"rcan", parse, describe, forward};
+const Architecture kRcan{"rcan", parse, describe, forward, kPublished, kSmall};
 
 }  // namespace xrds

@@ -1,4 +1,4 @@
-// EDSR, RCAN, SwinIR and MSSPL: sizes as published, fields, and how far they see.
+// Networks of others: sizes as published, fields, and how far they see.
 #include "network/super_resolution.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +6,7 @@
 #include "api/model.h"
 #include "engine/kernel_family.h"
 #include "frames/tile_choice.h"
+#include "network/architecture.h"
 #include "network/halo.h"
 #include "network/published.h"
 #include "xrds/error.h"
@@ -13,33 +14,43 @@
 namespace xrds {
 namespace {
 
-struct Size {
-  const char* name;          // of publishedFields()
-  double millionParameters;  // as published; SwinIR's without its tables of relative positions
-  double gigaMultiplyAdds;   // as others count them for 1280 x 720 at scale 4; 0: not published
+struct Published {
+  const Architecture* architecture;
+  PublishedNetwork network;
 };
 
-class PublishedSize : public testing::TestWithParam<Size> {};
+void PrintTo(const Published& published, std::ostream* out) { *out << published.network.name; }
+
+// Those whose count of parameters is published.
+std::vector<Published> countedNetworks() {
+  std::vector<Published> counted;
+  for (const Architecture* architecture : kArchitectures)
+    for (const PublishedNetwork& network : architecture->published)
+      if (network.millionParameters > 0) counted.push_back({architecture, network});
+  return counted;
+}
+
+class PublishedSize : public testing::TestWithParam<Published> {};
 
 TEST_P(PublishedSize, IsThatOfTheForwardPass) {
-  const NetworkConfig config = parseConfig(publishedFields(GetParam().name));
+  const auto& [architecture, network] = GetParam();
+  const NetworkConfig config = parseConfig(metadataOf(*architecture, network.fields));
   const NetworkModel model = NetworkModel::fromTensors(makeTensors(config, [](const auto&, auto&) {}), "zeros");
   uint64_t tables = 3;  // and the mean
   for (const auto& [name, tensor] : model.file().tensors)
     if (name.ends_with("relative_position_bias_table")) tables += tensor.values.size();
-  EXPECT_NEAR(static_cast<double>(model.parameterCount() - tables) / 1e6, GetParam().millionParameters,
-              0.005 * GetParam().millionParameters);
-  if (GetParam().gigaMultiplyAdds == 0) return;
-  const auto multiplyAdds = cost(buildGraph(config, {180, 320}, model.lookup(), kAsWritten)).multiplyAdds;
-  EXPECT_NEAR(static_cast<double>(multiplyAdds) / 1e9, GetParam().gigaMultiplyAdds,
-              0.005 * GetParam().gigaMultiplyAdds);
+  EXPECT_NEAR(static_cast<double>(model.parameterCount() - tables) / 1e6, network.millionParameters,
+              0.005 * network.millionParameters);
+  if (network.gigaMultiplyAdds == 0) return;
+  const FrameShape frame{720 / config.scale, 1280 / config.scale};
+  const auto multiplyAdds = cost(buildGraph(config, frame, model.lookup(), kAsWritten)).multiplyAdds;
+  EXPECT_NEAR(static_cast<double>(multiplyAdds) / 1e9, network.gigaMultiplyAdds, 0.005 * network.gigaMultiplyAdds);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PublishedSize,
-                         testing::Values(Size{"edsr", 43.09, 2895}, Size{"edsr_baseline", 1.518, 114},
-                                         Size{"rcan", 15.59, 917}, Size{"swinir", 11.85, 0},
-                                         Size{"swinir_light", 0.897, 0}),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, PublishedSize, testing::ValuesIn(countedNetworks()),
+                         [](const auto& info) { return std::string(info.param.network.name); });
+
+TEST(PublishedSizes, AreKnownOfFiveNetworks) { EXPECT_GE(countedNetworks().size(), 5u); }
 
 TEST(SuperResolution, FieldsAreKept) {
   for (const std::string& name : publishedNames())

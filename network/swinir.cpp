@@ -131,8 +131,22 @@ void forward(Layers& layers, FrameShape frame) {
   upscale(layers, u, prepared, doublingNames(config, "upsample."), "conv_last");
 }
 
+constexpr PublishedNetwork kPublished[] = {
+    {"swinir",
+     "scale=4 channels=180 transfer=none groups=6 blocks=6 window=8 head_channels=30 mlp_ratio=2 "
+     "upsampler=pixelshuffle range=1",
+     11.85},
+    {"swinir_light",
+     "scale=4 channels=60 transfer=none groups=4 blocks=6 window=8 head_channels=10 mlp_ratio=2 "
+     "upsampler=pixelshuffledirect range=1",
+     0.897}};
+// Whose heads are padded.
+constexpr const char* kSmall =
+    "scale=4 channels=12 transfer=log1p groups=1 blocks=2 window=4 head_channels=6 mlp_ratio=2 "
+    "upsampler=pixelshuffledirect";
+
 }  // namespace
 
-const Architecture kSwinIr{"swinir", parse, describe, forward};
+const Architecture kSwinIr{"swinir", parse, describe, forward, kPublished, kSmall};
 
 }  // namespace xrds

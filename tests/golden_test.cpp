@@ -6,6 +6,7 @@
 
 #include "checks/reference.h"
 #include "frames/session.h"
+#include "network/architecture.h"
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
@@ -21,6 +22,27 @@ std::vector<std::string> goldenNames() {
     if (file.ends_with(".model.safetensors")) names.insert(file.substr(0, file.size() - 18));
   }
   return {names.begin(), names.end()};
+}
+
+// Those of the architecture, whose name they begin with.
+std::vector<std::string> goldenNames(const Architecture& architecture) {
+  std::vector<std::string> names = goldenNames();
+  std::erase_if(names, [&](const auto& name) { return !name.starts_with(std::string(architecture.name) + "_"); });
+  return names;
+}
+
+// unet_golden_test.cpp has those of the denoisers.
+std::vector<const Architecture*> otherUpscalers() {
+  std::vector<const Architecture*> others(std::begin(kArchitectures), std::end(kArchitectures));
+  std::erase_if(others, [](const Architecture* each) { return each == &kXrds || each == &kOidn; });
+  return others;
+}
+
+std::vector<std::string> namesOfOthers() {
+  std::vector<std::string> names;
+  for (const Architecture* architecture : otherUpscalers())
+    for (const std::string& name : goldenNames(*architecture)) names.push_back(name);
+  return names;
 }
 
 /// A golden model with the frame it was given and what PyTorch made of it.
@@ -151,9 +173,15 @@ TEST_P(GoldenReference, HostReplayMatchesToo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Some, GoldenReference,
-                         testing::Values("s2_guided", "s2_rdb_concat_aux_kernels", "s4_rstb_concat_aux_kernels",
-                                         "edsr_s4", "rcan_s2", "swinir_s4_light", "msspl_s2_full"),
+                         testing::Values("s2_guided", "s2_rdb_concat_aux_kernels", "s4_rstb_concat_aux_kernels"),
                          [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(OfOthers, GoldenReference, testing::ValuesIn(namesOfOthers()),
+                         [](const auto& info) { return info.param; });
+
+TEST(GoldenFiles, EveryArchitectureHasSome) {
+  for (const Architecture* architecture : otherUpscalers())
+    EXPECT_FALSE(goldenNames(*architecture).empty()) << architecture->name;
+}
 
 TEST(GoldenCheck, AcceptsFilteredAuxiliaryImages) {
   const Golden golden("s2_rdb_concat_aux_kernels");

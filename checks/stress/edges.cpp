@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "network/architecture.h"
+
 namespace xrds {
 namespace {
 
@@ -14,14 +16,6 @@ void scaleAll(StoredTensor& tensor, float factor) { scaleRows(tensor, 0, tensor.
 
 bool endsWith(const std::string& name, const std::string& layer) {
   return name.ends_with(layer + ".weight") || name.ends_with(layer + ".bias");
-}
-
-// A network of another architecture with these fields, and others that all have.
-NetworkConfig configOf(const char* architecture, const Metadata& fields) {
-  Metadata all{{"format", "xrds"}, {"version", "1"},   {"architecture", architecture},
-               {"scale", "4"},     {"channels", "16"}, {"transfer", "log1p"}};
-  for (const auto& [key, value] : fields) all[key] = value;
-  return parseConfig(all);
 }
 
 TensorFile unchanged(TensorFile file) { return file; }
@@ -154,24 +148,13 @@ std::vector<StressNetwork> stressNetworks() {
                        .colourKernels = 5,
                        .prefilter = 3,
                        .outputSide = 1};
-  // Channel attention, and heads that are padded.
-  const NetworkConfig rcan = configOf("rcan", {{"groups", "1"}, {"blocks", "2"}, {"reduction", "4"}});
-  const NetworkConfig swinir = configOf("swinir", {{"channels", "12"},
-                                                   {"groups", "1"},
-                                                   {"blocks", "2"},
-                                                   {"window", "4"},
-                                                   {"head_channels", "6"},
-                                                   {"mlp_ratio", "2"},
-                                                   {"upsampler", "pixelshuffledirect"}});
-  const NetworkConfig edsr = configOf("edsr", {{"blocks", "2"}, {"residual_divisor", "10"}, {"range", "255"}});
-  const NetworkConfig msspl =
-      configOf("msspl", {{"groups", "1"}, {"blocks", "2"}, {"aux_inputs", "colour,albedo,normal"}});
-  const NetworkConfig oidn = configOf(
-      "oidn",
-      {{"scale", "1"}, {"size", "small"}, {"input", "hdr"}, {"width_divisor", "8"}, {"aux_inputs", "albedo,normal"}});
-  return {{"full", full, true}, {"dense", dense},         {"plain", plain},         {"bare", bare},
-          {"linear", linear},   {"folded", folded, true}, {"merged", merged, true}, {"swinir", swinir, true},
-          {"edsr", edsr},       {"msspl", msspl},         {"rcan", rcan, true},     {"oidn", oidn, true}};
+  std::vector<StressNetwork> all{{"full", full, true},    {"dense", dense},   {"plain", plain},
+                                 {"bare", bare},          {"linear", linear}, {"folded", folded, true},
+                                 {"merged", merged, true}};
+  for (const Architecture* architecture : kArchitectures)
+    if (architecture->small)
+      all.push_back({architecture->name, parseConfig(metadataOf(*architecture, architecture->small)), true});
+  return all;
 }
 
 NetworkConfig stressConfig(const std::string& name) {

@@ -27,7 +27,7 @@ struct StressNetwork {
   bool inShortForm = false;  // together they have every operator, those of xrds with one group of one block
 };
 
-/// Of every scale, kind of block, way to join, base image, transfer and architecture for upscaling.
+/// Of every scale, kind of block, way to join, base image and transfer, then the small one of each other architecture.
 std::vector<StressNetwork> stressNetworks();
 
 /// That of the name. Throws std::logic_error if there is none.
