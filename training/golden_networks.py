@@ -1,6 +1,6 @@
-"""Writes golden files of the networks in architectures.py: small random models with a double-precision forward pass.
+"""Writes golden files of the networks in architectures/: small random models with a double-precision forward pass.
 
-    python training/golden_networks.py tests/golden
+    python training/golden_networks.py tests/golden [NAME ...]
 
 The files are those of golden.py, whose names say what they hold.
 """
@@ -12,24 +12,7 @@ from safetensors.torch import save_file
 
 import architectures
 import pipeline
-from architectures import Config
 from golden import KEYS, channels_last
-
-# name: ((h, w) of the low-resolution colour, configuration)
-CASES = {
-    "edsr_s4": ((9, 14), Config("edsr", channels=16, blocks=2, residual_divisor=10, range=255)),
-    "edsr_s1_linear": ((8, 7), Config("edsr", scale=1, channels=12, blocks=1, transfer="none")),
-    "rcan_s2": ((10, 13), Config("rcan", scale=2, channels=16, groups=2, blocks=2, reduction=4, range=255)),
-    "rcan_s8": ((5, 6), Config("rcan", scale=8, channels=16, groups=1, blocks=1, reduction=8)),
-    "swinir_s4": ((13, 18), Config("swinir", channels=20, groups=2, blocks=2, window=4, head_channels=10)),
-    "swinir_s4_light": ((9, 11), Config("swinir", channels=12, groups=1, blocks=2, window=4, head_channels=6, upsampler="pixelshuffledirect")),
-    "swinir_s2_light": ((6, 8), Config("swinir", scale=2, channels=12, groups=1, blocks=1, window=4, head_channels=4,
-                                       upsampler="pixelshuffledirect")),
-    "swinir_s2_window8": ((9, 17), Config("swinir", scale=2, channels=16, groups=1, blocks=2, window=8, head_channels=8, mlp_ratio=4)),
-    "msspl_s4": ((6, 7), Config("msspl", channels=16, groups=2, blocks=2, aux_inputs=("albedo", "normal"))),
-    "msspl_s2_full": ((5, 10), Config("msspl", scale=2, channels=12, groups=1, blocks=1, aux_inputs=("colour", "albedo", "normal"))),
-    "msspl_s8_noaux": ((5, 4), Config("msspl", scale=8, channels=8, groups=1, blocks=1)),
-}
 
 
 def randomise(network, generator):
@@ -87,9 +70,11 @@ def write_case(folder, name, size, config, seed):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=pathlib.Path)
-    folder = parser.parse_args().folder
-    for seed, (name, (size, config)) in enumerate(CASES.items()):
-        write_case(folder, name, size, config, seed)
+    parser.add_argument("names", nargs="*", help="of architectures.GOLDEN; all by default")
+    options = parser.parse_args()
+    for name in options.names or architectures.GOLDEN:
+        seed, size, config = architectures.GOLDEN[name]
+        write_case(options.folder, name, size, config, seed)
 
 
 if __name__ == "__main__":
