@@ -32,7 +32,6 @@ FRAME = 256  # a side of the low-resolution frame
 MATRIX_KERNELS = ("conv3x3", "linear", "swin_layer")
 WARP_SCHEDULERS = 4  # of a multiprocessor of NVIDIA, which share its warps
 MODELS = sorted(path.stem for path in (ROOT / "models").glob("*.safetensors"))
-OTHERS = gpu_static_report.OTHERS
 
 
 class Mesa:
@@ -105,14 +104,19 @@ def read_network(raw, compute_units):
         if share > 0.03 and groups < 2 * compute_units:
             small.append([launch["pipeline"], groups])
     return {"model": raw["model"], "precision": raw["precision"], "family": raw["family"], "arenaBytes": raw["arenaBytes"],
-            "dispatches": len(raw["dispatches"]), "filling": round(filling, 3), "tooSmall": small,
+            "dispatches": len(raw["dispatches"]), "operators": raw["operators"], "cuts": raw["cuts"], "filling": round(filling, 3), "tooSmall": small,
             "largestGrid": max(max(launch["groups"]) for launch in raw["dispatches"]),
             "shares": {pipeline: round(share, 4) for pipeline, share in sorted(shares.items()) if pipeline >= 0}}
 
 
+def others(program):
+    """The names of the networks of others, which get random weights."""
+    return subprocess.run([program, "--published"], check=True, capture_output=True, text=True).stdout.split()
+
+
 def measure(mesa, program, spirv, gpu, models, *options):
     """What the program says of one GPU, read."""
-    paths = [model if model in OTHERS else ROOT / "models" / f"{model}.safetensors" for model in models]
+    paths = [path if (path := ROOT / "models" / f"{model}.safetensors").exists() else model for model in models]
     raw = json.loads(mesa.run(program, *paths, "--programs", spirv, "--width", FRAME, "--height", FRAME, "--memory-bytes",
                               MEMORY_BYTES.get(gpu, 8 << 30), *options, gpu=gpu))
     return {"gpu": gpu, "device": raw["device"], "driver": raw["driver"], "computeUnits": COMPUTE_UNITS[gpu],
@@ -135,7 +139,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=ROOT / "build" / "release" / "bench" / "xrds_gpu_static")
     parser.add_argument("--gpus", default=",".join(COMPUTE_UNITS))
-    parser.add_argument("--models", default=",".join((*MODELS, *OTHERS)))
+    parser.add_argument("--models", help="all that are shipped, and the networks of others")
     parser.add_argument("--print", action="store_true", help="print the kernels of each model and write nothing")
     parser.add_argument("--shape", default="0,0", help="OUTPUTS,ROWS asked of all kernels, as tuning asks of one (KernelShape); with --print")
     options = parser.parse_args()
@@ -145,8 +149,9 @@ def main():
     for mesa in map(mesa_of, names):
         if not mesa.exists():
             sys.exit(f"{mesa.folder} has no Mesa: run bench/gpu_static_mesa.sh.")
+    models = options.models.split(",") if options.models else [*MODELS, *others(options.program)]
     outputs, rows = options.shape.split(",")
-    gpus = measure_all(options.program, names, options.models.split(","), "--shape-outputs", outputs, "--shape-rows", rows)
+    gpus = measure_all(options.program, names, models, "--shape-outputs", outputs, "--shape-rows", rows)
     if options.print:
         for gpu in gpus:
             for network in gpu["networks"]:

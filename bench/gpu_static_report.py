@@ -4,11 +4,10 @@ import json
 import subprocess
 
 SHOWN_MODEL = "xrds-x4-compact"
-OTHERS = ("edsr", "rcan", "swinir", "msspl")  # networks of others, with random weights
 HEAD = """# The kernels under the compilers of GPUs
 
 Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}: RADV on its null device compiled every pipeline of every shipped model,
-and of EDSR, RCAN, SwinIR and MSSPL in their published sizes with random weights, for GPUs of AMD that were not there, and NVK for those of NVIDIA
+and of the networks of others (docs/networks.md) in their published sizes with random weights, for GPUs of AMD that were not there, and NVK for those of NVIDIA
 (Turing, chip 164; Ampere, chip 174) on a kernel interface that does nothing (Debian's `mesa-drm-shim`).
 Nothing ran, so these are counts and a compiler's estimates, not times. ACO guesses how often a loop runs: its latency and inverse throughput compare variants of
 one kernel with the same loops, and nothing else. Of NVIDIA's, latency is NAK's count of cycles, waves are warps of a scheduler, and counts are of
@@ -121,5 +120,6 @@ def document(report):
     shown = (("navi31", ("matrix", "fused", "tile")), ("navi21", ("tile",)), ("vega10", ("tile",)), ("ampere", ("matrix", "fused", "tile")))
     for name, wanted in shown:
         parts += kernel_tables(report, name, wanted, [SHOWN_MODEL])
-    parts += ["## Kernels of networks of others", "", *kernel_tables(report, "navi31", ("matrix",), OTHERS)]
+    others = {network["model"] for gpu in report["gpus"] for network in gpu["networks"] if not network["model"].startswith("xrds-")}
+    parts += ["## Kernels of networks of others", "", *kernel_tables(report, "navi31", ("matrix",), others)]
     return "\n".join(parts).rstrip() + "\n"

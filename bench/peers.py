@@ -4,8 +4,8 @@
     python3 bench/peers.py build/release/bench/xrds_bench_network --configs edsr,rcan,swinir,msspl,paper --scale 8 --rounds 1
     python3 bench/peers.py build/release/bench/xrds_bench_network --peers pytorch-cuda-fp16,pytorch-cuda-fp16-compile --precision fp16
 
-Needs `pip install -r bench/peers-requirements.txt`. Random weights, written by the engine or (EDSR, RCAN, SwinIR, MSSPL) by
-training/architectures.py, are loaded by training/. Every peer is a process of its own with one thread a core; in each round each peer
+Needs `pip install -r bench/peers-requirements.txt`. Random weights, written by the engine or (EDSR, RCAN, SwinIR, MSSPL, ...)
+by training/architectures, are loaded by training/. Every peer is a process of its own with one thread a core; in each round each peer
 in turn runs one frame that is not timed and one that is. Where a frame takes longer than 10 s, that before the first round is
 the one that is not timed. In a single round each peer ends before the next one starts, which leaves the memory to it. Peers run the bare network on resident tensors. The engine's time includes more:
 upload, exposure, radiance transform, packing, base image, learned kernels, inverse transform and download; the last
@@ -42,7 +42,6 @@ CONFIGS = {
     "nano": dict(channels=16, aux_channels=8, groups=1, blocks=1, head_channels=16, aux_skip=True,
                  output_side=1),
 }
-NETWORKS = ("edsr", "edsr_baseline", "rcan", "swinir", "swinir_light", "msspl")     # architectures.PAPER
 WARM_SECONDS = 10
 # Kernels of the engine that are not the network's. box_mean is left out: most of its runs copy rows of the network.
 PIPELINE = ("decode_radiance", "encode_radiance", "exposure", "filter_auxiliary", "joint_bilateral", "pack_auxiliary")
@@ -68,8 +67,8 @@ def network_inputs(size, config):
 def load_network(model):
     import torch
     torch.set_num_threads(CORES)
-    named = pathlib.Path(model).stem in NETWORKS
-    return torch, training("architectures").load_model(model) if named else training("weights").load_model(model)[0]
+    is_of_others = config_of(model).architecture != "xrds"
+    return torch, training("architectures").load_model(model) if is_of_others else training("weights").load_model(model)[0]
 
 
 def config_of(model):
@@ -77,7 +76,7 @@ def config_of(model):
     with open(model, "rb") as file:
         fields = json.loads(file.read(int.from_bytes(file.read(8), "little")))["__metadata__"]
     names = fields.get("aux_inputs", "")
-    return types.SimpleNamespace(scale=int(fields["scale"]), aux_inputs=tuple(filter(None, names.split(","))))
+    return types.SimpleNamespace(architecture=fields.get("architecture", "xrds"), scale=int(fields["scale"]), aux_inputs=tuple(filter(None, names.split(","))))
 
 
 def export_onnx(model, size):
@@ -221,9 +220,9 @@ class Engine:
 
 
 def write_model(program, config, scale, path):
-    if config in NETWORKS:
-        training("architectures").save_random(dataclasses.replace(training("architectures").PAPER[config], scale=scale), path)
-        return
+    if config not in CONFIGS:
+        architectures = training("architectures")
+        return architectures.save_random(dataclasses.replace(architectures.PAPER[config], scale=scale), path)
     flags = ["--scale", str(scale)]
     for name, value in CONFIGS[config].items():
         flags += ["--" + name.replace("_", "-")] + ([] if value is True else [str(value)])
@@ -305,7 +304,7 @@ def main():
         return serve(sys.argv[2], sys.argv[3], int(sys.argv[4]))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", help="xrds_bench_network of a release build")
-    parser.add_argument("--configs", default="paper,compact,nano", help=f"comma list of {', '.join((*CONFIGS, *NETWORKS))}")
+    parser.add_argument("--configs", default="paper,compact,nano", help=f"comma list of {', '.join(CONFIGS)}, and of PAPER in training/architectures: edsr, ...")
     parser.add_argument("--scale", type=int, default=4, choices=(1, 2, 4, 8, 16))
     parser.add_argument("--peers", default=",".join(name for name in FRAMES if "cuda" not in name),
                         help=f"comma list of {', '.join(FRAMES)}")

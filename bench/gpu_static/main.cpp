@@ -13,6 +13,7 @@
 #include "bench/gpu_static/compiled.h"
 #include "bench/gpu_static/null_device.h"
 #include "frames/session.h"
+#include "network/architecture.h"
 #include "network/published.h"
 #include "shaders/programs.h"
 
@@ -28,7 +29,8 @@ struct Options {
   uint64_t memoryBytes = uint64_t{8} << 30;        // of the device; the null device says nothing of it
   uint32_t sharedBytes = 0, groupInvocations = 0;  // not 0: those of a smaller device
   uint32_t subgroupSize = 0;                       // not 0: of the kernels that know theirs
-  KernelShape shape;                               // asked of all kernels, as tuning asks of one
+  bool listsPublished = false;
+  KernelShape shape;  // asked of all kernels, as tuning asks of one
 };
 
 // What stands behind the name in the compiler's text of a program: "workgroup_size: 64, 1, 1".
@@ -63,6 +65,21 @@ std::span<const uint32_t> programOf(const std::filesystem::path& folder, std::st
   return place->second.empty() ? embeddedProgram(name) : place->second;
 }
 
+// How often operators must be cut at least, so that no dispatch has more work than it should.
+uint64_t cutsOf(const Graph& graph) {
+  uint64_t cuts = 0;
+  for (const Node& node : graph.nodes)
+    cuts += (std::max<uint64_t>(cost(node).multiplyAdds, 1) - 1) / kMostWorkPerDispatch;
+  return cuts;
+}
+
+// Of each architecture for upscaling the first network.
+void printPublished() {
+  for (const Architecture* architecture : kArchitectures)
+    if (!architecture->published.empty() && parseConfig(publishedFields(architecture->published[0].name)).scale > 1)
+      std::cout << architecture->published[0].name << "\n";
+}
+
 class Report {
  public:
   explicit Report(const Options& options)
@@ -78,10 +95,18 @@ class Report {
     if (options_.subgroupSize) traits.subgroupSize = options_.subgroupSize;
     traits.shape = options_.shape;
     if (options_.groupInvocations) traits.maxGroupInvocations = options_.groupInvocations;
-    const Graph graph =
-        buildGraph(model.config(), {options_.height, options_.width}, model.lookup(),
-                   fastOn(traits, {.precision = precision == kFp16 ? Precision::fp16 : Precision::fp32}));
-    Json network{{"model", name}, {"precision", precision}, {"family", family}, {"arenaBytes", arenaByteSize(graph)}};
+    const auto built = [&](uint32_t bandRows) {
+      const Precision wanted = precision == kFp16 ? Precision::fp16 : Precision::fp32;
+      return buildGraph(model.config(), {options_.height, options_.width}, model.lookup(),
+                        fastOn(traits, {.precision = wanted, .bandRows = bandRows}));
+    };
+    const Graph graph = built(0), whole = built(kWholeFrame);
+    Json network{{"model", name},
+                 {"precision", precision},
+                 {"family", family},
+                 {"arenaBytes", arenaByteSize(graph)},
+                 {"operators", whole.nodes.size()},
+                 {"cuts", cutsOf(whole)}};
     for (const LoweredDispatch& lowered : lower(graph, traits)) {
       const Dispatch& launch = lowered.dispatch;
       network["dispatches"].push_back({{"pipeline", launch.isCopy() ? -1 : pipelineOf(launch)},
@@ -138,7 +163,8 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   xrds::Options options;
   CLI::App app{"Compiles the pipelines of networks and prints what the compiler says of them"};
-  app.add_option("MODEL", options.models, "Files, or names of published sizes: edsr, rcan, swinir, ...")->required();
+  app.add_option("MODEL", options.models, "Files, or names of published sizes: edsr, rcan, swinir, ...");
+  app.add_flag("--published", options.listsPublished, "Print the published name of each upscaler of others, and end");
   app.add_option("--families", options.families)->delimiter(',');
   app.add_option("--precisions", options.precisions)->delimiter(',');
   app.add_option("--programs", options.programs, "A folder of SPIR-V, NAME.spv, in place of the embedded programs");
@@ -153,6 +179,7 @@ int main(int argc, char** argv) {
   app.add_option("--shape-rows", options.shape.rows, "KernelShape::rows");
   CLI11_PARSE(app, argc, argv);
   try {
+    if (options.listsPublished) return xrds::printPublished(), 0;
     return xrds::run(options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
