@@ -10,10 +10,13 @@ namespace {
 constexpr uint32_t kTaps = 9, kParts = 4;  // of a convolution; pixels that a pixel becomes
 constexpr int kPatch = 4;                  // its side
 
+uint32_t channelsBehind(ConvWeights doubling) { return static_cast<uint32_t>(doubling.bias.size()) / kParts; }
+
 /// Sums of outputs of a doubling's convolution.
 class DoublingSum {
  public:
-  DoublingSum(ConvWeights doubling, uint32_t channels) : doubling_(doubling), row_(size_t{channels} * kTaps) {}
+  explicit DoublingSum(ConvWeights doubling)
+      : doubling_(doubling), row_(doubling.weight.size() / doubling.bias.size()) {}
 
   /// Adds w times channel k of that part of the shuffled pixels: parts are (0, 0), (0, 1), (1, 0), (1, 1).
   void add(double w, uint32_t k, uint32_t part) {
@@ -35,12 +38,13 @@ class DoublingSum {
 
 }  // namespace
 
-JoinedWeights joinedWithOutput(ConvWeights doubling, ConvWeights output, uint32_t channels) {
+JoinedWeights joinedWithOutput(ConvWeights doubling, ConvWeights output) {
+  const uint32_t channels = channelsBehind(doubling);
   const size_t outputs = output.bias.size(), outputInputs = output.weight.size() / outputs;
   JoinedWeights joined;
   for (size_t n = 0; n < alignUp(outputs, 4); ++n)
     for (uint32_t part = 0; part < kParts; ++part) {
-      DoublingSum sum(doubling, channels);
+      DoublingSum sum(doubling);
       if (n < outputs) sum.add(output.bias[n]);
       for (uint32_t k = 0; k < channels && n < outputs; ++k) sum.add(output.weight[n * outputInputs + k], k, part);
       sum.appendTo(joined);
@@ -48,13 +52,14 @@ JoinedWeights joinedWithOutput(ConvWeights doubling, ConvWeights output, uint32_
   return joined;
 }
 
-JoinedWeights joinedAsPatches(ConvWeights doubling, ConvWeights output, uint32_t channels) {
+JoinedWeights joinedAsPatches(ConvWeights doubling, ConvWeights output) {
+  const uint32_t channels = channelsBehind(doubling);
   const auto isTap = [](int tap) { return tap >= 0 && tap < 3; };
   JoinedWeights joined;
   for (size_t n = 0; n < output.bias.size(); ++n)
     for (int i = 0; i < kPatch; ++i)
       for (int j = 0; j < kPatch; ++j) {
-        DoublingSum sum(doubling, channels);
+        DoublingSum sum(doubling);
         const bool inMiddle = (i == 1 || i == 2) && (j == 1 || j == 2);
         if (inMiddle) sum.add(output.bias[n]);
         for (int part = 0; part < static_cast<int>(kParts); ++part) {

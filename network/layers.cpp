@@ -126,8 +126,8 @@ Conv3x3 Layers::joinedConvolution(const std::string& doubling, TensorView x, Con
   return op;
 }
 
-ConvWeights Layers::doublingWeights(const std::string& doubling, uint32_t channels) {
-  return {weight(doubling + ".weight", {4 * channels, channels, 3, 3}), weight(doubling + ".bias", {4 * channels})};
+ConvWeights Layers::doublingWeights(const std::string& doubling, uint32_t inputs, uint32_t channels) {
+  return {weight(doubling + ".weight", {4 * channels, inputs, 3, 3}), weight(doubling + ".bias", {4 * channels})};
 }
 
 // Nothing stands between the two, and a 1x1 convolution sees no border.
@@ -136,7 +136,7 @@ void Layers::outputOfDoubling(const std::string& doubling, const std::string& na
   const uint32_t c = x.channels, inputs = c + appended.channels;
   const ConvWeights output{weight(name + ".weight", {outputs, inputs, 1, 1}), weight(name + ".bias", {outputs})};
   Conv3x3 op = joinedConvolution(
-      doubling, x, madeOnce(doubling, [&] { return joinedWithOutput(doublingWeights(doubling, c), output, c); }));
+      doubling, x, madeOnce(doubling, [&] { return joinedWithOutput(doublingWeights(doubling, c, c), output); }));
   op.output = into;
   op.shuffleOutput = true;
   op.rows = {rows.begin / 2, rows.end / 2};
@@ -157,12 +157,12 @@ void Layers::outputOfDoubling(const std::string& doubling, const std::string& na
   addConvolution(doubling, op, rowsInFours);
 }
 
-void Layers::patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
-                               TensorView into, RowRange rows, bool rowsInFours) {
-  const uint32_t c = x.channels;
-  const ConvWeights output{weight(name + ".weight", {outputs, c, 3, 3}), weight(name + ".bias", {outputs})};
-  Conv3x3 op = joinedConvolution(
-      doubling, x, madeOnce(doubling, [&] { return joinedAsPatches(doublingWeights(doubling, c), output, c); }));
+void Layers::patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t channels,
+                               uint32_t outputs, TensorView into, RowRange rows, bool rowsInFours) {
+  const ConvWeights output{weight(name + ".weight", {outputs, channels, 3, 3}), weight(name + ".bias", {outputs})};
+  Conv3x3 op = joinedConvolution(doubling, x, madeOnce(doubling, [&] {
+                                   return joinedAsPatches(doublingWeights(doubling, x.channels, channels), output);
+                                 }));
   op.output = into;
   op.rows = rows;
   addConvolution(doubling, op, rowsInFours);

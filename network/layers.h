@@ -44,9 +44,10 @@ class Layers {
   /// output. rowsInFours: as in ConvOptions, of the convolution's.
   void outputOfDoubling(const std::string& doubling, const std::string& name, TensorView x, TensorView appended,
                         uint32_t outputs, TensorView into, RowRange rows, bool rowsInFours);
-  /// The 3x3 convolution `name` of the doubling, joined, as the patches that Fold adds up; rows of x.
-  void patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t outputs,
-                         TensorView into, RowRange rows, bool rowsInFours);
+  /// The 3x3 convolution `name` of the doubling to that many channels, joined, as the patches that Fold adds up; rows
+  /// of x.
+  void patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t channels,
+                         uint32_t outputs, TensorView into, RowRange rows, bool rowsInFours);
   /// RDB: three convolutions over the growing concatenation `dense` = [x, y_1, y_2, y_3], of which x is there already,
   /// and a 1x1 convolution of all of it, plus x.
   TensorView denseConvolutions(const std::string& name, TensorView dense, TensorView into);
@@ -101,7 +102,7 @@ class Layers {
   // Of that layer: the steps of a sweep share them.
   ConvWeights madeOnce(const std::string& name, const std::function<JoinedWeights()>& make);
   Conv3x3 joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined);
-  ConvWeights doublingWeights(const std::string& doubling, uint32_t channels);
+  ConvWeights doublingWeights(const std::string& doubling, uint32_t inputs, uint32_t channels);
   // Rows that are all of the image, or where inFours begin at multiples of 4, may be made in squares.
   void addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours);
   TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);

@@ -26,7 +26,8 @@ class Doublings {
             const std::string& output)
       : layers_(layers), graph_(layers.graph), doublings_(doublings), output_(output), u_(u), prepared_(prepared) {
     const uint32_t scale = layers.config.scale, height = scale * u.height, width = scale * u.width;
-    folded_ = layers.joinsMaps() && !doublings.empty() && !output.empty() && kPatch * kColours < 4 * u.channels;
+    folded_ = layers.joinsMaps() && !doublings.empty() && !output.empty() &&
+              kPatch * kColours < 4 * doublings.back().channels;
     sweep_ = layers.sweep(height, width);
     for (uint32_t j = 1; j <= doublings.size(); ++j) {
       const bool patches = folded_ && j == doublings.size();
@@ -69,7 +70,7 @@ class Doublings {
     const uint32_t next = rows(step, j + 1).begin / divisor;  // whose convolution reads the row above
     const TensorView into = tensors_[j - 1].advance(graph_, made, next - std::min(next, 1u));
     if (folded_ && j == doublings_.size())
-      layers_.patchesOfDoubling(name, output_, before(j), kColours, into, made, rowsInFours(j, divisor));
+      layers_.patchesOfDoubling(name, output_, before(j), channels, kColours, into, made, rowsInFours(j, divisor));
     else
       layers_.conv(name, before(j), before(j).channels, 4 * channels,
                    {.into = into,
@@ -87,7 +88,8 @@ class Doublings {
       if (folded_)
         graph_.nodes.push_back({output_, Fold{before(stage), out, made}});
       else
-        layers_.conv(output_, before(stage), u_.channels, kColours, {.into = out, .rows = made, .inFours = true});
+        layers_.conv(output_, before(stage), before(stage).channels, kColours,
+                     {.into = out, .rows = made, .inFours = true});
     }
     const uint32_t height = graph_.output.height;
     const RowRange real{std::min(made.begin, height), std::min(made.end, height)};
@@ -207,9 +209,9 @@ void denormalize(Layers& layers, const std::string& name, uint32_t inputs, uint3
 }
 
 void upscale(Layers& layers, const TensorView& u, const Prepared& prepared, const std::vector<std::string>& doublings,
-             const std::string& output) {
+             const std::string& output, uint32_t channels) {
   std::vector<Doubling> all;
-  for (const std::string& name : doublings) all.push_back({name, u.channels});
+  for (const std::string& name : doublings) all.push_back({name, channels > 0 ? channels : u.channels});
   Doublings(layers, u, prepared, all, output).build();
 }
 

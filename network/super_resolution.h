@@ -29,10 +29,10 @@ TensorView normalizedColour(Layers& layers, const TensorView& x);
 /// give y / range + mean of its result y. Its channels are an equal number for each of the three colours.
 void denormalize(Layers& layers, const std::string& name, uint32_t inputs, uint32_t outputs);
 
-/// The picture of the features u: y = pixel_shuffle(conv3x3(y, C -> 4 C)) for each of the convolutions, then the
-/// convolution `output` to the three colours, decoded; in a sweep over rows.
+/// The picture of the features u: y = pixel_shuffle(conv3x3(y)) for each of the convolutions, with so many channels
+/// behind it (0: those of u), then the convolution `output` to the three colours, decoded; in a sweep over rows.
 void upscale(Layers& layers, const TensorView& u, const Prepared& prepared, const std::vector<std::string>& doublings,
-             const std::string& output);
+             const std::string& output, uint32_t channels = 0);
 
 /// The same of EDSR and RCAN: of head + conv3x3(f) with the convolution `last`, by those of "tail.0." and "tail.1".
 void upscaleFromTrunk(Layers& layers, const std::string& last, const TensorView& f, const TensorView& head,

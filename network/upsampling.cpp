@@ -89,7 +89,7 @@ class Upsampling {
     const uint32_t next = rows(step, j + 1).begin / divisor;  // whose convolution reads the row above
     const TensorView all = doublings_[j].advance(graph_, made, next - std::min(next, 1u));
     if (j == config_.steps() && tail_ == Tail::folded)
-      return layers_.patchesOfDoubling("up." + std::to_string(j - 1), "out", doublings_[j - 1].view(),
+      return layers_.patchesOfDoubling("up." + std::to_string(j - 1), "out", doublings_[j - 1].view(), c,
                                        config_.outputWidth(), all, made, rowsInFours(j, divisor));
     const TensorView into = slice(all, 0, c);
     if (j == 0)
