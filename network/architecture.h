@@ -27,8 +27,8 @@ struct Architecture {
 };
 
 /// Each in the file of its name.
-extern const Architecture kXrds, kSwinIr, kEdsr, kMsspl, kRcan, kOidn;
-inline constexpr const Architecture* kArchitectures[] = {&kXrds, &kSwinIr, &kEdsr, &kMsspl, &kRcan, &kOidn};
+extern const Architecture kXrds, kSwinIr, kEdsr, kMsspl, kRcan, kRdn, kOidn;
+inline constexpr const Architecture* kArchitectures[] = {&kXrds, &kSwinIr, &kEdsr, &kMsspl, &kRcan, &kRdn, &kOidn};
 
 /// That of the config. Throws Error if there is none of that name.
 const Architecture& architectureOf(const NetworkConfig& config);
