@@ -70,6 +70,8 @@ TEST(SuperResolution, RefusesFieldsThatMakeNoNetwork) {
   EXPECT_THROW(parseConfig(with("swinir", "head_channels", "32")), Error);
   EXPECT_THROW(parseConfig(with("swinir", "window", "7")), Error);
   EXPECT_THROW(parseConfig(with("swinir", "upsampler", "nearest+conv")), Error);
+  EXPECT_THROW(parseConfig(with("rdn", "scale", "1")), Error);
+  EXPECT_THROW(parseConfig(with("rdn", "growth", "30")), Error);
   EXPECT_THROW(parseConfig(with("msspl", "scale", "1")), Error);
   EXPECT_THROW(parseConfig(with("msspl", "aux_inputs", "albedo,albedo")), Error);
 }

@@ -11,7 +11,7 @@ import architectures
 import convert
 import golden
 import golden_networks
-from architectures import ARCHITECTURES, GOLDEN, MILLIONS, PAPER, edsr, rcan, swinir
+from architectures import ARCHITECTURES, GOLDEN, MILLIONS, PAPER, edsr, rcan, rdn, swinir
 from architectures.common import DIV2K_MEAN
 
 FOLDER = pathlib.Path(__file__).parent.parent / "tests" / "golden"
@@ -107,3 +107,12 @@ def test_other_checkpoints_are_refused(tmp_path):
     torch.save([1, 2], tmp_path / "list.pt")
     with pytest.raises(ValueError, match="no tensors"):
         convert.convert(tmp_path / "list.pt", tmp_path / "model.safetensors")
+
+
+def test_scale_3_is_refused(tmp_path):
+    config = rdn.Config(scale=2, channels=8, blocks=1, layers=1, growth=8, range=255)
+    checkpoint, _ = official(config)
+    checkpoint["UPNet.0.weight"] = torch.zeros(9 * config.growth, 8, 3, 3)
+    torch.save(checkpoint, tmp_path / "x3.pt")
+    with pytest.raises(ValueError, match="scale 3"):
+        convert.convert(tmp_path / "x3.pt", tmp_path / "model.safetensors")
