@@ -1,5 +1,7 @@
 #include "app/moving_frame.h"
 
+#include <cmath>
+
 #include "app/exit_code.h"
 
 namespace xrds {
@@ -26,12 +28,22 @@ std::vector<TemporalFilter::Frame> filterFrames(const std::vector<SharedFrame>& 
 
 }  // namespace
 
-FrameGroup groupAround(int number, uint32_t radius, const std::function<SharedFrame(int)>& read) {
+uint32_t suitableRadius(const FrameMotion& motion) {
+  constexpr float kStill = 0.01F;  // pixels
+  const std::vector<float>& along = motion.toPrevious.empty() ? motion.toNext : motion.toPrevious;
+  size_t still = 0;
+  for (size_t i = 0; i + 1 < along.size(); i += 2)
+    still += std::abs(along[i]) < kStill && std::abs(along[i + 1]) < kStill;
+  return !along.empty() && 4 * still >= along.size() ? TemporalFilter::kRadiusOfStill : TemporalFilter::kRadius;
+}
+
+FrameGroup groupAround(int number, std::optional<uint32_t> radius, const std::function<SharedFrame(int)>& read) {
   FrameGroup group{read(number), {}, {}};
+  group.radius = radius ? *radius : suitableRadius(group.present->motion);
   const Frame& present = group.present->frame;
   const auto addRow = [&](int step, std::vector<float> FrameMotion::*motion, std::vector<SharedFrame>& row) {
     SharedFrame last = group.present;
-    for (int away = 1; away <= static_cast<int>(radius); ++away) try {
+    for (int away = 1; away <= static_cast<int>(group.radius); ++away) try {
         if ((last->motion.*motion).empty() && !last->motion.byCameras) return;
         SharedFrame next = read(number + step * away);
         if (!next || (last->motion.*motion).empty()) return;

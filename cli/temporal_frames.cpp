@@ -29,7 +29,8 @@ TemporalFrames::TemporalFrames(const UpscaleOptions& options, const OpenedModel&
     : options_(options),
       opened_(opened),
       plan_(plan),
-      shared_(2 * size_t{options.temporalRadius} + 1 + readers,
+      readers_(readers),
+      shared_(2 * size_t{options.temporalRadius.value_or(TemporalFilter::kRadius)} + 1 + readers,
               [this](int number) { return readOne(plan_.frame(number)); }) {}
 
 MovingFrame TemporalFrames::readOne(const SequenceFrame& frame) const {
@@ -52,6 +53,7 @@ FrameGroup TemporalFrames::read(const SequenceFrame& frame) {
     if (number != frame.number && (!isThere(files.colour) || !isThere(files.auxiliary))) return nullptr;
     return shared_.get(number);
   });
+  shared_.keep(2 * size_t{group.radius} + 1 + readers_);
   if (const LayerRequest lights = layerRequest(options_.lights); lights.any()) {
     auto present = std::make_shared<MovingFrame>(*group.present);
     failingWith(ExitCode::input, [&] { present->frame.loadLayers(lights); });

@@ -23,6 +23,7 @@ class TemporalFrames {
   const UpscaleOptions& options_;
   const OpenedModel& opened_;
   const SequencePlan& plan_;
+  size_t readers_;
   SharedReads<MovingFrame> shared_;
 };
 

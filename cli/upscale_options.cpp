@@ -141,9 +141,10 @@ void addSequence(CLI::App& verb, UpscaleOptions& options) {
       "--temporal", options.temporal,
       "Merge each frame with those around it, along the motion that Cycles' pass Vector tells: less flicker,\n"
       "less noise");
-  verb.add_option("--temporal-radius", options.temporalRadius, "With --temporal: frames before and after that are used")
+  verb.add_option("--temporal-radius", options.temporalRadius,
+                  "With --temporal: frames before and after that are used (default: 5; 10 while\nhalf of the picture "
+                  "stands still)")
       ->check(CLI::Range(1, 16))
-      ->capture_default_str()
       ->needs("--temporal");
   verb.add_option(
           "--motion", options.motion,

@@ -19,7 +19,8 @@ struct UpscaleOptions {
   bool denoiseFirst = false, cleanGuides = false;
   // Of sequences.
   std::string frames, log, devices, motion;
-  uint32_t jobsPerDevice = 1, temporalRadius = TemporalFilter::kRadius;
+  uint32_t jobsPerDevice = 1;
+  std::optional<uint32_t> temporalRadius;  // none: what suits a frame
   bool skipExisting = false, keepUnchanged = false, temporal = false;
 
   Upscaler::Options upscaler() const;

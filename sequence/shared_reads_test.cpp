@@ -24,6 +24,11 @@ TEST(SharedReads, ReadsEachFrameOnceWhileItIsKept) {
   EXPECT_EQ(reads, 4);
   EXPECT_EQ(*frames.get(2), 20);
   EXPECT_EQ(reads, 5);
+  frames.keep(1);  // 2
+  EXPECT_EQ(*frames.get(2), 20);
+  EXPECT_EQ(reads, 5);
+  EXPECT_EQ(*frames.get(1), 10);
+  EXPECT_EQ(reads, 6);
 }
 
 TEST(SharedReads, ThrowsWhatReadingThrew) {

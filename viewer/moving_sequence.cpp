@@ -27,9 +27,9 @@ MovingFrame MovingSequence::read(int number) const {
 }
 
 LoadedFrame MovingSequence::merged(Device& device, int number) {
-  const FrameGroup group = groupAround(number, TemporalFilter::kRadius, [this](int frame) {
-    return filesOf(*sequence_, frame) ? shared_.get(frame) : nullptr;
-  });
+  const FrameGroup group = groupAround(
+      number, std::nullopt, [this](int frame) { return filesOf(*sequence_, frame) ? shared_.get(frame) : nullptr; });
+  shared_.keep(2 * size_t{group.radius} + 1);
   if (!merger_) merger_.emplace(static_cast<uint32_t>(group.present->frame.scale()));
   LoadedFrame loaded = loadedFrame(*filesOf(*sequence_, number), merger_->merged(device, group));
   loaded.merged = 1 + group.before.size() + group.after.size();

@@ -34,7 +34,8 @@ class TemporalFilter {
     std::vector<float> colour{}, fullColour{}, albedo{}, normal{}, lowCounts{}, fullCounts{};
   };
 
-  static constexpr uint32_t kRadius = 5;  // frames before and after that are worth it
+  /// Frames before and after that are worth it, and while most of the picture stands still.
+  static constexpr uint32_t kRadius = 5, kRadiusOfStill = 10;
 
   /// width x height: of the low-resolution colour. The device must outlive it. Throws InvalidArgument if the scale is
   /// none of 1, 2, 4, 8 and 16 or there is no frame of that size; OutOfMemory if the device has no room.

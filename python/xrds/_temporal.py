@@ -56,8 +56,8 @@ class TemporalFilter(Held[_native.TemporalFilter]):
     OutOfMemory and Error.
     """
 
-    RADIUS = 5
-    """Frames before and after that are worth it."""
+    RADIUS, RADIUS_OF_STILL = 5, 10
+    """Frames before and after that are worth it, and while most of the picture stands still."""
 
     def __init__(self, width: int, height: int, scale: int, *, device: AnyDevice = None) -> None:
         if not (0 < width < 2**32 and 0 < height < 2**32 and 0 < scale < 2**32):

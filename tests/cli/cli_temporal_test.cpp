@@ -73,6 +73,22 @@ TEST(CliTemporal, AFrameIsTheSameHoweverTheSequenceIsCut) {
   }
 }
 
+TEST(CliTemporal, MergesMoreFramesWhileThePictureStandsStill) {
+  const auto firstFrame = [](int step, const Arguments& more) {
+    const UpscaledSequence sequence({.frames = 9, .step = step});
+    Arguments all{"--temporal", "--frames", "1"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Ended ended = sequence.run("out", all);
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    return sequence.bytes("out", 1);
+  };
+  const Arguments five{"--temporal-radius", "5"}, ten{"--temporal-radius", "10"};
+  EXPECT_EQ(firstFrame(0, {}), firstFrame(0, ten));
+  EXPECT_NE(firstFrame(0, {}), firstFrame(0, five));
+  EXPECT_EQ(firstFrame(1, {}), firstFrame(1, five));
+  EXPECT_NE(firstFrame(1, {}), firstFrame(1, ten));
+}
+
 TEST(CliTemporal, APlainMotionLayerUsesFramesBefore) {
   const UpscaledSequence plain({.layer = "speed", .channels = "XY"}), cycles;
   ASSERT_EQ(plain.run("merged", {"--temporal", "--motion", "speed"}).exitCode, 0);

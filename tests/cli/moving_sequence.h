@@ -18,17 +18,18 @@ inline float noise(int frame, int x, int y, int c) {
 struct MotionTold {
   std::string layer = "Vector", channels = "XYZW";
   bool byCameras = false;
-  int step = 3;         // pixels of the full resolution to the right, a frame
-  bool lights = false;  // layers Emit and Env of the colour, 0.3 and 0.7 of it
+  int frames = kFrames;  // at most 9
+  int step = 3;          // pixels of the full resolution to the right, a frame
+  bool lights = false;   // layers Emit and Env of the colour, 0.3 and 0.7 of it
 };
 
-/// Frames 1 to 6 of a pattern that moves to the right, under noisy light, as
+/// Frames 1 to 6, or more, of a pattern that moves to the right, under noisy light, as
 /// colour.0001.exr and aux.0001.exr.
 struct MovingSequence {
   TemporaryFolder folder;
 
   explicit MovingSequence(const MotionTold& told = {}) {
-    for (int frame = 1; frame <= kFrames; ++frame) write(frame, told);
+    for (int frame = 1; frame <= told.frames; ++frame) write(frame, told);
   }
 
   std::string at(const std::string& kind, int frame) const {

@@ -35,8 +35,8 @@ XRDS_API XrdsResult xrdsCreateTemporalFilter(XrdsDevice* device, uint32_t width,
                                              XrdsTemporalFilter** filter);
 XRDS_API void xrdsDestroyTemporalFilter(XrdsTemporalFilter* filter);
 
-/* The frame merged with those before and after it, in order, the nearest first; five of each side are worth it. The
- * result depends on these frames alone. */
+/* The frame merged with those before and after it, in order, the nearest first; five of each side are worth it,
+ * ten while most of the picture stands still. The result depends on these frames alone. */
 XRDS_API XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* present,
                                     const XrdsTemporalFrame* before, uint32_t beforeCount,
                                     const XrdsTemporalFrame* after, uint32_t afterCount,
