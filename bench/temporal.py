@@ -1,13 +1,15 @@
 """Measures `xrds upscale --temporal` on the sequences of bench/temporal_scenes.py, beside its rivals.
 
-    python3 bench/temporal.py FOLDER OUT [--xrds build/release/cli/xrds] [--strips bench/images] [--rdg COPY_OF_ITS_REPOSITORY]
+    python3 bench/temporal.py FOLDER OUT [--xrds build/release/cli/xrds] [--strips bench/images] [--rdg COPY_OF_ITS_REPOSITORY] [--only still light]
     python3 bench/tables.py write
 
 Upscales every sequence with and without --temporal, denoises the full-resolution render of as many samples with Open Image Denoise, and
 takes the median of three frames of xrds alone, brought together by the Vector pass; writes bench/results/temporal.json, of which bench/tables.py makes
-the table of bench/temporal.md. Needs bench/oidn-requirements.txt; `pip install cvvdp` adds ColorVideoVDP, --rdg another rival (bench/rdg.py).
+the table of bench/temporal.md. Needs bench/oidn-requirements.txt; `pip install cvvdp` adds ColorVideoVDP, --rdg another rival (bench/rdg.py); --only measures some sequences
+anew and keeps the others' figures.
 """
 import argparse
+import json
 import pathlib
 import struct
 import subprocess
@@ -196,10 +198,9 @@ def strip(sequence, results, first, count):
 
 
 def measure(options):
-    rows = {}
-    for name in [path.name for path in sorted(options.folder.iterdir()) if path.is_dir()] + ["cut"]:
-        if name == "cut" and not {"orbit", "pan"} <= rows.keys():
-            continue
+    names = [path.name for path in sorted(options.folder.iterdir()) if path.is_dir()]
+    rows = json.loads((tables.RESULTS / "temporal.json").read_text())["sequences"] if options.only else {}
+    for name in options.only or names + ["cut"] * ({"orbit", "pan"} <= set(names)):
         sequence = Sequence(options.folder, name)
         if sequence.length < 3:
             print(f"{name}: {sequence.length} frames, left out", flush=True)
@@ -229,6 +230,7 @@ def main():
     parser.add_argument("out", type=pathlib.Path, help="folder for results")
     parser.add_argument("--xrds", default=tables.ROOT / "build" / "release" / "cli" / "xrds")
     parser.add_argument("--strips", type=pathlib.Path, help="folder for pictures of some frames")
+    parser.add_argument("--only", nargs="+", metavar="SEQUENCE")
     parser.add_argument("--rdg", type=pathlib.Path, help="a copy of RDG's repository")
     measure(parser.parse_args())
 
