@@ -211,6 +211,7 @@ void denormalize(Layers& layers, const std::string& name, uint32_t inputs, uint3
 void upscale(Layers& layers, const TensorView& u, const Prepared& prepared, const std::vector<std::string>& doublings,
              const std::string& output, uint32_t channels) {
   std::vector<Doubling> all;
+  all.reserve(doublings.size());
   for (const std::string& name : doublings) all.push_back({name, channels > 0 ? channels : u.channels});
   Doublings(layers, u, prepared, all, output).build();
 }
