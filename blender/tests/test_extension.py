@@ -30,7 +30,7 @@ except ImportError as error:
 import scenes  # noqa: E402
 import xrds_render  # noqa: E402
 from properties import differences, snapshot  # noqa: E402
-from xrds_render import checks, exr, frame, jobs, operators, passes, recorder, settings, temporal  # noqa: E402
+from xrds_render import checks, exr, frame, jobs, layers, operators, passes, recorder, settings, temporal  # noqa: E402
 
 MODEL = "xrds-x4-nano"
 
@@ -176,7 +176,7 @@ class OneClick(WithBlender):
         self.assertEqual(sorted(layer.name for layer in scene.view_layers), ["Front", "Front.001"])
         self.render()
         diffuse = {"Diffuse Direct", "Diffuse Color"} if bpy.app.version >= (5, 0) else {"DiffDir", "DiffCol"}
-        found = passes.layers_of(self.result("layers_0002_xrds.exr"), ["Front", "Front.001"])
+        found = layers.layers_of(self.result("layers_0002_xrds.exr"), ["Front", "Front.001"])
         self.assertEqual([layer.passes.keys() - {"Depth"} for layer in found], [{"Combined", *diffuse}] * 2)
 
     def test_without_the_lines_of_freestyle(self):

@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 from . import exr
-from .passes import is_colour, is_light, layers_of, load, stack
+from .layers import is_colour, is_light, layers_of, load, stack
 
 DENOISING = "Denoising "
 LEVEL = 4  # of zlib: twice as fast as the usual 6 for 3 % more bytes

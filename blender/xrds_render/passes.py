@@ -1,33 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the two renders of a frame are asked for, and what their passes mean."""
-import os
-import struct
-import zlib
-
-import numpy as np
-
-from . import exr, guides
+"""What the two renders of a frame are asked for."""
+from . import guides
 
 # Flags of a view layer whose passes hold light: they come from the low-resolution render.
 LIGHT_FLAGS = tuple(f"use_pass_{kind}_{part}" for kind in ("diffuse", "glossy", "transmission", "subsurface", "volume") for part in ("direct", "indirect")) + (
     "use_pass_emit", "use_pass_environment")
-# Light by the names of its passes: short ones before Blender 5, long ones from there on.
-LIGHTS = frozenset(
-    [f"{kind}{part}" for kind in ("Diff", "Gloss", "Trans", "Subsurface", "Volume") for part in ("Dir", "Ind")]
-    + [f"{kind} {part}" for kind in ("Diffuse", "Glossy", "Transmission", "Subsurface", "Volume") for part in ("Direct", "Indirect")]
-    + ["Emit", "Emission", "Env", "Environment"])
 MOTION_FLAGS = {"Vector": "use_pass_vector", "Depth": "use_pass_z"}  # by what frames are merged
-LIGHT_GROUP = "Combined_"
-
-
-def is_light(name):
-    """Whether a pass is upscaled as light. The others are data of the full-resolution render."""
-    return name in LIGHTS or name.startswith(LIGHT_GROUP)
-
-
-def is_colour(name):
-    """Whether a pass multiplies lights."""
-    return name.endswith(("Col", " Color")) and not name.startswith("Denoising")
 
 
 def size(scene, scale):
@@ -107,42 +85,3 @@ def _with_colours(layer, put):
         parts = [getattr(layer, f"use_pass_{kind}_{part}", False) for part in ("direct", "indirect")]
         if any(parts):
             put(layer, f"use_pass_{kind}_color", True)
-
-
-class Damaged(RuntimeError):
-    """A file of a render that is not whole, as when the disk was full."""
-
-
-def load(path):
-    """A render's file as an exr.Picture. Raises OSError, and Damaged: then it is removed, to be rendered again when an animation goes on."""
-    try:
-        return exr.load(path)
-    except (ValueError, IndexError, KeyError, struct.error, zlib.error) as error:
-        os.remove(path)
-        raise Damaged(f"The render {os.path.basename(path)} is damaged: {error}. Is there room on the disk?") from error
-
-
-class Layer:
-    """The passes of a view layer in a file: {pass: {component: channel}}."""
-
-    def __init__(self, picture, name):
-        self.name = name
-        self.passes = {}
-        for channel in picture.channels:
-            rest, _, component = channel.rpartition(".")
-            layer, _, found = rest.rpartition(".")  # names of layers may have dots, as "Front.001", those of passes have none
-            if layer == name:
-                self.passes.setdefault(found, {})[component] = channel
-
-
-def stack(picture, channels, components):
-    """[height, width, components] of float32, or None where the pass is missing."""
-    if not channels or any(one not in channels for one in components):
-        return None
-    return np.stack([picture.channels[channels[one]] for one in components], -1).astype(np.float32, copy=False)
-
-
-def layers_of(picture, names):
-    """The view layers that a file has, of these names."""
-    found = [Layer(picture, name) for name in names]
-    return [layer for layer in found if "Combined" in layer.passes]

@@ -4,7 +4,7 @@ import json
 import os
 import re
 
-from .passes import layers_of, load, stack
+from .layers import layers_of, load, stack
 
 NOTE = "settings.json"
 FILE = re.compile(r"(-?\d+)_(?:low|full)\.exr(?:\.part\.exr)?")  # of a render, whole or not
