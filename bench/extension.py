@@ -36,31 +36,42 @@ def arguments():
     return parser.parse_args(own)
 
 
+def spent():
+    """Seconds of the processor, of Blender and of the process that upscales if there is one."""
+    from xrds_render import upscaler
+
+    if not upscaler.current:
+        return time.process_time()
+    fields = pathlib.Path(f"/proc/{upscaler.current.pid}/stat").read_text().rpartition(")")[2].split()
+    return time.process_time() + (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def processor(function):
     """(seconds of the processor, result) of a call."""
-    begin = time.process_time()
+    begin = spent()
     result = function()
-    return time.process_time() - begin, result
+    return spent() - begin, result
 
 
 def extended(scene, guides, out):
     """Renders by the extension; {step: seconds of the processor}."""
-    from xrds_render import jobs
+    from unittest import mock
 
-    spent = {"renders": 0.0, "upscaling": 0.0}
-    before = {"renders": jobs.Render, "upscaling": jobs.Work}
-    for kind, step in before.items():
-        def wait(self, kind=kind, step=step):
-            spent[kind] += processor(lambda: step.wait(self))[0]
-        setattr(jobs, step.__name__, type(step.__name__, (step,), {"wait": wait}))
+    from xrds_render import jobs, upscaler
+
+    seconds = {"renders": 0.0, "upscaling": 0.0}
+
+    def timed(kind, step):
+        def wait(self, wait=step.wait):
+            seconds[kind] += processor(lambda: wait(self))[0]
+        return mock.patch.object(step, "wait", wait)
+
+    upscaler.ready()
     scene.xrds.guides = guides
     scene.render.filepath = str(out)
-    try:
-        spent["all"], _ = processor(lambda: jobs.run(jobs.Job(scene)))
-    finally:
-        for step in before.values():
-            setattr(jobs, step.__name__, step)
-    return spent
+    with timed("renders", jobs.Render), timed("upscaling", upscaler.Upscaling):
+        seconds["all"], _ = processor(lambda: jobs.run(jobs.Job(scene)))
+    return seconds
 
 
 def plain(scene, samples, path):
@@ -92,8 +103,8 @@ def render(ask):
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.image_settings.color_depth = "32"
     xrds_render.register()
+    warm(scene, ask.out / "warm_")
     scene.xrds.samples, scene.xrds.guide_samples = SAMPLES, GUIDE_SAMPLES
-    warm(width, height)
     found = {guides: extended(scene, guides, ask.out / f"{ask.scene}_{guides.lower()}_") for guides in GUIDES}
     first = plain(scene, GUIDE_SAMPLES, ask.out / f"{ask.scene}_plain.exr")
     for guides in GUIDES:
@@ -103,15 +114,11 @@ def render(ask):
     (ask.out / f"{ask.scene}.json").write_text(json.dumps(found, indent=1))
 
 
-def warm(width, height):
-    """Compiles the kernels of both models, which a machine does once."""
-    import numpy
-    import xrds
-
-    colour = numpy.ones((height // SCALE, width // SCALE, 3), numpy.float32)
-    full = numpy.ones((height, width, 3), numpy.float32)
-    for more in ({"full_colour": full}, {}):
-        xrds.upscale(colour, albedo=full, normal=full, samples=(SAMPLES, GUIDE_SAMPLES), **more)
+def warm(scene, out):
+    """Compiles the kernels of both models, which a machine does once, and opens the device, which is kept from frame to frame."""
+    scene.xrds.samples, scene.xrds.guide_samples = 8, 1
+    for guides in GUIDES:
+        extended(scene, guides, out)
 
 
 def error(ask, path, scene):

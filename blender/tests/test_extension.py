@@ -5,11 +5,14 @@
 
 or by a Python that has the module bpy. Another folder than build/release/python may have the package xrds. Exits with 77 where it cannot be imported.
 """
+import contextlib
+import json
 import os
 import shutil
 import signal
 import sys
 import tempfile
+import time
 import unittest
 from unittest import mock
 
@@ -30,9 +33,17 @@ except ImportError as error:
 import scenes  # noqa: E402
 import xrds_render  # noqa: E402
 from properties import differences, snapshot  # noqa: E402
-from xrds_render import checks, exr, frame, jobs, layers, operators, passes, recorder, settings, temporal  # noqa: E402
+from xrds_render import checks, exr, jobs, layers, operators, passes, recorder, settings, temporal, upscaler, worker  # noqa: E402
 
 MODEL = "xrds-x4-nano"
+
+
+def before_upscaling(call):
+    """Within it, call(step) is called before each frame is given to the worker."""
+    def calling(step, start=upscaler.Upscaling.start):
+        call(step)
+        start(step)
+    return mock.patch.object(upscaler.Upscaling, "start", calling)
 
 
 class WithBlender(unittest.TestCase):
@@ -72,14 +83,13 @@ class WithBlender(unittest.TestCase):
         """An animation of "layers" that is cancelled in its second frame leaves the first one and the settings."""
         count = []
 
-        def stopping(*given, upscale=frame.upscale):
+        def stopping(_):
             count.append(1)
             if len(count) == 2:
-                raise xrds.Cancelled("enough")
-            upscale(*given)
+                operators.current.cancel()
 
         before = snapshot()
-        with mock.patch.object(frame, "upscale", stopping):
+        with before_upscaling(stopping):
             self.assertEqual(bpy.ops.xrds.render(animation=True), {"CANCELLED"})
         self.assertEqual(differences(before, snapshot()), [])
         self.assertEqual(self.exrs(), ["layers_0001_xrds.exr"])
@@ -102,10 +112,7 @@ class WithBlender(unittest.TestCase):
 
     def kept_guides(self):
         """Within it, the guides' file is copied to guides.exr before it goes."""
-        def keeping(low, full, *rest, upscale=frame.upscale):
-            shutil.copy(full, os.path.join(self.folder, "guides.exr"))
-            upscale(low, full, *rest)
-        return mock.patch.object(frame, "upscale", keeping)
+        return before_upscaling(lambda step: shutil.copy(step.order["full"], os.path.join(self.folder, "guides.exr")))
 
 
 class OneClick(WithBlender):
@@ -286,7 +293,7 @@ class Steady(WithBlender):
 
     def test_nothing_is_left_of_one_without_results(self):
         scene = self.open("layers")
-        with mock.patch.object(frame, "upscale", side_effect=xrds.Cancelled("enough")), mock.patch.object(jobs, "_saved", return_value=None):
+        with before_upscaling(lambda _: operators.current.cancel()), mock.patch.object(jobs, "_saved", return_value=None):
             self.assertEqual(bpy.ops.xrds.render(animation=True), {"CANCELLED"})
         self.assertFalse(os.path.exists(checks.renders_folder(scene)))
 
@@ -449,12 +456,26 @@ class Trouble(WithBlender):
         self.refused("not saved yet")
 
     def test_what_fails_underway_is_a_sentence_too(self):
-        for error, sentence in ((xrds.Error("The device went away."), "The device went away"), (MemoryError(), "too little memory"),
+        for error, sentence in ((xrds.Error("The device went away."), "The device went away"), (MemoryError(), "too little memory"), (ValueError(), "ValueError"),
+                                (ModuleNotFoundError("No module named 'numpy'"), "xrds cannot be loaded by .*: No module named 'numpy'"),
                                 (OSError(28, "No space left on device", "/there/frame.exr"), "frame.exr cannot be written or read: No space left"),
                                 (OSError(28, "No space left on device"), "A file cannot be written or read: No space left")):
+            def failing(step, error=error):
+                raise upscaler.raised(**json.loads(json.dumps(worker.plain(error))))
+
             self.open("layers")
-            with self.subTest(sentence), mock.patch.object(frame, "upscale", side_effect=error):
+            with self.subTest(sentence), mock.patch.multiple(upscaler.Upscaling, wait=lambda step: None, finish=failing):
                 self.refused(sentence)
+
+    def test_what_fails_in_the_worker_is_a_sentence_too(self):
+        for spoilt, sentence in (("low", "other_low.exr cannot be written or read: No such file"), ("result", r"other_result.exr.part cannot be written or read: No such file")):
+            self.open("layers")
+            with self.subTest(sentence), before_upscaling(lambda step: step.order.update({spoilt: f"/nowhere/other_{spoilt}.exr"})):
+                self.refused(sentence)
+        self.open("layers")
+        with before_upscaling(lambda step: step.order.update(wish=(*step.order["wish"][:3], "xrds-x4-none", *step.order["wish"][4:]))):
+            self.refused("There is no model.*xrds-x4-none")
+        self.render()
 
     def test_everything_is_as_before_wherever_it_ends(self):
         self.open("layers")
@@ -490,6 +511,139 @@ class Trouble(WithBlender):
         self.assertIn("Cancelled", operators.last)
         self.assertEqual(differences(before, snapshot()), [])
         self.assertEqual(self.exrs(), [])
+
+
+class Worker(WithBlender):
+    """The process that upscales."""
+
+    def large(self):
+        """A frame whose upscaling takes a while."""
+        scene = self.open("cryptomatte")
+        scene.render.resolution_x, scene.render.resolution_y, scene.xrds.samples = 1024, 768, 1
+        return scene
+
+    def when_heard(self, call):
+        """Within it, call(step) is called once the worker told how far a frame is."""
+        def hearing(step, hear=upscaler.Upscaling._hear):
+            hear(step)
+            if step._read and not called:
+                called.append(call(step))
+        called = []
+        return mock.patch.object(upscaler.Upscaling, "_hear", hearing)
+
+    def gone(self, pid):
+        """Whether a process ends within ten seconds."""
+        for _ in range(200):
+            try:
+                with open(f"/proc/{pid}/stat") as file:
+                    if file.read().rpartition(")")[2].split()[0] == "Z":
+                        return True
+            except FileNotFoundError:
+                return True
+            time.sleep(0.05)
+        return False
+
+    def test_it_is_kept_for_the_next_frame_and_goes_after_an_animation(self):
+        self.open("layers")
+        self.render()
+        pid = upscaler.current.pid
+        self.assertNotEqual(pid, os.getpid())
+        self.assertTrue(bpy.app.timers.is_registered(upscaler._drop), "and when nobody wants one more frame")
+        self.render()
+        self.assertEqual(upscaler.current.pid, pid)
+        self.render(animation=True)
+        self.assertIsNone(upscaler.current)
+        self.assertFalse(bpy.app.timers.is_registered(upscaler._drop))
+        self.assertTrue(self.gone(pid))
+
+    def test_it_has_the_package_of_blender_and_not_blender(self):
+        self.open("layers")
+        self.render()
+        with open(f"/proc/{upscaler.current.pid}/maps") as file:
+            mapped = {line.split()[-1] for line in file}
+        self.assertIn(os.path.realpath(xrds._native.__file__), mapped)
+        self.assertEqual([path for path in mapped if path == bpy.app.binary_path or "/bpy/" in path], [])
+
+    def test_killed_in_the_middle(self):
+        def kill(step):
+            os.kill(upscaler.current.pid, signal.SIGKILL)
+
+        for within in (before_upscaling(kill), self.when_heard(kill)):
+            self.large()
+            with within, self.assertRaisesRegex(RuntimeError, r"ended by itself \(signal 9, SIGKILL\).*Try again"):
+                bpy.ops.xrds.render()
+            self.assertEqual(self.exrs(), [])
+            self.render()
+            self.assertEqual(self.exrs(), ["cryptomatte_0001_xrds.exr"])
+            os.remove(os.path.join(self.folder, self.exrs()[0]))
+
+    def test_cancelled_in_the_middle(self):
+        self.large()
+        self.render()
+        os.remove(os.path.join(self.folder, self.exrs()[0]))
+        before, pid = snapshot(), upscaler.current.pid
+        with self.when_heard(lambda step: operators.current.cancel()):
+            self.assertEqual(bpy.ops.xrds.render(), {"CANCELLED"})
+        self.assertIn("Cancelled", operators.last)
+        self.assertEqual(differences(before, snapshot()), [])
+        self.assertEqual(self.exrs(), [])
+        self.render()
+        self.assertEqual(upscaler.current.pid, pid, "it hears")
+
+    def test_one_that_does_not_hear_is_ended_by_force(self):
+        def hang(step):
+            os.kill(upscaler.current.pid, signal.SIGSTOP)
+            operators.current.cancel()
+
+        self.large()
+        with mock.patch.object(upscaler, "GRACE", 0.2), self.when_heard(hang):
+            self.assertEqual(bpy.ops.xrds.render(), {"CANCELLED"})
+        self.assertIn("Cancelled", operators.last)
+        self.assertEqual(self.exrs(), [])
+        self.render()
+
+    def test_a_frame_that_nobody_waits_for(self):
+        """As after undo: the next one is not kept waiting."""
+        for hung in (False, True):
+            job = jobs.Job(self.large())
+            steps = job.steps()
+            for step in steps:
+                step.start() if isinstance(step, upscaler.Upscaling) else step.wait()
+                if isinstance(step, upscaler.Upscaling):
+                    break
+            pid = upscaler.current.pid
+            if hung:
+                os.kill(pid, signal.SIGSTOP)
+            steps.close()
+            self.assertEqual(self.exrs(), [])
+            self.render()
+            os.remove(os.path.join(self.folder, self.exrs()[0]))
+            self.assertTrue(upscaler.current.pid != pid or not hung)
+            if hung:
+                with contextlib.suppress(ProcessLookupError):  # ended by force already where the renders took long
+                    os.kill(pid, signal.SIGCONT)
+                self.assertTrue(self.gone(pid))
+
+    def test_it_says_a_lot_and_hears_the_environment(self):
+        upscaler.end()
+        self.open("layers")
+        with mock.patch.dict(os.environ, VK_LOADER_DEBUG="all"):
+            self.render()
+        with open(upscaler.current._log) as file:
+            self.assertGreater(len(file.read()), 1000)
+        upscaler.end()
+
+    def test_without_a_python(self):
+        for path, sentence in (("", "Python of this Blender.*is missing"), ("/nowhere/python3", "is missing: /nowhere/python3"),
+                               (os.path.join(self.folder, "python3"), "cannot be started by .*python3: Permission denied"), (shutil.which("false"), r"ended by itself \(code 1\)")):
+            upscaler.end()
+            self.open("cryptomatte")
+            open(os.path.join(self.folder, "python3"), "w").close()
+            with self.subTest(path), mock.patch.object(sys, "executable", path):
+                self.assertEqual(bool(checks.problem(bpy.context.scene)), "missing" in sentence)
+                with self.assertRaisesRegex(RuntimeError, sentence):
+                    bpy.ops.xrds.render()
+        self.render()
 
 
 class Recording(WithBlender):

@@ -4,13 +4,14 @@
     python3 blender/tests/window.py build/blender/xrds_render-0.1.0.zip [--pictures docs/images] [--blender blender]
 
 Installs the file for a new user, renders the scene that Blender starts with, cancels while it renders and while it upscales, takes a step
-back by undo and opens another file meanwhile, stops an animation and goes on with it, and compares every setting after each. Says what it saw, and ends
-with an error where something is not as it should be. --pictures: where the pictures of docs/blender.md are written to; they are of
-Blender 3.4. Needs xvfb and xdotool, and Blender before 5.0.
+back by undo and opens another file meanwhile, keeps steps of undo at any moment, stops an animation and goes on with it, kills the process that
+upscales, and compares every setting after each. Says what it saw, and ends with an error where something is not as it should be. --pictures: where
+the pictures of docs/blender.md are written to; they are of Blender 3.4. Needs xvfb and xdotool, and Blender before 5.0.
 """
 import argparse
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -197,29 +198,54 @@ def again():
     check(kinds[0] == kinds[2], "three clicks take no other editor")
 
 
-def upscales():
-    """The package has been heard of: its own code is at work, and Python is not. Blender's operators with another context, as below, take Python for
-    theirs while a thread runs it, and crash."""
-    return "Preparing" in job().text or job().share > 2 / 3
+def push(message):
+    """Keeps a step of undo in the context of the Properties; whether Blender did, which refuses while it takes itself to be drawing, as it may after a render."""
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area_of("PROPERTIES")):
+        try:
+            return bpy.ops.ed.undo_push(message=message) == {"FINISHED"}
+        except RuntimeError as error:
+            if "can't modify" not in str(error):
+                raise
+            return False
+
+
+def under_way(stage):
+    return stage in job().text or stage == "Upscaling" and "Preparing" in job().text
+
+
+def pushed():
+    """Steps of undo are kept in another context at every moment of an upscaling, which goes on: such an operator takes Python for its own if a
+    thread of Blender runs it meanwhile, and crashes."""
+    scene, count = bpy.context.scene, 0
+    scene.xrds.model, scene.xrds.samples = "xrds-x4-nano", 1
+    for _ in range(5):
+        invoke()
+        yield from until(lambda: job() is None or under_way("Upscaling"))
+        while job():
+            count += sum(push("under way") for _ in range(20))
+            yield 0.002
+    check(count > 200 and results() == ["shot_0001_xrds.exr"], f"{count} steps of undo were kept while it upscaled")
 
 
 def cancelled():
     """While it renders, and while it upscales."""
     bpy.context.scene.xrds.model = "xrds-x4-nano"
-    for way, stage in (("escape", "Colour"), ("escape", "Upscaling"), ("undo", "Colour"), ("undo", "Upscaling"), ("cancel", "Colour"), ("cancel", "Upscaling")):
+    for way, stage, delay in [(way, stage, delay) for way in ("escape", "undo", "cancel") for stage, delay in (("Colour", 0), ("Upscaling", 0), ("Upscaling", 0.1))]:
         for name in results():
             os.remove(os.path.join(HOME, name))
         scene = bpy.context.scene
         scene.xrds.samples = 2000 if stage == "Colour" else 1
+        scene.xrds.guide_samples = 1
+        scene.render.resolution_x, scene.render.resolution_y = (640, 480) if stage == "Colour" else (1920, 1440)  # so that it takes a while
         bpy.ops.ed.undo_push(message="before")
         bpy.ops.ed.undo_push(message="once more")
         before = snapshot()
         invoke()
-        yield from until(lambda: job() is None or (upscales() if stage == "Upscaling" else stage in job().text))
+        yield from until(lambda: job() is None or under_way(stage))
+        yield delay
+        yield from until(lambda: push("under way"))
         check(job() is not None, f"{stage} is under way")
-        window = bpy.context.window_manager.windows[0]
-        with bpy.context.temp_override(window=window, area=area_of("PROPERTIES")):
-            bpy.ops.ed.undo_push(message="under way")
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area_of("PROPERTIES")):
             if way == "undo":
                 bpy.ops.ed.undo()
             elif way == "cancel":
@@ -232,6 +258,7 @@ def cancelled():
         yield 0.3
         check(same(before), f"every setting is as before: {way} in {stage}")
         check(results() == [], "no file is left")
+    bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = 640, 480
 
 
 BLENDER_ITSELF = ("use_extra_user", "preview.icon_id", "particle_edit.object", "].enabled", "].is_unavailable", ".dimensions", "is_runtime_data")  # by undo and by drawing nodes
@@ -267,17 +294,36 @@ def animation():
     check(sorted(name for name in os.listdir(HOME) if name.startswith("shot_")) == results(), "nothing else is left beside the frames")
 
 
-def loaded():
-    bpy.context.scene.xrds.samples = 2000
+def killed():
+    """The process that upscales dies: Blender does not, and the next click starts another."""
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 1920, 1440
+    before = snapshot()
     invoke()
-    yield from until(lambda: job() and job().text.startswith("Colour"))
-    bpy.ops.wm.open_mainfile(filepath=os.path.join(HOME, "shot.blend"))
-    yield 0.5
-    check(job() is None and bpy.context.scene.render.resolution_x == 640, "another file was opened while it rendered")
+    yield from until(lambda: job() is None or under_way("Upscaling"))
+    os.kill(sys.modules[f"{MODULE}.upscaler"].current.pid, signal.SIGKILL)
+    yield from until(lambda: job() is None, 10)
+    said = sys.modules[f"{MODULE}.operators"].last
+    check("ended by itself (signal 9, SIGKILL)" in said and same(before), f"a worker was killed: {said}")
+    invoke()
+    yield from until(lambda: job() is None)
+    check("Saved" in sys.modules[f"{MODULE}.operators"].last, "the next click starts another")
+
+
+def loaded():
+    for stage, samples in (("Colour", 2000), ("Upscaling", 1)):
+        scene = bpy.context.scene
+        scene.render.resolution_x, scene.render.resolution_y = 1920, 1440
+        scene.xrds.model, scene.xrds.samples, scene.xrds.guide_samples = "xrds-x4-nano", samples, 1
+        invoke()
+        yield from until(lambda stage=stage: job() and under_way(stage))
+        bpy.ops.wm.open_mainfile(filepath=os.path.join(HOME, "shot.blend"))
+        yield 0.5
+        check(job() is None and bpy.context.scene.render.resolution_x == 640, f"another file was opened while it rendered: {stage}")
 
 
 def all_steps():
-    for part in (install, prepare, one_click, compositor, again, cancelled, animation, loaded):
+    for part in (install, prepare, one_click, compositor, again, pushed, cancelled, animation, killed, loaded):
         yield from part()
     os._exit(0)
 

@@ -49,10 +49,10 @@ def register():
 def unregister():
     import bpy
 
-    from . import jobs, operators, panel, settings
+    from . import operators, panel, settings, upscaler
 
     operators.unregister()
-    jobs.release()
+    upscaler.end()
     del bpy.types.Scene.xrds
     for made in (panel.XRDS_PT_panel, operators.XRDS_OT_cancel, operators.XRDS_OT_render, settings.XRDS_Settings):
         bpy.utils.unregister_class(made)

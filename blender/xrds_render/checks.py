@@ -6,7 +6,7 @@ import sys
 
 import bpy
 
-from . import passes, temporal
+from . import passes, temporal, upscaler
 from .settings import AUTO, device_problem, needs_light
 
 BYTES_PER_PIXEL = 4 * 40  # ten passes of four floats, at full resolution
@@ -126,7 +126,7 @@ def steady(scene):
 def problem(scene):
     """The first thing that stands in the way, or None."""
     settings = scene.xrds
-    return package_problem() or device_problem() or _scene_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
+    return package_problem() or upscaler.problem() or device_problem() or _scene_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
 
 
 def _animated(scene):

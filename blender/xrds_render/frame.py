@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the files of the two renders to that of the result. Nothing here touches the scene: it runs beside the interface."""
+"""From the files of the two renders to that of the result. Runs in the process of worker.py, without Blender."""
 from typing import NamedTuple, Optional
 
 import numpy as np

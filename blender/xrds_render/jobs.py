@@ -2,20 +2,15 @@
 """A render of one or more frames, as a row of steps: the interface runs between them, or waits for each where there is none."""
 import functools
 import os
-import sys
 import tempfile
-import threading
 import time
 
 import bpy
 
-from . import checks, frame, passes, temporal
+from . import checks, frame, passes, temporal, upscaler
 from .recorder import Recorder
 from .settings import AUTO
-
-
-class Stopped(Exception):
-    """Cancelled by the artist, or by Blender."""
+from .upscaler import Stopped
 
 
 def render_result():
@@ -63,35 +58,6 @@ class Render:
         return render_result().render_slots
 
 
-class Work:
-    """A step: a function of plain values in a thread beside the interface."""
-
-    def __init__(self, function):
-        self._function, self._error = function, None
-        self._thread = threading.Thread(target=self._run)
-
-    def start(self):
-        self._thread.start()
-
-    def done(self):
-        return not self._thread.is_alive()
-
-    def wait(self):
-        self._run()
-
-    def finish(self):
-        if self._thread.ident:
-            self._thread.join()
-        if self._error:
-            raise self._error
-
-    def _run(self):
-        try:
-            self._function()
-        except BaseException as error:  # raised again in the thread of the interface
-            self._error = error
-
-
 class Job:
     """Renders and upscales frames of a scene. steps() changes the scene only while a render runs.
 
@@ -118,8 +84,7 @@ class Job:
         finally:
             if (scene.frame_current, scene.frame_subframe) != before:
                 scene.frame_set(before[0], subframe=before[1])
-            if self.frames:
-                release()
+            (upscaler.end if self.frames else upscaler.keep)()
             self.seconds["all"] = time.monotonic() - begin
 
     def _each(self):
@@ -147,7 +112,6 @@ class Job:
                 renders.forget(None)
 
     def _row(self, renders, wish, missing, needed):
-        around = temporal.Surroundings(renders, self.frames, wish)
         steps, step = 2 * len(needed) + len(missing), 0
         for number in needed:
             for kind, configure, text in (("low", passes.configure_low, "Colour"), ("full", passes.configure_full, "Guides")):
@@ -156,7 +120,7 @@ class Job:
                     yield from self._kept(functools.partial(configure, merges=True), renders.file(number, kind), f"{text} of frame {number}", step / steps)
                 step += 1
             while missing and number >= min(missing[0] + temporal.RADIUS, needed[-1]):
-                yield from self._upscale(renders, missing[0], around, wish, step, steps)
+                yield from self._merged(renders, missing[0], wish, step, steps)
                 del missing[0]
                 step += 1
                 renders.forget(missing[0] - temporal.RADIUS if missing else None)
@@ -167,13 +131,10 @@ class Job:
         yield from self._render(configure, part, text, share)
         os.replace(part, path)
 
-    def _upscale(self, renders, number, around, wish, step, steps):
-        result = checks.output_file(self.scene, number)
+    def _merged(self, renders, number, wish, step, steps):
         low, full = (renders.file(number, kind) for kind in ("low", "full"))
-        text = f"Upscaling of frame {number}"
-        work = Work(lambda: frame.upscale(low, full, result, wish, lambda stage, share: self._heard(stage, text, (step + share) / steps), (number, around)))
-        yield from self._timed("upscaling", work, text, step / steps)
-        self.written.append(result)
+        around = number, renders.folder, tuple(self.frames)
+        yield from self._upscale(low, full, checks.output_file(self.scene, number), wish, f"Upscaling of frame {number}", (step / steps, (step + 1) / steps), around)
 
     def _said(self, wish):
         """What renders depend on, of what is chosen here: those of other choices are of no use."""
@@ -201,10 +162,7 @@ class Job:
             low, full = (os.path.join(folder, f"{name}.exr") for name in ("low", "full"))
             yield from self._render(passes.configure_low, low, f"Colour{of}", place / count)
             yield from self._render(passes.configure_full, full, f"Guides{of}", (place + 1 / 3) / count)
-            text, begin = f"Upscaling{of}", (place + 2 / 3) / count
-            work = Work(lambda: frame.upscale(low, full, result, wish, lambda stage, share: self._heard(stage, text, begin + share / 3 / count)))
-            yield from self._timed("upscaling", work, text, begin)
-        self.written.append(result)
+            yield from self._upscale(low, full, result, wish, f"Upscaling{of}", ((place + 2 / 3) / count, (place + 1) / count))
 
     def _wish(self, steady=False):
         settings, layers = self.settings, self.scene.view_layers
@@ -216,7 +174,21 @@ class Job:
             device=None if settings.device == AUTO else settings.device, has_light=settings.guides != "CHEAP",
             half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops))
 
+    def _upscale(self, low, full, result, wish, text, shares, around=None):
+        """shares: of the whole job, at the begin and at the end. around: (number, folder of renders, frames) where it is merged with those around it."""
+        def heard(stage, share):
+            self.text, self.share = text if stage == "upscaling" else "Preparing the device", shares[0] + share * (shares[1] - shares[0])
+
+        order = {"low": low, "full": full, "result": result, "wish": tuple(wish), "around": around}
+        step = upscaler.Upscaling(order, heard, lambda: self.cancelled)
+        try:
+            yield from self._timed("upscaling", step, text, shares[0])
+        finally:
+            step.close()
+        self.written.append(result)
+
     def _render(self, configure, path, text, share):
+        upscaler.ready()  # it starts while Blender renders
         with Recorder(self.scene) as recorder:
             configure(self.scene, self.settings, path, recorder)
             recorder.mark()
@@ -230,17 +202,6 @@ class Job:
         yield step
         step.finish()
         self.seconds[kind] += time.monotonic() - begin
-
-    def _heard(self, stage, text, share):
-        self.text = text if stage == "upscaling" else "Preparing the device"
-        self.share = share
-        return not self.cancelled
-
-
-def release():
-    """Gives back the memory that the package keeps for the next frame."""
-    if "xrds" in sys.modules:
-        sys.modules["xrds"].release()
 
 
 def _saved():

@@ -146,7 +146,7 @@ def _outcome(job, error):
     if error is None:
         return job.summary(), "INFO"
     kept = f" {len(job.written)} frames are saved." if job.written else ""
-    if isinstance(error, jobs.Stopped) or type(error).__name__ == "Cancelled":
+    if isinstance(error, jobs.Stopped):
         return f"Cancelled; the settings are as before.{kept}", "WARNING"
     if isinstance(error, OSError) and error.strerror:
         return f"{os.path.basename(error.filename or 'A file')} cannot be written or read: {error.strerror}.{kept}", "ERROR"

@@ -18,6 +18,11 @@ def needed(frames, missing):
     return [number for number in frames if number in around]
 
 
+def file_of(folder, number, kind):
+    """Where a render is kept: the "low" or the "full" one of a frame."""
+    return os.path.join(folder, f"{number}_{kind}.exr")
+
+
 class Renders:
     """The files of renders, in a folder beside the results until nothing needs them: a stopped animation goes on with them.
 
@@ -36,7 +41,7 @@ class Renders:
             json.dump({"settings": settings, "state": state}, file)
 
     def file(self, number, kind):
-        return os.path.join(self.folder, f"{number}_{kind}.exr")
+        return file_of(self.folder, number, kind)
 
     def has(self, number, kind):
         return os.path.exists(self.file(number, kind))
@@ -62,10 +67,10 @@ def _read(path):
 
 
 class Surroundings:
-    """The images of frames, read once each, and the filter that merges them. Used by one thread at a time."""
+    """The images of frames, read once each, and the filter that merges them. It stays in worker.py's process."""
 
-    def __init__(self, renders, frames, wish):
-        self._renders, self._frames, self._wish = renders, frozenset(frames), wish
+    def __init__(self, folder, frames, wish):
+        self._folder, self._frames, self._wish = folder, frozenset(frames), wish
         self._read, self._filters, self._device = {}, {}, None
 
     @property
@@ -99,7 +104,7 @@ class Surroundings:
 
     def _of(self, number):
         if number not in self._read:
-            low, full = (load(self._renders.file(number, kind)) for kind in ("low", "full"))
+            low, full = (load(file_of(self._folder, number, kind)) for kind in ("low", "full"))
             whole = {layer.name: layer for layer in layers_of(full, self._wish.layers)}
             self._read[number] = {layer.name: self._images(low, layer, full, whole[layer.name]) for layer in layers_of(low, self._wish.layers)}
         return self._read[number]
