@@ -1,12 +1,12 @@
 """Measures `xrds upscale --temporal` on the sequences of bench/temporal_scenes.py, beside its rivals.
 
-    python3 bench/temporal.py FOLDER OUT [--xrds build/release/cli/xrds] [--strips bench/images] [--rdg COPY_OF_ITS_REPOSITORY] [--only still light]
+    python3 bench/temporal.py FOLDER OUT [--xrds build/release/cli/xrds] [--strips bench/images] [--rdg COPY_OF_ITS_REPOSITORY] [--only still light] [--ways temporal]
     python3 bench/tables.py write
 
 Upscales every sequence with and without --temporal, denoises the full-resolution render of as many samples with Open Image Denoise, and
 takes the median of three frames of xrds alone, brought together by the Vector pass; writes bench/results/temporal.json, of which bench/tables.py makes
-the table of bench/temporal.md. Needs bench/oidn-requirements.txt; `pip install cvvdp` adds ColorVideoVDP, --rdg another rival (bench/rdg.py); --only measures some sequences
-anew and keeps the others' figures.
+the table of bench/temporal.md. Needs bench/oidn-requirements.txt; `pip install cvvdp` adds ColorVideoVDP, --rdg another rival (bench/rdg.py); --only and --ways measure some
+sequences and ways anew and keep the figures of the others.
 """
 import argparse
 import json
@@ -197,27 +197,33 @@ def strip(sequence, results, first, count):
     return np.concatenate([np.concatenate([srgb(image) for image in row], 1) for row in rows], 0)
 
 
+def results_of(options, sequence):
+    """{way: its frames} of the ways that are asked for; xrds alone always, which the others are compared with."""
+    alone = upscaled(options.xrds, sequence, options.out)
+    others = {"temporal": lambda: upscaled(options.xrds, sequence, options.out, "--temporal"), "median": lambda: median(sequence, alone),
+              "oidn": lambda: denoised(sequence), "rdg": lambda: by_rdg(sequence, options.rdg)}
+    return {"xrds": alone, **{way: make() for way, make in others.items() if way in options.ways and (way != "rdg" or options.rdg)}}
+
+
 def measure(options):
     names = [path.name for path in sorted(options.folder.iterdir()) if path.is_dir()]
-    rows = json.loads((tables.RESULTS / "temporal.json").read_text())["sequences"] if options.only else {}
+    whole = not options.only and set(options.ways) == set(WAYS)
+    rows = {} if whole else json.loads((tables.RESULTS / "temporal.json").read_text())["sequences"]
     for name in options.only or names + ["cut"] * ({"orbit", "pan"} <= set(names)):
         sequence = Sequence(options.folder, name)
         if sequence.length < 3:
             print(f"{name}: {sequence.length} frames, left out", flush=True)
             continue
         sequence.read()
-        results = {"xrds": upscaled(options.xrds, sequence, options.out), "temporal": upscaled(options.xrds, sequence, options.out, "--temporal")}
-        results["median"], results["oidn"] = median(sequence, results["xrds"]), denoised(sequence)
-        if options.rdg:
-            results["rdg"] = by_rdg(sequence, options.rdg)
-        rows[name] = {"frames": sequence.length, "ways": {}}
-        for way in filter(results.__contains__, WAYS):
+        results = results_of(options, sequence)
+        row = rows.setdefault(name, {"frames": sequence.length, "ways": {}})
+        for way in [way for way in WAYS if way in results and way in options.ways]:
             pairs = list(zip(results[way], sequence.references))
             found = {"psnr": [float(psnr(*pair)) for pair in pairs], "relmse": float(np.mean([relmse(*pair) for pair in pairs])),
                      "flicker": sequence.flicker(results[way]), "video": video_score(results[way], sequence.references)}
             if name == "still":
                 found["deviation"] = sequence.deviation(results[way])
-            rows[name]["ways"][way] = found
+            row["ways"][way] = found
             print(name, way, {key: np.round(value, 4) for key, value in found.items() if value is not None}, flush=True)
         if options.strips and name in ("cut", "moving", "orbit"):
             save_png(options.strips / f"temporal_{name}.png", strip(sequence, results, CUT - 2 if name == "cut" else 0, 4 if name == "cut" else 3))
@@ -231,6 +237,7 @@ def main():
     parser.add_argument("--xrds", default=tables.ROOT / "build" / "release" / "cli" / "xrds")
     parser.add_argument("--strips", type=pathlib.Path, help="folder for pictures of some frames")
     parser.add_argument("--only", nargs="+", metavar="SEQUENCE")
+    parser.add_argument("--ways", nargs="+", choices=WAYS, default=WAYS)
     parser.add_argument("--rdg", type=pathlib.Path, help="a copy of RDG's repository")
     measure(parser.parse_args())
 

@@ -15,7 +15,8 @@ const float kHistoryNormal = 0.35f;
 const float kHistoryNearness = 0.1f;  // relative
 const float kHistoryBias = 6.0f;      // by which the bias of a pixel exceeds that of the mean around, at worst
 const float kHistoryNoise = 1e-6f;    // variance that is taken to be there always
-const float kHistoryCubic = -0.5f;    // of the kernel that guides are read by: Catmull and Rom's
+const float kHistoryLuck = 4.0f;      // most variances of a mean that its square may be by chance
+const float kHistoryCubic = -0.5f;    // of the kernel that frames are read by: Catmull and Rom's
 const float kHistoryLeast = 1e-9f;    // what sums of weights are at least
 XRDS_SHARED_END
 #endif

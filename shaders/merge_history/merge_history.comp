@@ -1,7 +1,8 @@
 // out(p) = sums(p) + (w x, w), (g a, g z), (g normal, g): g = n exp(-|mean a'|^2 / 0.2^2 - |mean normal'|^2 / 0.35^2 -
 // (mean z')^2 / 0.1^2) over 3 x 3 pixels, w = g / (1 + r + r^2), r = 6 n b / v, v = n k / (n + k) sum_c var(t_c), k the count
-// of the present pixel, b = sum_c max(0, mean(t_c)^2 - var(t_c) / N) over N = (2 kRadius + 1)^2. warped: [H, W, 16], (x, n),
-// (t, z'), (a', 0), (normal', 0), primes for differences from the present frame; present, sums, out: [H, W, 12]. fp32.
+// of the present pixel, b = sum_c max(0, mean(t_c)^2 - l var(t_c) / N) over N = (2 kRadius + 1)^2, l = n / k in [1, 4].
+// warped: [H, W, 16], (x, n), (t, z'), (a', 0), (normal', 0), primes for differences from the present frame; present,
+// sums, out: [H, W, 12]. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -52,7 +53,8 @@ void main() {
   const vec4 colour = texelFetch(present, frame), surface = texelFetch(present, frame + 1);
   const float both = max(light.a + colour.a, kHistoryLeast);
   const float noise = dot(variance, vec3(1)) * light.a * colour.a / both + kHistoryNoise;
-  const float bias = dot(max(mean * mean - variance / count, 0.0), vec3(1));
+  const float luck = clamp(light.a / max(colour.a, kHistoryLeast), 1.0, kHistoryLuck);
+  const float bias = dot(max(mean * mean - luck * variance / count, 0.0), vec3(1));
   const float ratio = kHistoryBias * light.a * bias / noise;
   const float weight = guideWeight / (1.0 + ratio + ratio * ratio);
 

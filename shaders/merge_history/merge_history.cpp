@@ -37,11 +37,13 @@ void referencePixel(const MergeHistory& op, HostMemory& memory, uint32_t y, uint
   const auto present = [&](uint32_t c) { return memory.at(op.present, y, x, c); };
   const Around wide(op.warped, memory, y, x, op.radius), close(op.warped, memory, y, x, 1);
   const double samples = square(2.0 * op.radius + 1), count = warped(3);
+  const double luck =
+      std::clamp(count / std::max(present(3), double{shader::kHistoryLeast}), 1.0, double{shader::kHistoryLuck});
   double part = square(close.mean[7] / shader::kHistoryNearness), noise = 0, bias = 0;
   for (uint32_t c = 0; c < 3; ++c) {
     part += square(close.mean[8 + c] / shader::kHistoryAlbedo) + square(close.mean[12 + c] / shader::kHistoryNormal);
     noise += wide.variance(4 + c);
-    bias += std::max(square(wide.mean[4 + c]) - wide.variance(4 + c) / samples, 0.0);
+    bias += std::max(square(wide.mean[4 + c]) - luck * wide.variance(4 + c) / samples, 0.0);
   }
   const double both = std::max(count + present(3), double{shader::kHistoryLeast});
   noise = noise * count * present(3) / both + shader::kHistoryNoise;

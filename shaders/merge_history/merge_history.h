@@ -18,8 +18,9 @@ namespace xrds {
 /// count. That of its light is g / (1 + r + r^2), r = 6 n b / v; g / (1 + n b / v) would make the mean's expected error
 /// least if the light were even around. Where it is not, a pixel's bias is larger. v is the variance of one frame's
 /// pixel, from that of the difference t over the (2 r + 1)^2 pixels around, var(t) n k / (n + k) summed over the
-/// channels with the present pixel's count k, and b the squared bias, the sum of max(0, mean(t)^2 - var(t) / (2 r +
-/// 1)^2), 0 where the means differ as noise does. The sums are (sum w x, sum w), (sum g a, sum g z) and (sum g normal,
+/// channels with the present pixel's count k, and b the squared bias, the sum of max(0, mean(t)^2 - l var(t) / (2
+/// r + 1)^2), 0 where the means differ as noise does; l = n / k, at least 1 and at most 4: the longer a history, the
+/// surer must be what refuses it. The sums are (sum w x, sum w), (sum g a, sum g z) and (sum g normal,
 /// sum g).
 struct MergeHistory {
   TensorView warped;    // [H, W, 16] of WarpHistory

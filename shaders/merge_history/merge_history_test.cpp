@@ -124,12 +124,13 @@ TEST(MergeHistory, KnowsOfHowManySamplesAPixelIs) {
     });
   };
   // 12 of 25 differences are 0.4, 13 are 0: their variance, and the squared bias of their mean.
-  const double variance = 0.16 * 12 * 13 / 625, bias = 0.16 * 12 * 12 / 625 - variance / 25;
+  const double variance = 0.16 * 12 * 13 / 625;
   const auto expected = [&](double own, double other) {
+    const double luck = std::clamp(other / own, 1.0, 4.0), bias = 0.16 * 12 * 12 / 625 - luck * variance / 25;
     const double ratio = shader::kHistoryBias * other * bias / variance * (own + other) / (own * other);
     return own + other / (1 + ratio + ratio * ratio);
   };
-  for (const auto& [own, other] : {std::pair{4.0, 4.0}, {2.0, 8.0}, {16.0, 1.0}})
+  for (const auto& [own, other] : {std::pair{4.0, 4.0}, {2.0, 5.0}, {2.0, 20.0}, {16.0, 1.0}})
     EXPECT_NEAR(noisy(own, other).weight, expected(own, other), 1e-3) << own << " " << other;
   EXPECT_EQ(noisy(0, 0).weight, 0);
 }

@@ -1,5 +1,5 @@
 // out(p) = (x_h, n_h inside), (t(x_h) - t(x_p), (z_h - z_p) / max(z_h, z_p)), (a_h - a_p, 0), (normal_h - normal_p, 0):
-// h at (positions(p) + 1/2) / kScale - 1/2: x = c / (a + 0.02) and n bilinear, guides cubic and within the four nearest;
+// h at (positions(p) + 1/2) / kScale - 1/2, cubic and within the four nearest pixels: x = c / (a + 0.02), n and guides;
 // t(x) = e x / (1 + e x).
 // positions: [H, W, 4]; history, present: [H, W, 12], (c, n), (a, z), (normal, 0); out: [H, W, 16]. fp32.
 #version 450
@@ -30,30 +30,26 @@ void main() {
   const ivec2 corner = ivec2(floor(q));
   const vec2 part = q - vec2(corner);
 
-  vec4 light = vec4(0), lowest[2], highest[2];
-  [[unroll]] for (int i = 0; i < 4; i++) {
-    const ivec2 step = ivec2(i % 2, i / 2);
-    const vec2 share = mix(1.0 - part, part, vec2(step));
-    const int from = texelAt(p.history, replicated(corner + step, size));
-    const vec4 colour = texelFetch(history, from);
-    const vec4 guides[2] = {texelFetch(history, from + 1), texelFetch(history, from + 2)};
-    light += share.x * share.y * vec4(colour.rgb / (max(guides[0].rgb, 0.0) + kAlbedoEpsilon), colour.a);
-    [[unroll]] for (int g = 0; g < 2; g++) {
-      lowest[g] = i == 0 ? guides[g] : min(lowest[g], guides[g]);
-      highest[g] = i == 0 ? guides[g] : max(highest[g], guides[g]);
-    }
-  }
   const vec4 across = cubicWeights(part.x, kHistoryCubic), down = cubicWeights(part.y, kHistoryCubic);
-  vec4 surface = vec4(0), normal = vec4(0);
+  vec4 sums[3], lowest[3], highest[3];
   [[unroll]] for (int i = 0; i < 16; i++) {
     const ivec2 step = ivec2(i % 4, i / 4);
     const int from = texelAt(p.history, replicated(corner + step - 1, size));
-    const float weight = across[step.x] * down[step.y];
-    surface += weight * texelFetch(history, from + 1);
-    normal += weight * texelFetch(history, from + 2);
+    const vec4 colour = texelFetch(history, from), surface = texelFetch(history, from + 1);
+    const vec4 values[3] = {vec4(colour.rgb / (max(surface.rgb, 0.0) + kAlbedoEpsilon), colour.a), surface,
+                            texelFetch(history, from + 2)};
+    const bool isNear = step.x % 3 > 0 && step.y % 3 > 0, isFirst = i == 5;  // of the four nearest
+    [[unroll]] for (int quad = 0; quad < 3; quad++) {
+      const vec4 weighted = across[step.x] * down[step.y] * values[quad];
+      sums[quad] = i == 0 ? weighted : sums[quad] + weighted;
+      if (isNear) {
+        lowest[quad] = isFirst ? values[quad] : min(lowest[quad], values[quad]);
+        highest[quad] = isFirst ? values[quad] : max(highest[quad], values[quad]);
+      }
+    }
   }
-  surface = clamp(surface, lowest[0], highest[0]);
-  normal = clamp(normal, lowest[1], highest[1]);
+  const vec4 light = clamp(sums[0], lowest[0], highest[0]), surface = clamp(sums[1], lowest[1], highest[1]);
+  const vec4 normal = clamp(sums[2], lowest[2], highest[2]);
 
   const int here = texelAt(p.present, at);
   const vec3 colour = texelFetch(present, here).rgb;

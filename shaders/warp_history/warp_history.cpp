@@ -31,7 +31,7 @@ Sample pixelOf(const HostMemory& memory, const TensorView& frame, double x, doub
   return sample;
 }
 
-// Light bilinear, guides cubic and within the four nearest.
+// Cubic, and within the four nearest.
 Sample interpolated(const HostMemory& memory, const TensorView& frame, double x, double y) {
   x = std::clamp(x, 0.0, frame.width - 1.0);
   y = std::clamp(y, 0.0, frame.height - 1.0);
@@ -43,9 +43,7 @@ Sample interpolated(const HostMemory& memory, const TensorView& frame, double x,
       const double column = std::floor(x) + dx, row = std::floor(y) + dy;
       const double far = std::abs(x - column), down = std::abs(y - row);
       const Sample pixel = pixelOf(memory, frame, column, row);
-      for (uint32_t c = 0; c < kLight; ++c)
-        sum.channels[c] += std::max(1 - far, 0.0) * std::max(1 - down, 0.0) * pixel.channels[c];
-      for (uint32_t c = kLight; c < shader::kHistoryFrame; ++c) {
+      for (uint32_t c = 0; c < shader::kHistoryFrame; ++c) {
         sum.channels[c] +=
             cubicWeight(far, shader::kHistoryCubic) * cubicWeight(down, shader::kHistoryCubic) * pixel.channels[c];
         if (std::min(dx, dy) < 0 || std::max(dx, dy) > 1) continue;
@@ -53,7 +51,7 @@ Sample interpolated(const HostMemory& memory, const TensorView& frame, double x,
         highest.channels[c] = std::max(highest.channels[c], pixel.channels[c]);
       }
     }
-  for (uint32_t c = kLight; c < shader::kHistoryFrame; ++c)
+  for (uint32_t c = 0; c < shader::kHistoryFrame; ++c)
     sum.channels[c] = std::clamp(sum.channels[c], lowest.channels[c], highest.channels[c]);
   return sum;
 }

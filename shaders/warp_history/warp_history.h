@@ -15,8 +15,8 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// Another frame h of a sequence brought to where the present one p shows the same, and how it differs. With the light
-/// x = c / (a + 0.02) of radiance c and albedo a >= 0, at the position q of the pixel, x and n interpolated bilinearly,
-/// the guides by Catmull and Rom's cubic convolution and clamped to the four nearest pixels, which keeps their edges:
+/// x = c / (a + 0.02) of radiance c and albedo a >= 0, at the position q of the pixel, all interpolated by
+/// Catmull and Rom's cubic convolution and clamped to the four nearest pixels, which keeps edges:
 /// (x_h, n_h inside), (t(x_h) - t(x_p), (z_h - z_p) / max(z_h, z_p)), (a_h - a_p, 0), (normal_h - normal_p, 0) with the
 /// count n, the nearness z and t(x) = e x / (1 + e x).
 struct WarpHistory {
