@@ -6,7 +6,8 @@
 Installs the file for a new user, renders the scene that Blender starts with, cancels while it renders and while it upscales, takes a step
 back by undo and opens another file meanwhile, keeps steps of undo at any moment, stops an animation and goes on with it, kills the process that
 upscales, and compares every setting after each. Says what it saw, and ends with an error where something is not as it should be. --pictures: where
-the pictures of docs/blender.md are written to; they are of Blender 3.4. Needs xvfb and xdotool, and Blender before 5.0.
+the pictures of docs/blender.md are written to; they are of Blender 3.4. Needs xvfb and xdotool, and Blender before 5.0. On a busy machine Blender 3.4 may refuse all operators of a script's
+timer after a render ("can't modify blend data in this state"), 3 of 17 runs: run it again.
 """
 import argparse
 import os
