@@ -634,16 +634,22 @@ class Worker(WithBlender):
         upscaler.end()
 
     def test_without_a_python(self):
-        for path, sentence in (("", "Python of this Blender.*is missing"), ("/nowhere/python3", "is missing: /nowhere/python3"),
+        for path, sentence in (("", "Python of this Blender.*is missing"), ("/nowhere/python3", "is missing in .*Install Blender again"),
                                (os.path.join(self.folder, "python3"), "cannot be started by .*python3: Permission denied"), (shutil.which("false"), r"ended by itself \(code 1\)")):
             upscaler.end()
             self.open("cryptomatte")
             open(os.path.join(self.folder, "python3"), "w").close()
-            with self.subTest(path), mock.patch.object(sys, "executable", path):
+            with self.subTest(path), mock.patch.object(sys, "executable", path), mock.patch.object(sys, "prefix", self.folder):
                 self.assertEqual(bool(checks.problem(bpy.context.scene)), "missing" in sentence)
                 with self.assertRaisesRegex(RuntimeError, sentence):
                     bpy.ops.xrds.render()
         self.render()
+
+    def test_another_python_that_comes_first_is_not_taken(self):
+        upscaler.end()
+        self.open("cryptomatte")
+        with mock.patch.object(sys, "executable", shutil.which("false")):
+            self.render()
 
 
 class Recording(WithBlender):

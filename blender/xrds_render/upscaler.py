@@ -24,11 +24,16 @@ class Stopped(Exception):
     """Cancelled by the artist, or by Blender."""
 
 
+def interpreter():
+    """The program of Blender's own Python, or None. sys.executable is another one's where that comes first in PATH."""
+    name = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    own = [os.path.join(sys.prefix, *place) for place in (("bin", name), ("bin", "python.exe"), ("Scripts", "python.exe"), ("python.exe",))]
+    return next((path for path in (*own, sys.executable) if path and os.path.isfile(path)), None)
+
+
 def problem():
     """Why no process can be started, as a sentence, or None."""
-    if sys.executable and os.path.isfile(sys.executable):
-        return None
-    return f"The Python of this Blender, by which frames are upscaled, is missing{f': {sys.executable}' if sys.executable else ''}. Install Blender again."
+    return None if interpreter() else f"The Python of this Blender, by which frames are upscaled, is missing in {sys.prefix}. Install Blender again."
 
 
 class Worker:
@@ -39,14 +44,14 @@ class Worker:
             raise RuntimeError(problem())
         self._folder, self._asked, self.step = tempfile.mkdtemp(prefix="xrds_worker_"), 0, None  # not in Blender's, which goes with new preferences
         self._log = os.path.join(self._folder, "log.txt")
-        command = [sys.executable, "-I", "-B", "-X", "utf8", os.path.join(os.path.dirname(os.path.abspath(__file__)), "worker.py"), self._folder]
+        command = [interpreter(), "-I", "-B", "-X", "utf8", os.path.join(os.path.dirname(os.path.abspath(__file__)), "worker.py"), self._folder]
         try:
             with open(self._log, "wb") as log:
                 self._process = subprocess.Popen(
                     command, bufsize=0, stdin=subprocess.PIPE, stdout=log, stderr=log, creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0))
         except OSError as error:
             self._remove()
-            raise RuntimeError(f"The process that upscales cannot be started by {sys.executable}: {error.strerror}.") from error
+            raise RuntimeError(f"The process that upscales cannot be started by {command[0]}: {error.strerror}.") from error
         self.pid = self._process.pid
         self._tell([os.path.abspath(path) for path in sys.path if isinstance(path, str)])
 
