@@ -565,17 +565,27 @@ class Worker(WithBlender):
         self.assertEqual([path for path in mapped if path == bpy.app.binary_path or "/bpy/" in path], [])
 
     def test_killed_in_the_middle(self):
-        def kill(step):
-            os.kill(upscaler.current.pid, signal.SIGKILL)
+        self.large()
+        with self.when_heard(lambda step: os.kill(upscaler.current.pid, signal.SIGKILL)), \
+                self.assertRaisesRegex(RuntimeError, r"ended by itself \(signal 9, SIGKILL\).*Try again"):
+            bpy.ops.xrds.render()
+        self.assertEqual(self.exrs(), [])
+        self.render()
+        self.assertEqual(self.exrs(), ["cryptomatte_0001_xrds.exr"])
 
-        for within in (before_upscaling(kill), self.when_heard(kill)):
-            self.large()
-            with within, self.assertRaisesRegex(RuntimeError, r"ended by itself \(signal 9, SIGKILL\).*Try again"):
-                bpy.ops.xrds.render()
-            self.assertEqual(self.exrs(), [])
+    def test_killed_before_a_frame(self):
+        killed = []
+
+        def kill(step):
+            killed.append(upscaler.current.pid)
+            os.kill(upscaler.current.pid, signal.SIGKILL)
+            upscaler.current._process.wait()
+
+        self.open("cryptomatte")
+        with before_upscaling(kill):
             self.render()
-            self.assertEqual(self.exrs(), ["cryptomatte_0001_xrds.exr"])
-            os.remove(os.path.join(self.folder, self.exrs()[0]))
+        self.assertEqual(self.exrs(), ["cryptomatte_0001_xrds.exr"])
+        self.assertNotEqual(upscaler.current.pid, killed[0])
 
     def test_cancelled_in_the_middle(self):
         self.large()
