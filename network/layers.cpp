@@ -99,12 +99,16 @@ TensorView Layers::conv1x1Rows(const std::string& name, TensorView x, TensorView
                     .rows = rows});
 }
 
-TensorView Layers::denseConvolutions(const std::string& name, TensorView dense, TensorView into) {
-  const uint32_t c = dense.channels / 4;
-  for (uint32_t k = 0; k < 3; ++k)
-    conv(name + "grow." + std::to_string(k), slice(dense, 0, (k + 1) * c), (k + 1) * c, c,
-         {.into = slice(dense, (k + 1) * c, c), .activation = Activation::relu});
-  return conv1x1(name + "fuse", dense, c, into, slice(dense, 0, c));
+TensorView Layers::denseConvolutions(const std::string& name, TensorView dense, TensorView into,
+                                     const DenseOptions& options) {
+  const uint32_t growth = options.growth ? options.growth : dense.channels / (options.count + 1);
+  const uint32_t c = dense.channels - options.count * growth;
+  for (uint32_t k = 0; k < options.count; ++k) {
+    const uint32_t inputs = c + k * growth;
+    conv(name + options.grow + std::to_string(k) + options.grown, slice(dense, 0, inputs), inputs, growth,
+         {.into = slice(dense, inputs, growth), .activation = Activation::relu, .inFours = options.inFours});
+  }
+  return conv1x1(name + options.fuse, dense, c, into, slice(dense, 0, c));
 }
 
 ConvWeights Layers::madeOnce(const std::string& name, const std::function<JoinedWeights()>& make) {

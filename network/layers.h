@@ -10,6 +10,13 @@
 
 namespace xrds {
 
+/// Of Layers::denseConvolutions(). The layers of a block `name` are name + grow + "0" + grown, ... and name + fuse.
+struct DenseOptions {
+  std::string grow = "grow.", grown, fuse = "fuse";
+  uint32_t count = 3, growth = 0;  // of the y, and the channels of each; 0: those of x
+  bool inFours = false;            // as in ConvOptions, of the growing convolutions
+};
+
 /// Writes the layers of a network into a graph: each function adds a node and returns the view that it writes.
 /// `into` names the rows and channels to write, so that a concatenation is never copied; else a value is added.
 class Layers {
@@ -48,9 +55,10 @@ class Layers {
   /// of x.
   void patchesOfDoubling(const std::string& doubling, const std::string& name, TensorView x, uint32_t channels,
                          uint32_t outputs, TensorView into, RowRange rows, bool rowsInFours);
-  /// RDB: three convolutions over the growing concatenation `dense` = [x, y_1, y_2, y_3], of which x is there already,
-  /// and a 1x1 convolution of all of it, plus x.
-  TensorView denseConvolutions(const std::string& name, TensorView dense, TensorView into);
+  /// RDB: convolutions over the growing concatenation `dense` = [x, y_1, y_2, ...], of which x is there already, and a
+  /// 1x1 convolution of all of it, plus x.
+  TensorView denseConvolutions(const std::string& name, TensorView dense, TensorView into,
+                               const DenseOptions& options = {});
   /// A linear layer of LN(x).
   TensorView normedLinear(const std::string& norm, const std::string& name, TensorView x, uint32_t outputs,
                           Activation activation = Activation::none);

@@ -32,12 +32,9 @@ TensorView denseBlock(Layers& layers, const std::string& name, const TensorView&
   const uint32_t c = x.channels, g = growth(layers.config), count = layers.config.symbol("layers");
   const TensorView dense = layers.create(name + "dense", x, c + count * g);
   copyRows(layers.graph, name + "input", x, slice(dense, 0, c));
-  for (uint32_t k = 0; k < count; ++k) {
-    const uint32_t inputs = c + k * g;
-    layers.conv(name + "convs." + std::to_string(k) + ".conv.0", slice(dense, 0, inputs), inputs, g,
-                {.into = slice(dense, inputs, g), .activation = Activation::relu, .inFours = true});
-  }
-  return layers.conv1x1(name + "LFF", dense, c, {}, slice(dense, 0, c));
+  return layers.denseConvolutions(
+      name, dense, {},
+      {.grow = "convs.", .grown = ".conv.0", .fuse = "LFF", .count = count, .growth = g, .inFours = true});
 }
 
 // The 1x1 convolution "GFF.0" of [F_1, ... F_D] is a sum of maps "GFF.0.d" of one F each: none of them is kept.
