@@ -26,8 +26,7 @@ std::vector<TemporalFilter::Frame> filterFrames(const std::vector<SharedFrame>& 
   return frames;
 }
 
-}  // namespace
-
+// More where most of the picture stands still.
 uint32_t suitableRadius(const FrameMotion& motion) {
   constexpr float kStill = 0.01F;  // pixels
   const std::vector<float>& along = motion.toPrevious.empty() ? motion.toNext : motion.toPrevious;
@@ -36,6 +35,8 @@ uint32_t suitableRadius(const FrameMotion& motion) {
     still += std::abs(along[i]) < kStill && std::abs(along[i + 1]) < kStill;
   return !along.empty() && 4 * still >= along.size() ? TemporalFilter::kRadiusOfStill : TemporalFilter::kRadius;
 }
+
+}  // namespace
 
 FrameGroup groupAround(int number, std::optional<uint32_t> radius, const std::function<SharedFrame(int)>& read) {
   FrameGroup group{read(number), {}, {}};

@@ -24,12 +24,9 @@ struct FrameGroup {
   std::vector<int> unreadable{};  // frames that are there and cannot be read, which ended a row
 };
 
-/// How many frames before and after one of that motion are worth it: more where most of it stands still.
-uint32_t suitableRadius(const FrameMotion& motion);
-
-/// The frame `number` and up to `radius` frames before and after it, by default those that suit it, as far as there is
-/// motion to follow and frames have its size. `read`: a frame by its number; null where there is none. Throws Failure
-/// if `number` itself cannot be read; another such frame ends its row.
+/// The frame `number` and up to `radius` frames before and after it, by default more where most of it stands
+/// still, as far as there is motion to follow and frames have its size. `read`: a frame by its number; null where there
+/// is none. Throws Failure if `number` itself cannot be read; another such frame ends its row.
 FrameGroup groupAround(int number, std::optional<uint32_t> radius, const std::function<SharedFrame(int)>& read);
 
 /// Merges groups, of frames of any size, on a device (TemporalFilter).

@@ -38,7 +38,7 @@ class SharedReads {
       isMine = found == recent_.end();
       if (isMine) {
         recent_.emplace_front(frame, mine.get_future().share());
-        while (recent_.size() > kept_) recent_.pop_back();
+        if (recent_.size() > kept_) recent_.pop_back();
       } else {
         recent_.splice(recent_.begin(), recent_, found);
       }
