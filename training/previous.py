@@ -30,6 +30,7 @@ import start  # noqa: E402
 import temporal  # noqa: E402
 import weights  # noqa: E402
 from network import Network  # noqa: E402
+from train import robust_loss  # noqa: E402
 
 MODEL = ROOT / "models" / "xrds-x4-live.safetensors"
 SCALE, SIDE = 4, 32                       # of the model; low-resolution pixels of a crop
@@ -139,10 +140,9 @@ def train(options):
             index = rng.randrange(len(scenes))
             low, guides, target, before = crop(scenes[index], rng, None if options.plain else history.of(index))
             result, exposure = upscaled(network, low, guides, before)
-            robust = (result - target * exposure).abs()
             ratio = torch.log(result.clamp(min=0) + 0.1) - torch.log(target * exposure + 0.1)
             square = (metrics.srgb(result / exposure) - metrics.srgb(target)).square().mean()
-            ((robust / (0.1 + robust)).mean() + 60 * square + 0.2 * ratio.square().mean()).div(options.batch).backward()
+            (robust_loss(result - target * exposure) + 60 * square + 0.2 * ratio.square().mean()).div(options.batch).backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimizer.step()
         with torch.no_grad():

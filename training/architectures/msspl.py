@@ -5,7 +5,7 @@ import torch
 import torch.nn as nn
 import torch.nn.functional as F
 
-from network import conv3x3
+from network import ConvBlock, conv3x3
 
 from . import common
 
@@ -24,21 +24,6 @@ GOLDEN = {
 }
 
 
-class DenseBlock(nn.Module):
-    """RDB (Zhang et al. 2018): y_k = relu(conv3x3([x, y_1 .. y_{k-1}])), k = 1..3; conv1x1 of all, plus x."""
-
-    def __init__(self, channels):
-        super().__init__()
-        self.grow = nn.ModuleList(conv3x3((k + 1) * channels, channels) for k in range(3))
-        self.fuse = nn.Conv2d(4 * channels, channels, 1)
-
-    def forward(self, x):
-        t = x
-        for grow in self.grow:
-            t = torch.cat([t, F.relu(grow(t))], 1)
-        return self.fuse(t) + x
-
-
 class Network(nn.Module):
     """The figure of the network: the low-resolution image and the downscaled high-resolution ones are fused, go through G groups of B
     residual dense blocks with short skips and a long skip, and are upscaled. The layers inside the modules are our reading:
@@ -53,7 +38,7 @@ class Network(nn.Module):
             widths = [config.aux_width] + [c] * config.steps
             self.down = nn.ModuleList(conv3x3(4 * inputs, outputs) for inputs, outputs in zip(widths, widths[1:]))
             self.fusion = nn.Conv2d(2 * c, c, 1)
-        self.groups = nn.ModuleList(nn.ModuleList(DenseBlock(c) for _ in range(config.blocks)) for _ in range(config.groups))
+        self.groups = nn.ModuleList(nn.ModuleList(ConvBlock(config, b) for b in range(config.blocks)) for _ in range(config.groups))
         self.up = nn.ModuleList(conv3x3(c, 4 * c) for _ in range(config.steps))
         self.out = conv3x3(c, 3)
 
