@@ -40,8 +40,8 @@ class Worker:
     """A process that runs worker.py, until end() or Blender's own end."""
 
     def __init__(self):
-        if problem():
-            raise RuntimeError(problem())
+        if missing := problem():
+            raise RuntimeError(missing)
         self._folder, self._asked, self.step = tempfile.mkdtemp(prefix="xrds_worker_"), 0, None  # not in Blender's, which goes with new preferences
         self._log = os.path.join(self._folder, "log.txt")
         command = [interpreter(), "-I", "-B", "-X", "utf8", os.path.join(os.path.dirname(os.path.abspath(__file__)), "worker.py"), self._folder]
