@@ -49,21 +49,38 @@ TensorView createPlanes(Graph& graph, std::string name, const Conv3x3& op, uint3
   return slice(graph.createRows(std::move(name), DataType::f32, shape, rows), 0, kPlanes * channels);
 }
 
-void addBand(Graph& graph, const std::string& name, const Conv3x3& op, RowRange squares, RowRange pixels) {
+// `op`: with all input channels.
+void addBand(Graph& graph, const std::string& name, const Conv3x3& op, const TensorView& input, const SquareEnds& ends,
+             RowRange squares, RowRange pixels) {
   const TensorView planes = createPlanes(graph, name + ".planes", op, op.input.channels, squares);
-  graph.nodes.push_back({name + ".planes", WinogradInput{op.input, planes, squares, op.seenColumns}});
+  const uint32_t first = ends.upsampled.channels;
+  if (first > 0)
+    graph.nodes.push_back({name + ".upsampled", WinogradInput{.input = ends.upsampled,
+                                                              .output = slice(planes, 0, kPlanes * first),
+                                                              .rows = squares,
+                                                              .seenColumns = op.seenColumns,
+                                                              .upsampled = true}});
+  graph.nodes.push_back(
+      {name + ".planes", WinogradInput{.input = input,
+                                       .output = slice(planes, kPlanes * first, planes.channels - kPlanes * first),
+                                       .rows = squares,
+                                       .seenColumns = op.seenColumns}});
+  const bool pooled = ends.pooled.exists();
+  const TensorView& stored = pooled ? ends.pooled : op.output;
   const uint32_t step = channelsAtOnce(op);
   for (uint32_t channel = 0; channel < op.output.channels; channel += step) {
     const TensorView products = createPlanes(graph, name + ".products", op, partsOf(op) * step, squares);
     WinogradProducts map{.input = planes, .output = products, .weight = op.weight, .rows = squares};
+    map.firstInputs = first;
     map.inputChannels = op.inputChannels;
     map.outputChannels = op.outputChannels;
     map.shuffled = op.shuffleOutput;
-    WinogradOutput output{.input = products, .output = slice(op.output, channel, step), .bias = op.bias};
+    WinogradOutput output{.input = products, .output = slice(stored, channel, step), .bias = op.bias};
     if (op.residual.exists()) output.residual = slice(op.residual, channel, step);
     output.activation = op.activation;
     output.shuffleOutput = op.shuffleOutput;
-    output.rows = pixels;
+    output.pooled = pooled;
+    output.rows = pooled ? RowRange{pixels.begin / 2, pixels.end / 2} : pixels;
     map.firstOutput = output.firstOutput = channel;
     graph.nodes.push_back({name, map});
     graph.nodes.push_back({name + ".pixels", output});
@@ -81,7 +98,9 @@ bool isWorthSquares(const Conv3x3& op) {
          uint64_t{planesOf(op.input.channels)} * byteSize(DataType::f32) * (op.input.width / kSide) <= kMostBytes;
 }
 
-void addInSquares(Graph& graph, const std::string& name, const Conv3x3& op, bool atOnce) {
+void addInSquares(Graph& graph, const std::string& name, const Conv3x3& given, bool atOnce, const SquareEnds& ends) {
+  Conv3x3 op = given;
+  op.input.channels += ends.upsampled.channels;
   const RowRange rows = resolve(op.rows, op.input.height);
   const uint32_t begin = rows.begin / kSide, end = ceilDivide(rows.end, kSide);
   const uint32_t squaresOfRow = op.input.width / kSide;
@@ -91,7 +110,8 @@ void addInSquares(Graph& graph, const std::string& name, const Conv3x3& op, bool
   const uint32_t step = atOnce ? end - begin : bandRows(squaresOfRow, std::min<uint64_t>(fitting, end - begin));
   for (uint32_t row = begin; row < end; row += step) {
     const RowRange squares{row, std::min(row + step, end)};
-    addBand(graph, name, op, squares, {kSide * squares.begin, std::min(kSide * squares.end, rows.end)});
+    addBand(graph, name, op, given.input, ends, squares,
+            {kSide * squares.begin, std::min(kSide * squares.end, rows.end)});
   }
 }
 

@@ -95,6 +95,39 @@ TEST(ConvolutionInSquares, MakesManyOutputsInTurns) {
   expectTheConvolution(shuffled, true, 9);
 }
 
+// [upsampled, x] convolved and pooled, as the operators themselves make it.
+TEST(ConvolutionInSquares, ReadsAndStoresHalfTheResolution) {
+  for (const RowRange rows : {RowRange{}, RowRange{4, 12}})
+    for (const bool isUpsampled : {true, false})
+      for (const bool isPooled : {true, false}) {
+        Convolution c(18, 12, 14, 8);
+        c.op.activation = Activation::relu;
+        c.op.seenColumns = 10;
+        c.op.rows = rows;
+        const TensorView half = c.graph.create("half", DataType::f32, {9, 6, 8});
+        const TensorView pooled = c.graph.create("pooled", DataType::f32, {9, 6, 8});
+        HostMemory expected, found;
+        for (HostMemory* memory : {&expected, &found}) {
+          fill(*memory, c.op.input, 3);
+          fill(*memory, half, 4);
+          fill(*memory, pooled, 5);
+          fill(*memory, c.op.output, 6);
+        }
+        if (isUpsampled) reference(UpsampleNearest{half, slice(c.op.input, 0, 8)}, expected);
+        reference(c.op, expected);
+        if (isPooled) reference(MaxPool{c.op.output, pooled, {rows.begin / 2, rows.end / 2}}, expected);
+
+        Conv3x3 own = c.op;
+        if (isUpsampled) own.input = slice(own.input, 8, 8);
+        addInSquares(c.graph, "conv", own, false,
+                     {isUpsampled ? half : TensorView{}, isPooled ? pooled : TensorView{}});
+        for (const Node& node : c.graph.nodes) std::visit([&](const auto& op) { reference(op, found); }, node.op);
+        const TensorView& stored = isPooled ? pooled : c.op.output;
+        const auto &want = expected.storage(stored), &have = found.storage(stored);
+        for (size_t i = 0; i < want.size(); ++i) ASSERT_NEAR(have[i], want[i], 1e-5) << i;
+      }
+}
+
 TEST(ConvolutionInSquares, IsMadeInBandsThatCachesHold) {
   Convolution c(256, 256, 64, 64);
   addInSquares(c.graph, "conv", c.op, false);

@@ -4,7 +4,6 @@
 #include <array>
 #include <numeric>
 
-#include "graph/convolution.h"
 #include "network/network.h"
 
 namespace xrds {
@@ -27,7 +26,10 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   if (options.shuffle) shape = {2 * shape.height, 2 * shape.width, outputs / 4};
   Conv3x3 op;
   op.input = x;
-  op.output = options.into.exists() ? options.into : graph.create(name, stored(name), shape);
+  if (options.ends.pooled.exists())
+    op.output = {.height = shape.height, .width = shape.width, .channels = shape.channels};  // is not stored
+  else
+    op.output = options.into.exists() ? options.into : graph.create(name, stored(name), shape);
   op.residual = options.residual;
   op.weight = weight(name + ".weight", {outputs, inputs, 3, 3});
   op.bias = weight(name + ".bias", {outputs});
@@ -40,13 +42,31 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   op.weightType = storedWeights(name);
   op.rows = options.rows;
   op.seenColumns = options.seenColumns;
-  addConvolution(name, op, options.rowsInFours);
-  return op.output;
+  addConvolution(name, op, options.rowsInFours, options.ends);
+  return options.ends.pooled.exists() ? options.ends.pooled : op.output;
 }
 
-void Layers::addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours) {
-  if (graphOptions.inSquares && (rowsInFours || op.rows == RowRange{}) && isWorthSquares(op))
-    addInSquares(graph, name, op, graphOptions.bandRows == kWholeFrame);
+bool Layers::takesEnds(const std::string& name, TensorShape x, uint32_t outputs, const ConvOptions& options) const {
+  Conv3x3 op;
+  op.input = {.height = x.height, .width = x.width, .channels = x.channels};
+  op.output.channels = ceilDivide(outputs, 4) * 4;
+  op.inFours = options.inFours && config.mayRoundInFours();
+  op.weightType = storedWeights(name);
+  op.rows = options.rows;
+  return isInSquares(op, options.rowsInFours);
+}
+
+bool Layers::isInSquares(const Conv3x3& op, bool rowsInFours) const {
+  return graphOptions.inSquares && (rowsInFours || op.rows == RowRange{}) && isWorthSquares(op);
+}
+
+void Layers::addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours, const SquareEnds& ends) {
+  Conv3x3 whole = op;
+  whole.input.channels += ends.upsampled.channels;
+  const bool inSquares = isInSquares(whole, rowsInFours);
+  XRDS_CHECK(inSquares || !(ends.upsampled.exists() || ends.pooled.exists()));
+  if (inSquares)
+    addInSquares(graph, name, op, graphOptions.bandRows == kWholeFrame, ends);
   else
     graph.nodes.push_back({name, op});
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "graph/bands.h"
+#include "graph/convolution.h"
 #include "network/joined_weights.h"
 #include "network/network.h"
 
@@ -32,7 +33,10 @@ class Layers {
     uint32_t seenColumns = 0;  // see Conv3x3
     bool inFours = false;      // see Conv3x3; wider kernels, for which exactHalo() is larger
     bool rowsInFours = false;  // the rows begin at multiples of 4 in bands of any size
+    SquareEnds ends{};         // where takesEnds(); conv() then returns `pooled`, if that is there
   };
+  /// Whether the convolution of an image of this shape, all channels counted, may have ConvOptions::ends.
+  bool takesEnds(const std::string& name, TensorShape x, uint32_t outputs, const ConvOptions& options) const;
   TensorView conv(const std::string& name, TensorView x, uint32_t inputs, uint32_t outputs, ConvOptions options);
   TensorView conv(const std::string& name, TensorView x, uint32_t outputs) {
     return conv(name, x, x.channels, outputs, {});
@@ -112,7 +116,8 @@ class Layers {
   Conv3x3 joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined);
   ConvWeights doublingWeights(const std::string& doubling, uint32_t inputs, uint32_t channels);
   // Rows that are all of the image, or where inFours begin at multiples of 4, may be made in squares.
-  void addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours);
+  void addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours, const SquareEnds& ends = {});
+  bool isInSquares(const Conv3x3& op, bool rowsInFours) const;
   TensorView addLinear(const std::string& name, uint32_t outputs, Linear op);
   std::map<std::string, ConvWeights> made_;
   std::map<std::string, std::span<const float>> derived_;

@@ -137,11 +137,17 @@ class UNet {
   void build() {
     for (uint32_t k = 1; k <= kLevels; ++k) joined_.push_back(createJoined(k));
     encodeImage();
-    for (uint32_t k = 1; k < kLevels; ++k) pool(chain(layout_.encoders[k], skipped(k), skippedChannels(k), k), k + 1);
-    TensorView y = chain(layout_.encoders[kLevels], skipped(kLevels), skippedChannels(kLevels), kLevels);
+    for (uint32_t k = 1; k < kLevels; ++k) {
+      const TensorView into = poolsItself(k) ? skipped(k + 1) : TensorView{};
+      const TensorView x = chain(layout_.encoders[k], skipped(k), skippedChannels(k), k, {.pooled = into});
+      if (!into.exists()) pool(x, k + 1);
+    }
+    TensorView y = chain(layout_.encoders[kLevels], skipped(kLevels), skippedChannels(kLevels), kLevels, {});
     for (uint32_t k = kLevels - 1; k > 0; --k) {
-      upsampleInto(y, k);
-      y = chain(layout_.decoders[k], joined_[k - 1], joined_[k - 1].channels, k);
+      const TensorView& joined = joined_[k - 1];
+      if (!upsamplesItself(k)) upsample(y, joined, k);
+      y = chain(layout_.decoders[k], joined, upsampledChannels(k) + skippedChannels(k), k,
+                {.upsampled = upsamplesItself(k) ? y : TensorView{}});
     }
     decodeImage(y);
   }
@@ -150,25 +156,60 @@ class UNet {
   uint32_t guideChannels() const { return layers_.config.auxWidth(); }
   uint32_t imageChannels() const { return alignUp(3 + guideChannels(), 4); }
   // Channels of x_k, and of y_{k+1} before it in the input of decoder_k.
-  uint32_t skippedChannels(uint32_t k) const { return layout_.encoders[k - 1].back().channels; }
+  uint32_t skippedChannels(uint32_t k) const {
+    return k == 0 ? imageChannels() : layout_.encoders[k - 1].back().channels;
+  }
   uint32_t upsampledChannels(uint32_t k) const {
     return k == kLevels       ? 0
            : k + 1 == kLevels ? layout_.encoders[kLevels].back().channels
                               : layout_.decoders[k + 1].back().channels;
   }
+  TensorShape shapeOf(uint32_t k, uint32_t channels) const { return {shape_.height >> k, shape_.width >> k, channels}; }
   TensorView createJoined(uint32_t k) {
     const std::string name = "level" + std::to_string(k);
-    return graph_.create(name, layers_.stored(name),
-                         {shape_.height >> k, shape_.width >> k, upsampledChannels(k) + skippedChannels(k)});
+    return graph_.create(name, layers_.stored(name), shapeOf(k, joinedChannels(k)));
   }
-  TensorView skipped(uint32_t k) const { return slice(joined_[k - 1], upsampledChannels(k), skippedChannels(k)); }
+  // What is read at half the resolution is not stored.
+  uint32_t joinedChannels(uint32_t k) const {
+    return skippedChannels(k) + (upsamplesItself(k) ? 0 : upsampledChannels(k));
+  }
+  TensorView skipped(uint32_t k) const {
+    const uint32_t channels = skippedChannels(k);
+    return slice(joined_[k - 1], joined_[k - 1].channels - channels, channels);
+  }
   static bool mayRoundInFours(uint32_t level) { return kGrid >> level >= 4; }
 
-  TensorView chain(const std::vector<Conv>& convs, TensorView x, uint32_t inputs, uint32_t level) {
+  Layers::ConvOptions optionsOf(uint32_t level) const {
+    return {.activation = Activation::relu, .seenColumns = seenWidth_ >> level, .inFours = mayRoundInFours(level)};
+  }
+  // Of the convolution of a stage of a sweep.
+  Layers::ConvOptions sweepOptions(uint32_t stage, RowRange made) const {
+    Layers::ConvOptions options = optionsOf(0);
+    options.rows = made;
+    options.rowsInFours = layers_.rowsInFours(stage * layers_.sweepDistance(), 1);
+    return options;
+  }
+  // Whether the convolution of level k, of so many channels, reads and stores at half the resolution where asked to.
+  bool takesEnds(const Conv& conv, uint32_t k, uint32_t inputs, uint32_t stage) const {
+    return layers_.takesEnds(conv.name, shapeOf(k, inputs), conv.channels,
+                             k == 0 ? sweepOptions(stage, {0, shape_.height}) : optionsOf(k));
+  }
+  bool upsamplesItself(uint32_t k) const {
+    return k < kLevels && takesEnds(layout_.decoders[k].front(), k, upsampledChannels(k) + skippedChannels(k), 1);
+  }
+  bool poolsItself(uint32_t k) const {
+    const std::vector<Conv>& convs = layout_.encoders[k];
+    const uint32_t inputs = convs.size() > 1 ? convs[convs.size() - 2].channels : skippedChannels(k);
+    return takesEnds(convs.back(), k, inputs, static_cast<uint32_t>(convs.size()));
+  }
+
+  TensorView chain(const std::vector<Conv>& convs, TensorView x, uint32_t inputs, uint32_t level,
+                   const SquareEnds& ends) {
     for (const Conv& conv : convs) {
-      x = layers_.conv(
-          conv.name, x, inputs, conv.channels,
-          {.activation = Activation::relu, .seenColumns = seenWidth_ >> level, .inFours = mayRoundInFours(level)});
+      Layers::ConvOptions options = optionsOf(level);
+      if (&conv == &convs.front()) options.ends.upsampled = ends.upsampled;
+      if (&conv == &convs.back()) options.ends.pooled = ends.pooled;
+      x = layers_.conv(conv.name, x, inputs, conv.channels, options);
       inputs = conv.channels;
     }
     return x;
@@ -176,8 +217,8 @@ class UNet {
   void pool(const TensorView& x, uint32_t k, RowRange rows = {}) {
     graph_.nodes.push_back({"pool" + std::to_string(k), MaxPool{x, skipped(k), rows}});
   }
-  void upsampleInto(const TensorView& y, uint32_t k) {
-    graph_.nodes.push_back({"upsample" + std::to_string(k), UpsampleNearest{y, slice(joined_[k - 1], 0, y.channels)}});
+  void upsample(const TensorView& y, const TensorView& joined, uint32_t k, RowRange rows = {}) {
+    graph_.nodes.push_back({"upsample" + std::to_string(k), UpsampleNearest{y, slice(joined, 0, y.channels), rows}});
   }
   void encodeRows(const TensorView& into, RowRange rows) {
     graph_.nodes.push_back({"encode_frame", EncodeFrame{.input = graph_.colour,
@@ -197,30 +238,33 @@ class UNet {
     const uint32_t next = rows(step, stage + 1).begin;
     return tensor.advance(graph_, rows(step, stage), next - std::min(next, 1u));
   }
-  // Stage 0 gives the input, stage i the i-th convolution, the one behind them what `finish` makes of the last.
-  void sweepOver(const std::vector<Conv>& convs, RollingTensor input, uint32_t inputs,
+  // Stage 0 gives the input, stage i the i-th convolution, the one behind them what `finish` makes of the last, where
+  // that is stored.
+  void sweepOver(const std::vector<Conv>& convs, RollingTensor input, uint32_t inputs, const SquareEnds& ends,
                  const std::function<void(const TensorView&, RowRange)>& begin,
                  const std::function<void(const TensorView&, RowRange)>& finish) {
-    const auto last = static_cast<uint32_t>(convs.size()) + 1;
+    const auto count = static_cast<uint32_t>(convs.size());
+    const uint32_t last = ends.pooled.exists() ? count : count + 1;
     std::vector<RollingTensor> tensors{std::move(input)};
     for (const Conv& conv : convs) tensors.push_back(rolling(conv.name, alignUp(conv.channels, 4)));
     for (uint32_t step = 0; step < sweep_.stepCount(last * layers_.sweepDistance()); ++step)
       for (uint32_t stage = 0; stage <= last; ++stage) {
         const RowRange made = rows(step, stage);
         if (made.begin == made.end) continue;
-        if (stage == 0)
+        if (stage == 0) {
           begin(advance(tensors[0], step, 0), made);
-        else if (stage == last)
+        } else if (stage > count) {
           finish(tensors.back().view(), made);
-        else
+        } else {
+          Layers::ConvOptions options = sweepOptions(stage, made);
+          if (stage == 1) options.ends.upsampled = ends.upsampled;
+          if (stage == last)
+            options.ends.pooled = ends.pooled;
+          else
+            options.into = advance(tensors[stage], step, stage);
           layers_.conv(convs[stage - 1].name, tensors[stage - 1].view(),
-                       stage == 1 ? inputs : convs[stage - 2].channels, convs[stage - 1].channels,
-                       {.into = advance(tensors[stage], step, stage),
-                        .activation = Activation::relu,
-                        .rows = made,
-                        .seenColumns = seenWidth_,
-                        .inFours = true,
-                        .rowsInFours = layers_.rowsInFours(stage * layers_.sweepDistance(), 1)});
+                       stage == 1 ? inputs : convs[stage - 2].channels, convs[stage - 1].channels, options);
+        }
       }
   }
 
@@ -228,6 +272,7 @@ class UNet {
   void encodeImage() {
     sweepOver(
         layout_.encoders[0], rolling("image", imageChannels()), 3 + guideChannels(),
+        {.pooled = poolsItself(0) ? skipped(1) : TensorView{}},
         [&](const TensorView& into, RowRange rows) { encodeRows(into, rows); },
         [&](const TensorView& x, RowRange rows) {
           pool(x, 1, {rows.begin / 2, rows.end / 2});
@@ -236,10 +281,11 @@ class UNet {
   // The picture, decoder_0 of y_1 and x_0, which is made anew.
   void decodeImage(const TensorView& y) {
     sweepOver(
-        layout_.decoders[0], rolling("level0", y.channels + imageChannels()), y.channels + 3 + guideChannels(),
+        layout_.decoders[0], rolling("level0", joinedChannels(0)), y.channels + 3 + guideChannels(),
+        {.upsampled = upsamplesItself(0) ? y : TensorView{}},
         [&](const TensorView& into, RowRange rows) {
-          graph_.nodes.push_back({"upsample0", UpsampleNearest{y, slice(into, 0, y.channels), rows}});
-          encodeRows(slice(into, y.channels, imageChannels()), rows);
+          if (!upsamplesItself(0)) upsample(y, into, 0, rows);
+          encodeRows(slice(into, into.channels - imageChannels(), imageChannels()), rows);
         },
         [&](const TensorView& x, RowRange rows) {
           if (sweep_.stepCount(0) == 1) graph_.network = x;

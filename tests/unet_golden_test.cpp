@@ -86,6 +86,36 @@ TEST(UNet, BandsAndPlansGiveTheSame) {
   EXPECT_EQ(outputOf(golden, own, {.bandRows = 16, .aliasing = false}), whole);
 }
 
+// Of the published widths, whose convolutions CPU devices make in squares, with the way down and up in them.
+TEST(UNet, OfPublishedWidthIsTheSameInSquares) {
+  const NetworkModel model = NetworkModel::random(parseConfig({{"format", "xrds"},
+                                                               {"version", "1"},
+                                                               {"architecture", "oidn"},
+                                                               {"scale", "1"},
+                                                               {"size", "base"},
+                                                               {"input", "hdr"},
+                                                               {"aux_inputs", "albedo,normal"}}),
+                                                  1);
+  const FrameShape frame{45, 76};
+  const std::vector<float> pixels = test::randomNumbers(size_t{3} * frame.height * frame.width, 7);
+  const PixelView view{pixels.data(), frame.width, frame.height};
+  FrameInput input{view, {view, view}};
+  input.exposure = binnedExposure(view);
+  const auto outputOfFamily = [&](KernelFamily family, SessionOptions options) {
+    options.family = family;
+    Session session(test::gpu(), model, frame, options);
+    session.fillArena(0x7fc00000);  // NaN
+    std::vector<float> output(pixels.size());
+    EXPECT_TRUE(session.run(input, output));
+    return output;
+  };
+  const std::vector<float> plain = outputOfFamily(KernelFamily::plain, {});
+  const std::vector<float> lane = outputOfFamily(KernelFamily::lane, {.bandRows = kWholeFrame});
+  EXPECT_LT(relativeRms(lane, plain), 1e-5);
+  EXPECT_EQ(outputOfFamily(KernelFamily::lane, {.bandRows = 16}), lane);
+  EXPECT_EQ(outputOfFamily(KernelFamily::lane, {.bandRows = 16, .aliasing = false}), lane);
+}
+
 // A U-Net sees far: the crops of this frame are nearly all of it.
 // Of frames whose coarsest level has an even and an odd number of columns in the original.
 TEST(UNet, TilesWithTheExactHaloGiveTheFrame) {

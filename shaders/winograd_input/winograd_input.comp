@@ -1,6 +1,7 @@
 // Planes 6 i + j of a square = (B^T d B)[i][j] of the 6 x 6 pixels d around its 4 x 4, see winograd.h.
-// source: [h, w, c]; target: [ceil(h / 4), w / 4, 36 c] slices. An invocation makes four channels of a square; squares of a
-// row lie side by side. Lane: a subgroup's lanes behind the last square of the row repeat it. fp32.
+// source: [h, w, c], or upsampled [h / 2, w / 2, c], each pixel of which is 2 x 2 of the image's; target: [ceil(h / 4), w / 4, 36 c]
+// slices. An invocation makes four channels of a square; squares of a row lie side by side. Lane: a subgroup's lanes behind
+// the last square of the row repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -9,12 +10,14 @@
 layout(binding = 0) uniform samplerBuffer source;
 #ifdef XRDS_LANE
 layout(local_size_x_id = 0, local_size_y_id = 1) in;  // x = subgroup size, y: quads side by side
+layout(constant_id = 2) const bool kUpsampled = false;
 #define PARAMS WinogradInputParams
 #define TARGET_BINDING 1
 #include "shaders/common/uniform_store.glsl"
 #else
 #include "shaders/common/storage.glsl"
 layout(local_size_x = 16, local_size_y = 4) in;
+layout(constant_id = 0) const bool kUpsampled = false;
 layout(binding = 1, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { WinogradInputParams p; };
 #endif
@@ -30,17 +33,29 @@ Reach reach(uint square, uint end, uint step) {
   [[unroll]] for (uint i = 0; i < 6; i++) {
     const int at = int(4 * square + i) - 1, inside = clamp(at, 0, int(end) - 1);
     r.isInside[i] = at == inside;
-    r.texel[i] = inside * int(step);
+    r.texel[i] = (kUpsampled ? inside / 2 : inside) * int(step);
   }
   return r;
 }
 
+// Of an upsampled image elements 1 and 2 are the same pixel, and so are 3 and 4.
+bool isRepeated(uint element) { return kUpsampled && (element == 2 || element == 4); }
+
 vec4[36] planes(uint column, uint row, uint quad) {
-  const Reach x = reach(column, p.seenWidth, p.source.stride), y = reach(row, p.height, p.width * p.source.stride);
+  const uint rowWidth = kUpsampled ? p.width / 2 : p.width;
+  const Reach x = reach(column, p.seenWidth, p.source.stride), y = reach(row, p.height, rowWidth * p.source.stride);
   vec4 rows[6][6], made[36];
   [[unroll]] for (uint i = 0; i < 6; i++) {
+    if (isRepeated(i)) {
+      rows[i] = rows[i - 1];
+      continue;
+    }
     vec4 d[6];
     [[unroll]] for (uint j = 0; j < 6; j++) {
+      if (isRepeated(j)) {
+        d[j] = d[j - 1];
+        continue;
+      }
       const vec4 v = texelFetch(source, y.texel[i] + x.texel[j] + int(p.source.offset + quad));
       d[j] = y.isInside[i] && x.isInside[j] ? v : vec4(0);
     }

@@ -15,15 +15,18 @@ constexpr uint32_t kPlanes = shader::kWinogradPlanes;
 constexpr uint32_t kGroupWidth = 16, kGroupQuads = 4;  // of the plain kernel
 constexpr uint32_t kMostQuads = 8;                     // of a workgroup of the lane kernel
 
-uint32_t seenColumns(const WinogradInput& op) { return op.seenColumns > 0 ? op.seenColumns : op.input.width; }
+uint32_t heightOf(const WinogradInput& op) { return (op.upsampled ? 2 : 1) * op.input.height; }
+uint32_t widthOf(const WinogradInput& op) { return (op.upsampled ? 2 : 1) * op.input.width; }
+uint32_t seenColumns(const WinogradInput& op) { return op.seenColumns > 0 ? op.seenColumns : widthOf(op); }
 
 }  // namespace
 
 TensorShape outputShape(const WinogradInput& op) {
   checkView(op.input, op.input.shape());
-  XRDS_CHECK_EQ(op.input.width % kSide, 0u);
-  XRDS_CHECK_LE(op.seenColumns, op.input.width);
-  return {ceilDivide(op.input.height, kSide), op.input.width / kSide, kPlanes * op.input.channels};
+  XRDS_CHECK_EQ(widthOf(op) % kSide, 0u);
+  XRDS_CHECK_LE(op.seenColumns, widthOf(op));
+  XRDS_CHECK(!op.upsampled || op.seenColumns % 2 == 0);
+  return {ceilDivide(heightOf(op), kSide), widthOf(op) / kSide, kPlanes * op.input.channels};
 }
 
 Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
@@ -37,8 +40,8 @@ Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
       .bindings = {readTexels(op.input), writeRows(op.output, rows)}};
   const shader::WinogradInputParams params{.source = sliceOf(op.input),
                                            .target = sliceOf(op.output),
-                                           .width = op.input.width,
-                                           .height = op.input.height,
+                                           .width = widthOf(op),
+                                           .height = heightOf(op),
                                            .seenWidth = seenColumns(op),
                                            .squares = op.output.width,
                                            .rowBegin = rows.begin,
@@ -47,10 +50,11 @@ Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
                                            .storeOrigin = storeOrigin(op.output, rows)};
   const uint32_t rowCount = rows.end - rows.begin;
   if (lane) {
-    launch.specialization = {device.subgroupSize, groupQuads};
+    launch.specialization = {device.subgroupSize, groupQuads, op.upsampled};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {quads / groupQuads, ceilDivide(params.squares, device.subgroupSize), rowCount};
   } else {
+    launch.specialization = {op.upsampled};
     launch.pushConstants = pushBytes(params);
     launch.groupCount = {ceilDivide(quads, kGroupQuads), ceilDivide(params.squares, kGroupWidth), rowCount};
   }
@@ -64,8 +68,9 @@ void reference(const WinogradInput& op, HostMemory& memory) {
   const uint32_t channels = op.input.channels;
   const RowRange rows = resolve(op.rows, height);
   const auto pixel = [&](int64_t y, int64_t x, uint32_t c) {
-    if (y < 0 || x < 0 || y >= op.input.height || x >= seenColumns(op)) return 0.0;
-    return memory.at(op.input, static_cast<uint32_t>(y), static_cast<uint32_t>(x), c);
+    if (y < 0 || x < 0 || y >= heightOf(op) || x >= seenColumns(op)) return 0.0;
+    const uint32_t repeats = op.upsampled ? 2 : 1;
+    return memory.at(op.input, static_cast<uint32_t>(y) / repeats, static_cast<uint32_t>(x) / repeats, c);
   };
   for (uint32_t y = rows.begin; y < rows.end; ++y)
     for (uint32_t x = 0; x < width; ++x)
@@ -100,6 +105,8 @@ void propagate(const WinogradInput& op, Moments& moments) {
 void addExamples(ExampleMaker& maker, std::vector<WinogradInput>& examples) {
   if (maker.device().family != KernelFamily::lane) return;  // which the others leave out
   examples.push_back({.input = maker.view({18, 16, 16}), .output = maker.view({5, 4, 576}, DataType::f32)});
+  examples.push_back(
+      {.input = maker.view({10, 8, 16}), .output = maker.view({5, 4, 576}, DataType::f32), .upsampled = true});
 }
 
 }  // namespace xrds

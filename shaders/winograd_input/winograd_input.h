@@ -25,6 +25,7 @@ struct WinogradInput {
   TensorView output;         // [ceil(h / 4), w / 4, 36 c]: 36 planes of c channels
   RowRange rows{};           // of the output
   uint32_t seenColumns = 0;  // as of Conv3x3
+  bool upsampled = false;    // the input is [h / 2, w / 2, c], and the image what UpsampleNearest makes of it
 };
 
 /// [ceil(h / 4), w / 4, 36 c]. Throws std::logic_error if the width is no multiple of 4.

@@ -15,19 +15,31 @@ struct Case {
   uint32_t height, width, channels;  // of the image
   RowRange rows{};                   // of squares
   uint32_t seenColumns = 0;
+  bool upsampled = false;
 };
 
-// One square and less than one, rows that end inside of one, more squares than lanes, columns that are not seen.
-constexpr Case kCases[] = {{1, 4, 4},           {4, 4, 8},        {6, 8, 12},
-                           {13, 20, 20},        {18, 76, 32},     {23, 36, 16, {2, 5}},
-                           {9, 132, 4, {1, 3}}, {5, 8, 8, {}, 1}, {12, 36, 36, {}, 30}};
+// One square and less than one, rows that end inside of one, more squares than lanes, columns that are not seen, some
+// channels of wider planes, images of twice the resolution.
+constexpr Case kCases[] = {{1, 4, 4},
+                           {4, 4, 8},
+                           {6, 8, 12},
+                           {13, 20, 20},
+                           {18, 76, 32},
+                           {23, 36, 16, {2, 5}},
+                           {9, 132, 4, {1, 3}},
+                           {5, 8, 8, {}, 1},
+                           {12, 36, 36, {}, 30},
+                           {2, 4, 4, {}, 0, true},
+                           {14, 20, 20, {}, 0, true},
+                           {18, 76, 32, {1, 4}, 70, true}};
 
 WinogradInput inputOf(const Case& c, DataType stored) {
-  return {
-      .input = view(0, stored, c.height, c.width, c.channels, 4, c.channels + 8),
-      .output = view(1, DataType::f32, ceilDivide(c.height, 4), c.width / 4, 36 * c.channels, 8, 36 * c.channels + 16),
-      .rows = c.rows,
-      .seenColumns = c.seenColumns};
+  const uint32_t planes = 36 * c.channels, repeats = c.upsampled ? 2 : 1;
+  return {.input = view(0, stored, c.height / repeats, c.width / repeats, c.channels, 4, c.channels + 8),
+          .output = view(1, DataType::f32, ceilDivide(c.height, 4), c.width / 4, planes, 8, planes + 16),
+          .rows = c.rows,
+          .seenColumns = c.seenColumns,
+          .upsampled = c.upsampled};
 }
 
 class WinogradInputCases : public testing::TestWithParam<std::tuple<Case, KernelFamily, DataType>> {};
@@ -68,6 +80,7 @@ TEST(WinogradInput, GivesTheConvolution) {
 TEST(WinogradInput, RefusesOtherWidths) {
   EXPECT_NO_THROW(dispatch(inputOf({4, 8, 4}, DataType::f32), {}));
   EXPECT_THROW(dispatch(inputOf({4, 10, 4}, DataType::f32), {}), std::logic_error);
+  EXPECT_THROW(dispatch(inputOf({4, 8, 4, {}, 5, true}, DataType::f32), {}), std::logic_error);
 }
 
 }  // namespace

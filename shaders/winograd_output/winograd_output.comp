@@ -1,5 +1,6 @@
 // y = activation(A^T m A + b) + residual: 4 x 4 pixels of the 36 products m of a square, see winograd.h.
-// source: [ceil(h / 4), w / 4, 36 c] slices, residual, y: [h, w, c] slices, if shuffled [2h, 2w, c / 4];
+// source: [ceil(h / 4), w / 4, 36 c] slices, residual, y: [h, w, c] slices, if shuffled [2h, 2w, c / 4], if pooled the largest of
+// 2 x 2 pixels each, [h / 2, w / 2, c];
 // weights: bias[c]. An invocation makes four channels of a square; squares of a row lie side by side. Lane: a subgroup's lanes
 // behind the last square of the row repeat it. Rows behind the last are stored before those above, to the last. fp32.
 #version 450
@@ -10,11 +11,12 @@
 #include "shaders/winograd_output/winograd_output.h"
 layout(constant_id = 0) const uint kActivation = kActivationNone;
 layout(constant_id = 1) const bool kHasResidual = false;
+layout(constant_id = 2) const bool kPooled = false;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 #ifdef XRDS_LANE
-layout(local_size_x_id = 2, local_size_y_id = 3) in;  // x = subgroup size, y: quads side by side
+layout(local_size_x_id = 3, local_size_y_id = 4) in;  // x = subgroup size, y: quads side by side
 #define PARAMS WinogradOutputParams
 #define TARGET_BINDING 3
 #include "shaders/common/uniform_store.glsl"
@@ -38,6 +40,15 @@ Place placeOf(uint quad) {
 // The stored pixel of the convolution's.
 uint pixelAt(uint x, uint y, Place place) {
   return (y * p.shuffle + place.y) * p.width * p.shuffle + x * p.shuffle + place.x;
+}
+
+// The same of a pooled one.
+uint pooledAt(uint x, uint y) { return y / 2 * (p.width / 2) + x; }
+
+// Pixel (h, v) of the four that a square is pooled to.
+vec4 pooledPixel(vec4 made[16], uint h, uint v) {
+  const uint i = 8 * v + 2 * h;
+  return max(max(made[i], made[i + 1]), max(made[i + 4], made[i + 5]));
 }
 
 uint rowOf(uint squareRow, uint v) { return min(p.rowBegin + 4 * squareRow + v, p.rowEnd - 1); }
@@ -75,8 +86,18 @@ void main() {
   const Place place = placeOf(uniformOf(gl_WorkGroupID.x, 2) * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2));
   const uint first = uniformOf(gl_WorkGroupID.y, 4) * kLanes, row = uniformOf(gl_WorkGroupID.z, 4);
   uint laneStart[kLanes];
+  const uint side = kPooled ? 2 : 4;
   [[unroll]] for (uint l = 0; l < kLanes; l++)
-    laneStart[l] = 4 * min(first + l, p.squares - 1) * p.shuffle * p.target.stride + targetStart + place.quad;
+    laneStart[l] = side * min(first + l, p.squares - 1) * p.shuffle * p.target.stride + targetStart + place.quad;
+  if (kPooled) {
+    [[unroll]] for (int v = 1; v >= 0; v--)
+      [[unroll]] for (uint h = 0; h < 2; h++) {
+        const WIDE4 wide = wide4(pooledPixel(made, h, v));
+        const uint start = pooledAt(h, rowOf(row, 2 * v)) * p.target.stride;
+        [[unroll]] for (uint l = 0; l < kLanes; l++) storeLane(start + laneStart[l], wide, l);
+      }
+    return;
+  }
   [[unroll]] for (int v = 3; v >= 0; v--)
     [[unroll]] for (uint h = 0; h < 4; h++) {
       const WIDE4 wide = wide4(made[4 * v + h]);
@@ -87,6 +108,14 @@ void main() {
   if (column >= p.squares || quad >= p.quads) return;
   const vec4 made[16] = pixels(column, gl_WorkGroupID.z, quad);
   const Place place = placeOf(quad);
+  if (kPooled) {
+    for (uint i = 0; i < 4; i++) {
+      const uint y = p.rowBegin + 4 * gl_WorkGroupID.z + i / 2 * 2;
+      if (y < p.rowEnd)
+        target[pooledAt(2 * column + i % 2, y) * p.target.stride + targetStart + quad] = stored4(pooledPixel(made, i % 2, i / 2));
+    }
+    return;
+  }
   for (uint i = 0; i < 16; i++) {
     const uint y = p.rowBegin + 4 * gl_WorkGroupID.z + i / 4;
     if (y < p.rowEnd)

@@ -15,6 +15,17 @@ constexpr uint32_t kGroupWidth = 16, kGroupQuads = 4;  // of the plain kernel
 constexpr uint32_t kMostQuads = 8;                     // of a workgroup of the lane kernel
 
 uint32_t factor(const WinogradOutput& op) { return op.shuffleOutput ? 2 : 1; }
+uint32_t pool(const WinogradOutput& op) { return op.pooled ? 2 : 1; }
+
+// Of the convolution.
+uint32_t heightOf(const WinogradOutput& op) { return op.output.height * pool(op) / factor(op); }
+uint32_t widthOf(const WinogradOutput& op) { return op.output.width * pool(op) / factor(op); }
+RowRange rowsOf(const WinogradOutput& op) {
+  return resolve({op.rows.begin * pool(op), op.rows.end * pool(op)}, heightOf(op));
+}
+RowRange storedRows(const WinogradOutput& op, RowRange rows) {
+  return {rows.begin * factor(op) / pool(op), rows.end * factor(op) / pool(op)};
+}
 
 // Channels of a plane.
 uint32_t channelsOf(const WinogradOutput& op) { return op.input.channels / kPlanes; }
@@ -35,38 +46,36 @@ float biasAt(const WinogradOutput& op, uint32_t channel) {
 }
 
 shader::WinogradOutputParams paramsOf(const WinogradOutput& op, RowRange rows, const TensorView& residual) {
-  const uint32_t f = factor(op);
   return {.source = sliceOf(op.input),
           .residual = sliceOf(residual),
           .target = sliceOf(op.output),
-          .width = op.output.width / f,
+          .width = widthOf(op),
           .rowBegin = rows.begin,
           .rowEnd = rows.end,
           .squares = op.input.width,
           .quads = channelsOf(op) / 4,
           .targetQuads = op.output.channels / 4,
-          .shuffle = f,
-          .storeOrigin = storeOrigin(op.output, {rows.begin * f, rows.end * f})};
+          .shuffle = factor(op),
+          .storeOrigin = storeOrigin(op.output, storedRows(op, rows))};
 }
 
 }  // namespace
 
 TensorShape outputShape(const WinogradOutput& op) {
-  const uint32_t height = op.output.height / factor(op), width = op.output.width / factor(op);
   XRDS_CHECK_EQ(op.output.height % factor(op), 0u);
-  XRDS_CHECK_EQ(op.output.width % (kSide * factor(op)), 0u);
-  checkView(op.input,
-            {ceilDivide(height, kSide), width / kSide, kPlanes * op.output.channels * factor(op) * factor(op)});
+  XRDS_CHECK_EQ(op.output.width * pool(op) % (kSide * factor(op)), 0u);
+  XRDS_CHECK(!op.pooled || (!op.shuffleOutput && !op.residual.exists()));
+  checkView(op.input, {ceilDivide(heightOf(op), kSide), widthOf(op) / kSide,
+                       kPlanes * op.output.channels * factor(op) * factor(op)});
   return op.output.shape();
 }
 
 Dispatch dispatch(const WinogradOutput& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   if (op.residual.exists()) checkView(op.residual, op.output.shape());
-  const uint32_t f = factor(op), height = op.output.height / f;
-  const RowRange rows = resolve(op.rows, height);
+  const RowRange rows = rowsOf(op);
   XRDS_CHECK_EQ(rows.begin % kSide, 0u);
-  XRDS_CHECK(rows.end % kSide == 0 || rows.end == height);
+  XRDS_CHECK(rows.end % kSide == 0 || rows.end == heightOf(op));
   const TensorView& residual = op.residual.exists() ? op.residual : op.input;  // bound, not read
   const shader::WinogradOutputParams params = paramsOf(op, rows, residual);
   const uint32_t groupQuads = evenShare(params.quads, kMostQuads);
@@ -74,9 +83,9 @@ Dispatch dispatch(const WinogradOutput& op, const DeviceTraits& device) {
                     device.subgroupSize * groupQuads <= device.maxGroupInvocations;
   Dispatch launch{
       .program = programName("winograd_output", lane ? KernelFamily::lane : KernelFamily::plain, op.output.type),
-      .specialization = {static_cast<uint32_t>(op.activation), op.residual.exists()},
+      .specialization = {static_cast<uint32_t>(op.activation), op.residual.exists(), op.pooled},
       .bindings = {readTexels(op.input), readWeights(DataType::f32), readTexels(residual),
-                   writeRows(op.output, {rows.begin * f, rows.end * f})}};
+                   writeRows(op.output, storedRows(op, rows))}};
   const uint32_t squareRows = ceilDivide(rows.end - rows.begin, kSide);
   if (lane) {
     launch.specialization.push_back(device.subgroupSize);
@@ -98,7 +107,7 @@ std::vector<float> packedWeights(const WinogradOutput& op, const DeviceTraits&) 
 
 void reference(const WinogradOutput& op, HostMemory& memory) {
   const uint32_t channels = channelsOf(op), f = factor(op);
-  const RowRange rows = resolve(op.rows, op.output.height / f);
+  const RowRange rows = rowsOf(op);
   for (uint32_t squareRow = rows.begin / kSide; squareRow < ceilDivide(rows.end, kSide); ++squareRow)
     for (uint32_t column = 0; column < op.input.width; ++column)
       for (uint32_t c = 0; c < channels; ++c) {
@@ -107,16 +116,22 @@ void reference(const WinogradOutput& op, HostMemory& memory) {
         const auto made = winogradSquare(products);
         const auto [channel, partX, partY] = storedAt(op, c);
         for (uint32_t i = 0; i < made.size() && kSide * squareRow + i / kSide < rows.end; ++i) {
-          const uint32_t y = (kSide * squareRow + i / kSide) * f + partY, x = (kSide * column + i % kSide) * f + partX;
+          const uint32_t row = kSide * squareRow + i / kSide, pixel = kSide * column + i % kSide;
+          const uint32_t y = row * f / pool(op) + partY, x = pixel * f / pool(op) + partX;
           double value = activate(op.activation, made[i] + biasAt(op, c));
           if (op.residual.exists()) value += memory.at(op.residual, y, x, channel);
-          memory.at(op.output, y, x, channel) = value;
+          double& stored = memory.at(op.output, y, x, channel);
+          const bool isFirst = row % pool(op) == 0 && pixel % pool(op) == 0;
+          stored = isFirst ? value : std::max(stored, value);
         }
       }
 }
 
 OperatorFacts facts(const WinogradOutput& op) {
-  return {.name = "winograd_output", .inputs = {op.input, op.residual}, .budget = {1e-6, 8e-4}, .blocks = {kSide}};
+  return {.name = "winograd_output",
+          .inputs = {op.input, op.residual},
+          .budget = {1e-6, 8e-4},
+          .blocks = {kSide / pool(op)}};
 }
 
 // The largest of the pixels of a square.
@@ -154,7 +169,9 @@ void addExamples(ExampleMaker& maker, std::vector<WinogradOutput>& examples) {
   WinogradOutput shuffled{.input = maker.view({5, 4, 2304}, DataType::f32), .output = maker.view({36, 32, 16})};
   shuffled.bias = maker.weights(64);
   shuffled.shuffleOutput = true;
-  examples = {op, shuffled};
+  WinogradOutput pooled{.input = op.input, .output = maker.view({9, 8, 16}), .bias = op.bias};
+  pooled.pooled = true;
+  examples = {op, shuffled, pooled};
 }
 
 }  // namespace xrds

@@ -29,12 +29,13 @@ struct WinogradOutput {
   uint32_t firstOutput = 0;     // channel n is output firstOutput + n; if shuffled, outputs 4 (firstOutput + n) and on
   Activation activation = Activation::none;
   bool shuffleOutput = false;  // stores pixel_shuffle(result, 2): output [2h, 2w, c / 4]
-  RowRange rows{};             // of the convolution, whole squares but at the image's end
+  bool pooled = false;         // stores max_pool(result, 2), MaxPool: output [h / 2, w / 2, c]; not with a residual
+  RowRange rows{};             // of the convolution, if pooled of the output; whole squares but at the image's end
   static constexpr uint32_t kRowUnit = shader::kWinogradSide;  // in which rows may be shared out among dispatches
 };
 
-/// [h, w, c], twice the sides and a quarter of the channels if shuffled. Throws std::logic_error if the input does not
-/// fit it.
+/// [h, w, c], twice the sides and a quarter of the channels if shuffled, half the sides if pooled. Throws
+/// std::logic_error if the input does not fit it.
 TensorShape outputShape(const WinogradOutput& op);
 
 /// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.

@@ -65,6 +65,21 @@ TEST(WinogradOutput, ShufflesItsOutput) {
     }
 }
 
+TEST(WinogradOutput, PoolsItsOutput) {
+  const auto bias = test::randomNumbers(12, 2);
+  for (const auto& [shape, rows] : {std::pair{Case{2, 4, 4}, RowRange{}},
+                                    {Case{14, 76, 12, Activation::relu}, RowRange{}},
+                                    {Case{22, 20, 8, Activation::relu}, RowRange{2, 8}}})
+    for (const KernelFamily family : {KernelFamily::plain, KernelFamily::lane})
+      for (const DataType stored : {DataType::f32, DataType::f16}) {
+        WinogradOutput op = outputOf(shape, stored, bias);
+        op.output = view(1, stored, shape.height / 2, shape.width / 2, shape.channels, 4, shape.channels + 8);
+        op.pooled = true;
+        op.rows = rows;
+        test::expectMatchesReference(op, test::traitsOf(family), toleranceOf(stored));
+      }
+}
+
 // A product of plane (0, 0) alone is in the first pixel of the square, beside the bias.
 TEST(WinogradOutput, PutsTheCornerInTheCorner) {
   const std::vector<float> bias{1, 2, 3, 4};
@@ -87,6 +102,14 @@ TEST(WinogradOutput, RefusesWhatDoesNotFit) {
   EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
   wrong = op;
   wrong.output.height = 13;
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong = outputOf({8, 8, 8, Activation::none, true}, DataType::f32, bias);
+  wrong.output = view(1, DataType::f32, 4, 4, 8);
+  wrong.pooled = true;
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong.residual = {};
+  EXPECT_NO_THROW(dispatch(wrong, {}));
+  wrong.rows = {1, 4};
   EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
 }
 

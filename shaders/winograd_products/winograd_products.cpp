@@ -19,6 +19,12 @@ constexpr uint32_t kMaxSubgroups = 32;  // of a workgroup of the lane kernel
 uint32_t inputs(const WinogradProducts& op) { return op.input.channels / kPlanes; }
 uint32_t outputs(const WinogradProducts& op) { return op.output.channels / kPlanes; }
 
+// Where an input of a plane is in the channels of a square.
+uint32_t inputAt(const WinogradProducts& op, uint32_t plane, uint32_t k) {
+  const uint32_t first = op.firstInputs;
+  return k < first ? plane * first + k : kPlanes * first + plane * (inputs(op) - first) + k - first;
+}
+
 // Outputs of a workgroup of the lane kernel; 0: the device takes the plain one.
 uint32_t laneTile(const WinogradProducts& op, const DeviceTraits& device) {
   const uint32_t step = outputs(op) % 8 == 0 ? 8 : 4;
@@ -61,6 +67,8 @@ TensorShape outputShape(const WinogradProducts& op) {
   XRDS_CHECK_EQ(op.input.channels % (4 * kPlanes), 0u);
   XRDS_CHECK_EQ(op.output.channels % (4 * kPlanes), 0u);
   XRDS_CHECK_LE(op.inputChannels, inputs(op));
+  XRDS_CHECK_LE(op.firstInputs, inputs(op));
+  XRDS_CHECK_EQ(op.firstInputs % 4, 0u);
   XRDS_CHECK_EQ(op.weight.size(), size_t{op.outputChannels} * op.inputChannels * 9);
   return {op.input.height, op.input.width, op.output.channels};
 }
@@ -74,6 +82,7 @@ Dispatch dispatch(const WinogradProducts& op, const DeviceTraits& device) {
                                               .squareEnd = rows.end * op.input.width,
                                               .inputQuads = inputs(op) / 4,
                                               .outputQuads = outputs(op) / 4,
+                                              .firstQuads = op.firstInputs / 4,
                                               .storeOrigin = storeOrigin(op.output, rows)};
   const uint32_t squares = params.squareEnd - params.squareBegin;
   Dispatch launch{.bindings = {readTexels(op.input), readWeights(DataType::f32), writeRows(op.output, rows)},
@@ -84,7 +93,7 @@ Dispatch dispatch(const WinogradProducts& op, const DeviceTraits& device) {
     const uint32_t subgroups = groupSubgroups(ceilDivide(squares, device.subgroupSize));
     const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin | tile / 4) % 2 == 0;
     launch.program = programName("winograd_products", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, subgroups, inputs(op), tile, inEights};
+    launch.specialization = {device.subgroupSize, subgroups, inputs(op), tile, inEights, op.firstInputs};
     launch.pushConstants = pushBytesWithDigits(params);
     launch.groupCount = {op.output.channels / tile, ceilDivide(squares, device.subgroupSize * subgroups), 1};
   } else {
@@ -126,7 +135,7 @@ void reference(const WinogradProducts& op, HostMemory& memory) {
       for (uint32_t e = 0; e < kPlanes; ++e)
         for (uint32_t o = 0; o < n; ++o) {
           double sum = 0;
-          for (uint32_t i = 0; i < k; ++i) sum += memory.at(op.input, y, x, e * k + i) * weights[o * k + i][e];
+          for (uint32_t i = 0; i < k; ++i) sum += memory.at(op.input, y, x, inputAt(op, e, i)) * weights[o * k + i][e];
           memory.at(op.output, y, x, e * n + o) = sum;
         }
 }
@@ -146,7 +155,7 @@ void propagate(const WinogradProducts& op, Moments& moments) {
     for (uint32_t i = 0; i < k; ++i) {
       const std::array<double, kPlanes> w = winogradWeights(tapsOf(op, o, i));
       for (uint32_t e = 0; e < kPlanes; ++e) {
-        const Moment x = moments.at(op.input, e * k + i);
+        const Moment x = moments.at(op.input, inputAt(op, e, i));
         sums[e] = sums[e] + Moment{w[e] * x.mean, w[e] * w[e] * x.variance};
       }
     }
@@ -161,6 +170,8 @@ void addExamples(ExampleMaker& maker, std::vector<WinogradProducts>& examples) {
   op.weight = maker.weights(size_t{16} * 32 * 9);
   op.inputChannels = 16;
   op.outputChannels = 32;
+  examples.push_back(op);
+  op.firstInputs = 12;
   examples.push_back(op);
 }
 

@@ -7,6 +7,7 @@ struct WinogradProductsParams {
   Slice source, target;
   uint squareBegin, squareEnd;
   uint inputQuads, outputQuads;  // of a plane
+  uint firstQuads;               // of the inputs those that lie in planes before the others'
   uint storeOrigin;              // vec4 index at which the target binding starts
 };
 XRDS_SHARED_END
@@ -19,6 +20,7 @@ namespace xrds {
 /// square, whose weights stand in place of the convolution's.
 struct WinogradProducts {
   TensorView input, output;                        // [h, w, 36 K], [h, w, 36 N]: squares
+  uint32_t firstInputs = 0;                        // the planes of the first so many channels lie before the others'
   std::span<const float> weight;                   // of the convolution, OIHW [outputChannels][inputChannels][3][3]
   uint32_t inputChannels = 0, outputChannels = 0;  // of the weight; inputs from there to K count as zero
   uint32_t firstOutput = 0;                        // channel n of a plane is output firstOutput + n

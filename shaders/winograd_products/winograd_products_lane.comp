@@ -13,6 +13,7 @@ layout(local_size_x_id = 0, local_size_y_id = 1) in;  // x = subgroup size
 layout(constant_id = 2) const uint kInputs = 4;  // of a plane
 layout(constant_id = 3) const uint kTile = 4;
 layout(constant_id = 4) const bool kStoresEights = false;  // the target begins and steps in eights
+layout(constant_id = 5) const uint kFirst = 0;             // inputs whose planes lie before the others'
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 const uint kTileQuads = kTile / 4;
@@ -30,9 +31,11 @@ void main() {
   [[unroll]] for (uint l = 0; l < kLanes; l++)
     laneTarget[l] = min(firstSquare + l, p.squareEnd - 1) * p.target.stride + firstTarget;
   const uint plane = gl_WorkGroupID.x * kTileQuads / p.outputQuads;
-  const uint start = square * p.source.stride + p.source.offset + plane * (kInputs / 4);
+  const uint start = square * p.source.stride + p.source.offset;
+  const uint firsts = start + plane * (kFirst / 4), others = start + kWinogradPlanes * (kFirst / 4) + plane * (kInputs - kFirst) / 4;
   vec4 x[kInputs / 4];
-  [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] = texelFetch(source, int(start + k));
+  [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
+    x[k] = texelFetch(source, int(k < kFirst / 4 ? firsts + k : others + k - kFirst / 4));
 
   [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;

@@ -16,10 +16,11 @@ struct Case {
   RowRange rows{};
   bool shuffled = false;
   uint32_t firstOutput = 0, outputsOfWeight = 0;  // 0: as many as there are
+  uint32_t firstInputs = 0;
 };
 
 // One square, channels of padding, tiles of four, rows of a band, parts of a shuffle, more than a workgroup's squares,
-// the widths of networks.
+// the widths of networks, inputs in two groups.
 constexpr Case kCases[] = {{1, 1, 4, 4},
                            {3, 5, 6, 7},
                            {2, 9, 12, 20},
@@ -30,7 +31,9 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {9, 67, 64, 64},
                            {3, 11, 60, 60, {1, 2}},
                            {2, 5, 180, 36},
-                           {1, 3, 256, 32}};
+                           {1, 3, 256, 32},
+                           {2, 9, 14, 8, {}, false, 0, 0, 12},
+                           {3, 7, 76, 64, {1, 3}, false, 0, 0, 64}};
 
 uint32_t outputsOfWeight(const Case& c) { return c.outputsOfWeight > 0 ? c.outputsOfWeight : c.outputs; }
 
@@ -38,6 +41,7 @@ WinogradProducts productsOf(const Case& c, std::span<const float> weight) {
   const uint32_t inputs = 36 * alignUp(c.inputs, 4), outputs = 36 * alignUp(c.outputs, 4);
   return {.input = view(0, DataType::f32, c.height, c.width, inputs, 4, inputs + 16),
           .output = view(1, DataType::f32, c.height, c.width, outputs, 8, outputs + 16),
+          .firstInputs = c.firstInputs,
           .weight = weight,
           .inputChannels = c.inputs,
           .outputChannels = outputsOfWeight(c),
@@ -88,6 +92,9 @@ TEST(WinogradProducts, RefusesWhatDoesNotFit) {
   EXPECT_NO_THROW(dispatch(op, {}));
   WinogradProducts wrong = op;
   wrong.inputChannels = 4;
+  EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
+  wrong = op;
+  wrong.firstInputs = 12;
   EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
   wrong = op;
   wrong.output.channels = 40;
