@@ -14,6 +14,8 @@ import sys
 import numpy
 
 MASKED = -1e4  # in place of minus infinity, which pnnx does not write
+PATIENCE = 300  # seconds for a conversion; attention of many windows takes longer
+SMALL = 32      # pixels of a low-resolution image that pnnx runs networks with where the size does not matter
 
 
 def windows_of(x, w):
@@ -60,19 +62,46 @@ def attention(self, x, memory=None, shifted=False):
     return rolled(x, shift) if shifted else x
 
 
+def sizes_do_not_matter(model):
+    """Whether the converted network is the same for frames of every size: only the windows of attention are counted out."""
+    import network
+    return not any(isinstance(module, network.WindowAttention) for module in model.modules())
+
+
+def cropped(inputs):
+    """The leading part of the images, the first of them of SMALL x SMALL pixels: pnnx runs the network several times, which takes minutes at full size."""
+    unit = inputs[0].shape[-1] // SMALL
+    return tuple(image[:, :, :image.shape[2] // unit, :image.shape[3] // unit].contiguous() for image in inputs) if unit > 1 else inputs
+
+
+def first_output(torch, model):
+    """Ours has a second one, which may be None; that cannot be traced."""
+    class First(torch.nn.Module):
+        def __init__(self):
+            super().__init__()
+            self.model = model
+
+        def forward(self, *inputs):
+            outputs = self.model(*inputs)
+            return outputs[0] if isinstance(outputs, tuple) else outputs
+    return First()
+
+
 def convert(torch, model, inputs, path):
     """Writes path.ncnn.param and path.ncnn.bin for the sizes of the inputs. Throws with what ncnn lacks, if anything."""
     import network
+    inputs = cropped(inputs) if sizes_do_not_matter(model) else inputs
     original = network.WindowAttention.forward
     network.WindowAttention.forward = attention
     try:
         with torch.inference_mode():
-            torch.jit.trace(model, inputs, check_trace=False).save(path + ".pt")
+            torch.jit.trace(first_output(torch, model), inputs, check_trace=False).save(path + ".pt")
     finally:
         network.WindowAttention.forward = original
     pnnx = shutil.which("pnnx", path=str(pathlib.Path(sys.executable).parent) + os.pathsep + os.environ["PATH"])
     shapes = ",".join("[" + ",".join(map(str, x.shape)) + "]" for x in inputs)
-    subprocess.run([pnnx or "pnnx", path + ".pt", "inputshape=" + shapes, "fp16=0"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([pnnx or "pnnx", path + ".pt", "inputshape=" + shapes, "fp16=0"], check=True, stdout=subprocess.DEVNULL,
+                   timeout=PATIENCE)
     layers = {line.split()[0] for line in pathlib.Path(path + ".ncnn.param").read_text().splitlines()[2:]}
     unknown = sorted(layer for layer in layers if re.search(r"[._]|^aten|^pnnx", layer))
     if unknown:
