@@ -13,8 +13,8 @@ import sys
 
 import numpy
 
-MASKED = -1e4  # in place of minus infinity, which pnnx does not write
-PATIENCE = 300  # seconds for a conversion; attention of many windows takes longer
+MASKED = -1e4   # in place of minus infinity, which pnnx does not write
+PATIENCE = 300  # seconds, for a conversion; attention of many windows takes longer
 SMALL = 32      # pixels of a low-resolution image that pnnx runs networks with where the size does not matter
 
 
@@ -63,7 +63,7 @@ def attention(self, x, memory=None, shifted=False):
 
 
 def sizes_do_not_matter(model):
-    """Whether the converted network is the same for frames of every size: only the windows of attention are counted out."""
+    """Whether the converted network is the same for frames of every size: attention counts out its windows."""
     import network
     return not any(isinstance(module, network.WindowAttention) for module in model.modules())
 

@@ -24,35 +24,34 @@ TensorView Layers::conv(const std::string& name, TensorView x, uint32_t inputs, 
   TensorShape shape{x.height, x.width, ceilDivide(outputs, 4) * 4};
   if (options.unshuffle) shape = {x.height / 2, x.width / 2, shape.channels};
   if (options.shuffle) shape = {2 * shape.height, 2 * shape.width, outputs / 4};
-  Conv3x3 op;
-  op.input = x;
+  Conv3x3 op = convolutionOf(name, x, options);
   if (options.ends.pooled.exists())
     op.output = {.height = shape.height, .width = shape.width, .channels = shape.channels};  // is not stored
   else
     op.output = options.into.exists() ? options.into : graph.create(name, stored(name), shape);
-  op.residual = options.residual;
   op.weight = weight(name + ".weight", {outputs, inputs, 3, 3});
   op.bias = weight(name + ".bias", {outputs});
   op.inputChannels = inputs;
   op.outputChannels = outputs;
-  op.activation = options.activation;
-  op.unshuffleInput = options.unshuffle;
-  op.shuffleOutput = options.shuffle;
-  op.inFours = options.inFours && config.mayRoundInFours();
-  op.weightType = storedWeights(name);
-  op.rows = options.rows;
-  op.seenColumns = options.seenColumns;
   addConvolution(name, op, options.rowsInFours, options.ends);
   return options.ends.pooled.exists() ? options.ends.pooled : op.output;
 }
 
+Conv3x3 Layers::convolutionOf(const std::string& name, const TensorView& x, const ConvOptions& options) const {
+  return {.input = x,
+          .residual = options.residual,
+          .activation = options.activation,
+          .unshuffleInput = options.unshuffle,
+          .shuffleOutput = options.shuffle,
+          .inFours = options.inFours && config.mayRoundInFours(),
+          .weightType = storedWeights(name),
+          .rows = options.rows,
+          .seenColumns = options.seenColumns};
+}
+
 bool Layers::takesEnds(const std::string& name, TensorShape x, uint32_t outputs, const ConvOptions& options) const {
-  Conv3x3 op;
-  op.input = {.height = x.height, .width = x.width, .channels = x.channels};
+  Conv3x3 op = convolutionOf(name, {.height = x.height, .width = x.width, .channels = x.channels}, options);
   op.output.channels = ceilDivide(outputs, 4) * 4;
-  op.inFours = options.inFours && config.mayRoundInFours();
-  op.weightType = storedWeights(name);
-  op.rows = options.rows;
   return isInSquares(op, options.rowsInFours);
 }
 

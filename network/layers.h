@@ -115,6 +115,8 @@ class Layers {
   ConvWeights madeOnce(const std::string& name, const std::function<JoinedWeights()>& make);
   Conv3x3 joinedConvolution(const std::string& doubling, TensorView x, ConvWeights joined);
   ConvWeights doublingWeights(const std::string& doubling, uint32_t inputs, uint32_t channels);
+  // Of that layer, with neither an output nor weights.
+  Conv3x3 convolutionOf(const std::string& name, const TensorView& x, const ConvOptions& options) const;
   // Rows that are all of the image, or where inFours begin at multiples of 4, may be made in squares.
   void addConvolution(const std::string& name, const Conv3x3& op, bool rowsInFours, const SquareEnds& ends = {});
   bool isInSquares(const Conv3x3& op, bool rowsInFours) const;

@@ -12,7 +12,6 @@ says what came out. Several threads on a busy machine need OMP_WAIT_POLICY=PASSI
 import argparse
 import copy
 import dataclasses
-import math
 import pathlib
 import random
 import sys
@@ -30,7 +29,7 @@ import start  # noqa: E402
 import temporal  # noqa: E402
 import weights  # noqa: E402
 from network import Network  # noqa: E402
-from train import robust_loss  # noqa: E402
+from train import follow, rate_at, robust_loss  # noqa: E402
 
 MODEL = ROOT / "models" / "xrds-x4-live.safetensors"
 SCALE, SIDE = 4, 32                       # of the model; low-resolution pixels of a crop
@@ -134,7 +133,7 @@ def train(options):
     scenes = dataset.Scenes([options.folder], plain).scenes
     history = History(average, scenes, rng)
     for step in range(options.steps):
-        optimizer.param_groups[0]["lr"] = options.rate * min(1, (step + 1) / 100) * (0.02 + 0.49 * (1 + math.cos(math.pi * step / options.steps)))
+        optimizer.param_groups[0]["lr"] = rate_at(options.rate, step, 100, step / options.steps, 0.02)
         optimizer.zero_grad()
         for _ in range(options.batch):
             index = rng.randrange(len(scenes))
@@ -145,8 +144,7 @@ def train(options):
             (robust_loss(result - target * exposure) + 60 * square + 0.2 * ratio.square().mean()).div(options.batch).backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimizer.step()
-        with torch.no_grad():
-            torch._foreach_lerp_(list(average.parameters()), list(network.parameters()), 1 - min(0.995, (1 + step) / (20 + step)))
+        follow(average, network, step, 0.995)
     torch.save(average.state_dict(), options.run)
 
 

@@ -10,13 +10,13 @@ docs/training.md says what came out.
 import argparse
 import copy
 import json
-import math
 import pathlib
 import statistics
 
 import torch
 
 import architectures
+import arithmetic
 import cost
 import dataset
 import evaluate
@@ -39,7 +39,7 @@ CONFIGS = {
     "xrds-x4-compact": NetworkConfig(kernels=5, aux_skip=1, **OURS),
 }
 SCENES = CONFIGS["xrds-x4-compact"]     # whose crops all are trained on
-CROP, BATCH, RATE, WARM_UP, TONE, RATIO = 32, 4, 5e-4, 100, 0.2, 0.2      # train.py's
+CROP, BATCH, RATE, WARM_UP, TONE, RATIO = 32, 4, 5e-4, 100, 0.2, 0.2      # those of ablations.py
 
 
 def is_ours(config):
@@ -71,7 +71,7 @@ def forward(network, batch, precision):
         return train.forward(network, batch, "cpu", precision)[:2]
     exposure = batch["exposure"].view(-1, 1, 1, 1)
     inner = lambda key, border: batch[key][:, :, border:-border, border:-border]
-    with train.arithmetic.autocast("cpu", precision):
+    with arithmetic.autocast("cpu", precision):
         result = radiance(network, exposure * inner("colour", dataset.BORDER), inner("aux", SCENES.scale * dataset.BORDER))
     return result, exposure * batch["target"]
 
@@ -91,15 +91,14 @@ def trained(config, scenes, steps, seed, precision):
     average, optimizer = copy.deepcopy(network).eval(), torch.optim.Adam(network.parameters(), lr=RATE, betas=(0.9, 0.99), fused=True)
     crops = Crops(scenes, CROP, seed)
     for step in range(steps):
-        optimizer.param_groups[0]["lr"] = RATE * min(1, (step + 1) / WARM_UP) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * step / steps)))
+        optimizer.param_groups[0]["lr"] = train.rate_at(RATE, step, WARM_UP, step / steps)
         batch = crops.batch(BATCH)
         robust, tone, ratio = train.losses(*forward(network, batch, precision), batch, False)
         optimizer.zero_grad(set_to_none=True)
         (robust + TONE * tone + RATIO * ratio).backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimizer.step()
-        with torch.no_grad():
-            torch._foreach_lerp_(list(average.parameters()), list(network.parameters()), 1 - min(0.999, (1 + step) / (20 + step)))
+        train.follow(average, network, step)
     return average
 
 
@@ -134,7 +133,7 @@ def main():
     options.output.mkdir(parents=True, exist_ok=True)
     path = options.output / "results.json"
     results = json.loads(path.read_text()) if path.exists() else []
-    precision, line = train.arithmetic.choose("auto", "cpu")
+    precision, line = arithmetic.choose("auto", "cpu")
     print(line, flush=True)
     scenes = dataset.Scenes(options.train, SCENES)
     for seed in options.seeds:

@@ -159,6 +159,17 @@ def losses(result, target, batch, smape):
     return robust, (square / (batch["base_error"] + 1e-4)).mean(), ratio
 
 
+def rate_at(rate, step, warm_up, progress, least=0.01):
+    """The learning rate of a step: rising over `warm_up` steps, and a cosine from `rate` to the share `least` of it as progress goes from 0 to 1."""
+    return rate * min(1, (step + 1) / warm_up) * (least + (1 - least) * 0.5 * (1 + math.cos(math.pi * progress)))
+
+
+@torch.no_grad()
+def follow(average, network, step, most=0.999):
+    """Moves the running average of the weights to those after that step; it keeps at most the share `most` of itself."""
+    torch._foreach_lerp_(list(average.parameters()), list(network.parameters()), 1 - min(most, (1 + step) / (20 + step)))
+
+
 class Training:
     """Network, its running average, optimizer and counters: everything that a checkpoint holds."""
 
@@ -186,9 +197,7 @@ class Training:
         self.step, self.seconds = state["step"], state["seconds"]
 
     def update_average(self):
-        decay = min(0.999, (1 + self.step) / (20 + self.step))
-        with torch.no_grad():
-            torch._foreach_lerp_(list(self.average.parameters()), list(self.network.parameters()), 1 - decay)
+        follow(self.average, self.network, self.step)
 
     def progress(self, options):
         """Share of the budget that is spent."""
@@ -214,7 +223,7 @@ def train(training, scenes, options, report):
     next_report, next_checkpoint = last + 30, last + options.evaluate_every * 60
     sums, count = torch.zeros(3, device=options.device), 0
     while (progress := training.progress(options)) < 1:
-        rate = options.rate * min(1, (training.step + 1) / options.warm_up) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
+        rate = rate_at(options.rate, training.step, options.warm_up, progress)
         for group in training.optimizer.param_groups:
             group["lr"] = rate
         batch = crops.batch(options.batch)

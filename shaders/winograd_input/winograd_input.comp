@@ -1,7 +1,7 @@
 // Planes 6 i + j of a square = (B^T d B)[i][j] of the 6 x 6 pixels d around its 4 x 4, see winograd.h.
-// source: [h, w, c], or upsampled [h / 2, w / 2, c], each pixel of which is 2 x 2 of the image's; target: [ceil(h / 4), w / 4, 36 c]
-// slices. An invocation makes four channels of a square; squares of a row lie side by side. Lane: a subgroup's lanes behind
-// the last square of the row repeat it. fp32.
+// source: [h, w, c], or upsampled [h / 2, w / 2, c], each pixel of which is 2 x 2 of the image's; target: [ceil(h / 4), w / 4,
+// 36 c] slices. An invocation makes four channels of a square; squares of a row lie side by side. Lane: a subgroup's lanes
+// behind the last square of the row repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

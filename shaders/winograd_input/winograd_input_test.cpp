@@ -18,8 +18,8 @@ struct Case {
   bool upsampled = false;
 };
 
-// One square and less than one, rows that end inside of one, more squares than lanes, columns that are not seen, some
-// channels of wider planes, images of twice the resolution.
+// One square and less than one, rows that end inside of one, more squares than lanes, columns that are not seen,
+// images of twice the resolution.
 constexpr Case kCases[] = {{1, 4, 4},
                            {4, 4, 8},
                            {6, 8, 12},

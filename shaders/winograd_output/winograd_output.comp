@@ -1,6 +1,6 @@
 // y = activation(A^T m A + b) + residual: 4 x 4 pixels of the 36 products m of a square, see winograd.h.
-// source: [ceil(h / 4), w / 4, 36 c] slices, residual, y: [h, w, c] slices, if shuffled [2h, 2w, c / 4], if pooled the largest of
-// 2 x 2 pixels each, [h / 2, w / 2, c];
+// source: [ceil(h / 4), w / 4, 36 c] slices, residual, y: [h, w, c] slices, if shuffled [2h, 2w, c / 4], if pooled the largest
+// of 2 x 2 pixels each, [h / 2, w / 2, c];
 // weights: bias[c]. An invocation makes four channels of a square; squares of a row lie side by side. Lane: a subgroup's lanes
 // behind the last square of the row repeat it. Rows behind the last are stored before those above, to the last. fp32.
 #version 450
@@ -112,7 +112,8 @@ void main() {
     for (uint i = 0; i < 4; i++) {
       const uint y = p.rowBegin + 4 * gl_WorkGroupID.z + i / 2 * 2;
       if (y < p.rowEnd)
-        target[pooledAt(2 * column + i % 2, y) * p.target.stride + targetStart + quad] = stored4(pooledPixel(made, i % 2, i / 2));
+        target[pooledAt(2 * column + i % 2, y) * p.target.stride + targetStart + quad] =
+            stored4(pooledPixel(made, i % 2, i / 2));
     }
     return;
   }

@@ -1,5 +1,6 @@
 // y[e, n] = sum over k of w[e, k, n] x[e, k] for the 36 planes e of each square, see winograd.h.
-// x: [squares][36][K], or of two groups of inputs [squares]([36][F], [36][K - F]), y: [squares][36][N] slices; weights: [36][K][N]. An invocation makes four outputs of a square.
+// x: [squares][36][K], or of two groups of inputs [squares]([36][F], [36][K - F]), y: [squares][36][N] slices; weights:
+// [36][K][N]. An invocation makes four outputs of a square.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/common/groups.h"

@@ -32,7 +32,8 @@ void main() {
     laneTarget[l] = min(firstSquare + l, p.squareEnd - 1) * p.target.stride + firstTarget;
   const uint plane = gl_WorkGroupID.x * kTileQuads / p.outputQuads;
   const uint start = square * p.source.stride + p.source.offset;
-  const uint firsts = start + plane * (kFirst / 4), others = start + kWinogradPlanes * (kFirst / 4) + plane * (kInputs - kFirst) / 4;
+  const uint firsts = start + plane * (kFirst / 4);
+  const uint others = start + kWinogradPlanes * (kFirst / 4) + plane * (kInputs - kFirst) / 4;
   vec4 x[kInputs / 4];
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
     x[k] = texelFetch(source, int(k < kFirst / 4 ? firsts + k : others + k - kFirst / 4));
