@@ -5,7 +5,9 @@
 #include <thread>
 
 #include "engine/handles.h"
+#include "engine/llvmpipe.h"
 #include "engine/preparation.h"
+#include "engine/shared_loads.h"
 #include "engine/visibility.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
@@ -43,7 +45,8 @@ VkPipelineLayout makeLayout(const Gpu::Handles& gpu, VkDescriptorSetLayout setLa
 VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipelineLayout layout) {
   const auto program = gpu.options.programs ? gpu.options.programs(key.program) : std::span<const uint32_t>{};
   if (program.empty()) throw std::logic_error("There is no program \"" + key.program + "\".");
-  const std::vector<uint32_t> words = visibleAtBarriers(program);
+  std::vector<uint32_t> words = visibleAtBarriers(program);
+  if (llvmpipeTraits(gpu.description.driver).comparesSharedLoads) words = withVolatileSharedLoads(words);
   VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   moduleInfo.codeSize = words.size() * sizeof(uint32_t);
   moduleInfo.pCode = words.data();

@@ -111,7 +111,10 @@ TEST(Llvmpipe, IsKnownByItsVersion) {
   for (const char* driver : {"llvmpipe Mesa 25.0.7-2+deb13u1 (LLVM 19.1.7)", "llvmpipe Mesa 23.0.0 (LLVM 15.0.6)"}) {
     EXPECT_FALSE(llvmpipeTraits(driver).wideVectors) << driver;
     EXPECT_FALSE(llvmpipeTraits(driver).knowsUniforms) << driver;
+    EXPECT_TRUE(llvmpipeTraits(driver).comparesSharedLoads) << driver;
   }
+  EXPECT_FALSE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").comparesSharedLoads);
+  EXPECT_FALSE(llvmpipeTraits("radv Mesa 22.3.6").comparesSharedLoads);
   EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").wideVectors);
   EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").knowsUniforms);
   EXPECT_TRUE(llvmpipeMultiplies("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)", 8));
