@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <random>
 
 #include "engine/dispatch.h"
@@ -33,8 +34,10 @@ std::vector<Order> neighboursOf(std::span<const Lifetime> lifetimes) {
   return neighbours;
 }
 
-// Places the values in the given order, each at the lowest offset that is free over its lifetime.
-MemoryPlan placeInOrder(std::span<const Lifetime> lifetimes, const std::vector<Order>& neighbours, const Order& order) {
+// Places the values in the given order, each at the lowest offset that is free over its lifetime; nothing if that takes
+// more than `most` bytes.
+std::optional<MemoryPlan> placeInOrder(std::span<const Lifetime> lifetimes, const std::vector<Order>& neighbours,
+                                       const Order& order, uint64_t most) {
   MemoryPlan plan{std::vector<uint64_t>(lifetimes.size()), 0};
   std::vector<bool> placed(lifetimes.size());
   Order taken;  // neighbours that have a place, by offset
@@ -52,6 +55,7 @@ MemoryPlan placeInOrder(std::span<const Lifetime> lifetimes, const std::vector<O
     }
     plan.offsets[value] = offset;
     plan.byteSize = std::max(plan.byteSize, offset + life.byteSize);
+    if (plan.byteSize > most) return {};
     placed[value] = true;
   }
   return plan;
@@ -89,12 +93,12 @@ MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
   };
   const std::vector<Order> neighbours = neighboursOf(lifetimes);
   const uint64_t bound = largestLiveSet(lifetimes);
-  MemoryPlan best;
+  MemoryPlan best{{}, UINT64_MAX};
   Order bestOrder;
   const auto consider = [&](const Order& order) {
-    MemoryPlan plan = placeInOrder(lifetimes, neighbours, order);
-    if (!bestOrder.empty() && plan.byteSize > best.byteSize) return;
-    best = std::move(plan);
+    std::optional<MemoryPlan> plan = placeInOrder(lifetimes, neighbours, order, best.byteSize);
+    if (!plan) return;
+    best = *std::move(plan);
     bestOrder = order;
   };
   for (const Order& order : starts) consider(order);
@@ -114,7 +118,6 @@ MemoryPlan planMemory(std::span<const Lifetime> lifetimes) {
     order.insert(order.begin() + static_cast<ptrdiff_t>(random() % std::max<size_t>(1, early.size())), moved);
     consider(order);
   }
-  if (best.offsets.empty()) best.offsets.resize(lifetimes.size());
   return best;
 }
 
