@@ -1,11 +1,13 @@
 #include <cstdio>
 #include <exception>
+#include <thread>
 
 #include "app/exit_code.h"
 #include "app/kernel_family.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
 #include "cli/typos.h"
+#include "image/exr_file.h"
 
 namespace {
 
@@ -54,6 +56,7 @@ int main(int argc, char** argv) {
   xrds::addBench(app);
   xrds::catchInterrupts();
   try {
+    xrds::useExrThreads(static_cast<int>(std::thread::hardware_concurrency()));
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       return fail(xrds::ExitCode::output, "Cannot write to standard output: is the disk full?");
