@@ -69,17 +69,20 @@ Image NetworkDenoiser::filtered(Device& device, const Model& model, const Image&
   std::vector<PixelView> views;
   views.reserve(guides.size());
   for (const Image* guide : guides) views.push_back(viewOf(*guide));
+  const auto width = static_cast<uint32_t>(colour.width), height = static_cast<uint32_t>(colour.height);
   Upscaler::Options options{.fp16 = options_.fp16, .exposure = options_.exposure};
   options.tiles = {.memoryBytes = options_.memoryBytes, .exact = true};
   options.tune = Upscaler::Tune::never;
-  Upscaler upscaler(device, model, static_cast<uint32_t>(colour.width), static_cast<uint32_t>(colour.height), options);
+  std::unique_ptr<Upscaler> network = prepared_.take(model, width, height);
+  if (!network) network = std::make_unique<Upscaler>(device, model, width, height, options);
   Image result(colour.width, colour.height, 3);
   const auto start = std::chrono::steady_clock::now();
-  if (!upscaler.run(viewOf(colour), views, result.pixels, options_.progress))
+  if (!network->run(viewOf(colour), views, result.pixels, options_.progress))
     throw Cancelled("The denoiser was stopped.");
   runSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  deviceBytes_ = std::max(deviceBytes_, upscaler.deviceBytes());
-  tiling_ = upscaler.tiling();
+  deviceBytes_ = std::max(deviceBytes_, network->deviceBytes());
+  tiling_ = network->tiling();
+  if (options_.staysPrepared) prepared_.put(device, model, width, height, std::move(network));
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/image_denoiser.h"
+#include "app/prepared_networks.h"
 #include "image/image.h"
 #include "xrds/xrds.hpp"
 
@@ -26,6 +27,7 @@ class NetworkDenoiser {
     bool fp16 = false;
     uint64_t memoryBytes = 0;                // as TileOptions
     std::function<bool(double)> progress{};  // of each network, as Upscaler::Progress; false ends with Cancelled
+    bool staysPrepared = false;              // for the next image of the same size; memoryBytes must be 0
   };
 
   explicit NetworkDenoiser(Options options) : options_(std::move(options)) {}
@@ -48,6 +50,9 @@ class NetworkDenoiser {
   Image denoisedAlbedo(Device& device, const Image& albedo);
   Image denoisedNormal(Device& device, const Image& normal);
 
+  /// Gives back what stays prepared: before the device goes.
+  void release() { prepared_.clear(); }
+
   /// "Open Image Denoise 2.5.1, rt_hdr_alb_nrm": the network of denoised() that ran last.
   const std::string& name() const { return name_; }
   /// The most device memory that a network took, arena and weights, in bytes.
@@ -64,6 +69,7 @@ class NetworkDenoiser {
 
   Options options_;
   std::map<std::string, Model> models_;
+  PreparedNetworks prepared_;
   std::string name_;
   uint64_t deviceBytes_ = 0;
   double runSeconds_ = 0;

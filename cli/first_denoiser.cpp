@@ -8,11 +8,15 @@
 namespace xrds {
 namespace {
 
-NetworkDenoiser::Options networkOptions(const UpscaleOptions& options, const Upscaler::Progress& progress) {
+using Frames = FirstDenoiser::Frames;
+
+NetworkDenoiser::Options networkOptions(const UpscaleOptions& options, Frames frames,
+                                        const Upscaler::Progress& progress) {
   return {.folder = options.denoisers,
           .fp16 = options.precision == kFp16,
           .memoryBytes = parseBytes(options.memory),
-          .progress = progress};
+          .progress = progress,
+          .staysPrepared = frames == Frames::many && options.memory.empty()};
 }
 
 // Guides of the frame that a network takes: none, the albedo, albedo and normal.
@@ -21,7 +25,7 @@ size_t guidesOf(const Frame& frame) { return !frame.imageOf(kAlbedo.name) ? 0 : 
 }  // namespace
 
 bool denoisesOnDevice(const UpscaleOptions& options, const Frame& frame) {
-  return FirstDenoiser(options, {}).takes(frame);
+  return FirstDenoiser(options, Frames::one, {}).takes(frame);
 }
 
 void denoiseByLibrary(const UpscaleOptions& options, Frame& frame) {
@@ -31,8 +35,8 @@ void denoiseByLibrary(const UpscaleOptions& options, Frame& frame) {
   });
 }
 
-FirstDenoiser::FirstDenoiser(const UpscaleOptions& options, const Upscaler::Progress& progress)
-    : options_(options), networks_(networkOptions(options, progress)) {}
+FirstDenoiser::FirstDenoiser(const UpscaleOptions& options, Frames frames, const Upscaler::Progress& progress)
+    : options_(options), networks_(networkOptions(options, frames, progress)) {}
 
 bool FirstDenoiser::takes(const Frame& frame) {
   if (!options_.denoiseFirst || options_.denoiseBy == "library") return false;

@@ -34,8 +34,8 @@ std::vector<Upscaler::CheckRow> runCheck(Device& device, const Model& model, con
 void denoiseFirst(Device& device, Frame& frame, const UpscaleOptions& options) {
   if (!denoisesOnDevice(options, frame)) return;
   ProgressBar bar(options.quiet);
-  failingWith(ExitCode::device,
-              [&] { FirstDenoiser(options, [&](double share) { return bar.update(share); }).denoise(device, frame); });
+  FirstDenoiser denoiser(options, FirstDenoiser::Frames::one, [&](double share) { return bar.update(share); });
+  failingWith(ExitCode::device, [&] { denoiser.denoise(device, frame); });
 }
 
 Upscaled compute(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {

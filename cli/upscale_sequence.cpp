@@ -42,7 +42,7 @@ class Worker {
         options_(options),
         opened_(opened),
         merger_(opened.model.scale()),
-        denoiser_(options, [](double) { return !interrupted(); }) {}
+        denoiser_(options, FirstDenoiser::Frames::many, [](double) { return !interrupted(); }) {}
 
   /// Opens the device, tunes it where that is asked for, and says what there is to say. Throws Failure.
   void open(const UpscaleInput& first) {
@@ -96,6 +96,7 @@ class Worker {
     alpha_.reset();
     upscaler_.reset();
     merger_.release();
+    denoiser_.release();
   }
 
   template <class Action>
