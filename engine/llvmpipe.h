@@ -12,8 +12,7 @@ struct LlvmpipeTraits {
   bool wideVectors = true;
   /// What is equal in all lanes is a scalar to the compiler, and fma() is one instruction (from Mesa 25.1 on).
   bool knowsUniforms = false;
-  /// It takes long to prepare programs with many loads of shared memory (engine/shared_loads.h): seen of Mesa 22.3, and
-  /// taken for so of all before 25.1.
+  /// It takes long to prepare programs with many loads of shared memory (engine/shared_loads.h): all versions tried.
   bool comparesSharedLoads = false;
 };
 

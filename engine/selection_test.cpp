@@ -113,7 +113,7 @@ TEST(Llvmpipe, IsKnownByItsVersion) {
     EXPECT_FALSE(llvmpipeTraits(driver).knowsUniforms) << driver;
     EXPECT_TRUE(llvmpipeTraits(driver).comparesSharedLoads) << driver;
   }
-  EXPECT_FALSE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").comparesSharedLoads);
+  EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").comparesSharedLoads);
   EXPECT_FALSE(llvmpipeTraits("radv Mesa 22.3.6").comparesSharedLoads);
   EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").wideVectors);
   EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").knowsUniforms);

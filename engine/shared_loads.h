@@ -6,9 +6,10 @@
 
 namespace xrds {
 
-/// The SPIR-V module with its loads of shared memory made volatile. Mesa 22.3 compares each load that is not with all
-/// before it, to find those of the same place: kernels that read thousands of weights, each once, take two to three
-/// times as long to prepare. llvmpipe makes the same machine code of both.
+/// The SPIR-V module with its loads of shared memory made volatile. Mesa compares each load that is not with all before
+/// it, to find those of the same place. Kernels that read thousands of weights, each once, are prepared in a third of
+/// the time without, by Mesa 22.3, the whole U-Net of xrds denoise in 0.7 of it by 25.0 and 26.1; their speed is the
+/// same.
 std::vector<uint32_t> withVolatileSharedLoads(SpirvWords module);
 
 }  // namespace xrds
