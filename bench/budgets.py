@@ -86,7 +86,7 @@ class Measurement:
             self.quality(*here, "denoised first", self.of_scale(scale, "compact", "live"), "--denoise-first")
 
     def denoised(self, data, folder):
-        for free in (False, True) if data == "val" else (True,):
+        for free in (True,) if data == "live" else (False, True):
             for spp in DENOISED_SPP:
                 images = self.work / f"{data}-{spp}{'-free' * free}"
                 run = subprocess.run([sys.executable, HERE / "oidn.py", folder, images, "--spp", str(spp), "--prefilter", *["--free-guides"] * free], capture_output=True, text=True)
@@ -103,7 +103,7 @@ def measure(options):
         for part in options.parts:
             first = len(found.rows)
             for data in ("val", "live", "large"):
-                if data == "val" or part != "path-traced":      # the others have no renders for it
+                if data != "live" or part != "path-traced":      # which has no renders for it
                     measures[part](data, getattr(options, data))
             for row in found.rows[first:]:
                 row.update(part=part, commit=tables.commit())
@@ -138,7 +138,8 @@ def chart(rows, title, path):
 PARTS = (("val", "path", "Guides of the same paths, ten scenes of 256 x 256", "budgets_val"),
          ("val", "free", "Clean guides that cost nothing, the same scenes", "budgets_val_free"),
          ("live", "free", "Clean guides that cost nothing, ten scenes of 256 x 256 for few samples", "budgets_live"),
-         ("large", "free", "Clean guides that cost nothing, one frame of 1024 x 1024", "budgets_large"))
+         ("large", "path", "Guides of the same paths, {scenes} scenes of 1024 x 1024", "budgets_large_path"),
+         ("large", "free", "Clean guides that cost nothing, {scenes} scenes of 1024 x 1024", "budgets_large"))
 
 
 def write():
@@ -153,6 +154,7 @@ def write():
         rows = [row for row in report["rows"] if row["data"] == data and (row["aux"] == "converged") == (kind == "free")]
         if not rows:
             continue
+        title = title.format(scenes=rows[0]["scenes"])
         chart(rows, title, HERE / "images" / f"{image}.svg")
         text += [f"## {title}", "", f"![{title}](images/{image}.svg)", "", table(rows)]
     (HERE / "budgets.md").write_text("\n".join(text))
