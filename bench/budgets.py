@@ -26,6 +26,7 @@ PATH_TRACED = ((4, 64, 16), (4, 64, 4), (4, 64, 1), (4, 16, 4), (4, 16, 1), (2, 
 # Renders whose guides are clean and cost nothing: scale, samples of the colour.
 FREE = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4), (2, 16))
 DENOISED_SPP = (1, 2, 4, 8, 16)
+FOLDERS = ("val", "live", "large")
 PART_NAMES = ("path-traced", "free", "denoised")
 KEPT = tables.RESULTS / "budgets.json"
 
@@ -95,19 +96,19 @@ class Measurement:
 
 
 def measure(options):
-    """Adds the rows of the parts and models that are asked for to the others that were measured before, of the same commit or another."""
+    """Adds the rows of the parts, folders and models that are asked for to the others that were measured before, of the same commit or another."""
     kept = json.loads(KEPT.read_text())["rows"] if KEPT.exists() else []
     with tempfile.TemporaryDirectory() as work:
         found = Measurement(options.xrds, pathlib.Path(work), options.models)
         measures = {"path-traced": found.path_traced, "free": found.free_guides, "denoised": found.denoised}
         for part in options.parts:
             first = len(found.rows)
-            for data in ("val", "live", "large"):
+            for data in options.data:
                 if data != "live" or part != "path-traced":      # which has no renders for it
                     measures[part](data, getattr(options, data))
             for row in found.rows[first:]:
                 row.update(part=part, commit=tables.commit())
-    rows = [row for row in kept if row["part"] not in options.parts or options.models and row["model"] not in options.models] + found.rows
+    rows = [row for row in kept if row["part"] not in options.parts or row["data"] not in options.data or options.models and row["model"] not in options.models] + found.rows
     tables.keep("budgets", {**tables.origin(), "command": "python3 bench/budgets.py measure VAL LIVE LARGE", "rows": rows})
 
 
@@ -138,8 +139,8 @@ def chart(rows, title, path):
 PARTS = (("val", "path", "Guides of the same paths, ten scenes of 256 x 256", "budgets_val"),
          ("val", "free", "Clean guides that cost nothing, the same scenes", "budgets_val_free"),
          ("live", "free", "Clean guides that cost nothing, ten scenes of 256 x 256 for few samples", "budgets_live"),
-         ("large", "path", "Guides of the same paths, {scenes} scenes of 1024 x 1024", "budgets_large_path"),
-         ("large", "free", "Clean guides that cost nothing, {scenes} scenes of 1024 x 1024", "budgets_large"))
+         ("large", "path", "Guides of the same paths, {scenes} of 1024 x 1024", "budgets_large_path"),
+         ("large", "free", "Clean guides that cost nothing, {scenes} of 1024 x 1024", "budgets_large"))
 
 
 def write():
@@ -154,7 +155,8 @@ def write():
         rows = [row for row in report["rows"] if row["data"] == data and (row["aux"] == "converged") == (kind == "free")]
         if not rows:
             continue
-        title = title.format(scenes=rows[0]["scenes"])
+        count = rows[0]["scenes"]
+        title = title.format(scenes="one frame" if count == 1 else f"{count} frames")
         chart(rows, title, HERE / "images" / f"{image}.svg")
         text += [f"## {title}", "", f"![{title}](images/{image}.svg)", "", table(rows)]
     (HERE / "budgets.md").write_text("\n".join(text))
@@ -165,7 +167,7 @@ def command_line(description):
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     verbs = parser.add_subparsers(dest="verb", required=True)
     measuring = verbs.add_parser("measure")
-    for name in ("val", "live", "large"):
+    for name in FOLDERS:
         measuring.add_argument(name, type=pathlib.Path)
     measuring.add_argument("--xrds", default=str(ROOT / "build/release/cli/xrds"))
     verbs.add_parser("write")
@@ -175,6 +177,7 @@ def command_line(description):
 def main():
     parser, measuring = command_line(__doc__)
     measuring.add_argument("--parts", nargs="+", choices=PART_NAMES, default=PART_NAMES, help="measure these alone")
+    measuring.add_argument("--data", nargs="+", choices=FOLDERS, default=FOLDERS, help="of these folders alone")
     measuring.add_argument("--models", nargs="+", default=(), help="of the models, and OIDN, these alone")
     options = parser.parse_args()
     return measure(options) if options.verb == "measure" else write()
