@@ -46,7 +46,9 @@ VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipel
   const auto program = gpu.options.programs ? gpu.options.programs(key.program) : std::span<const uint32_t>{};
   if (program.empty()) throw std::logic_error("There is no program \"" + key.program + "\".");
   std::vector<uint32_t> words = visibleAtBarriers(program);
-  if (llvmpipeTraits(gpu.description.driver).comparesSharedLoads) words = withVolatileSharedLoads(words);
+  // The other families read the same place again and again.
+  const bool readsOnce = key.program.find("_lane") != std::string::npos;
+  if (readsOnce && llvmpipeTraits(gpu.description.driver).comparesSharedLoads) words = withVolatileSharedLoads(words);
   VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   moduleInfo.codeSize = words.size() * sizeof(uint32_t);
   moduleInfo.pCode = words.data();
