@@ -47,7 +47,7 @@ VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipel
   if (program.empty()) throw std::logic_error("There is no program \"" + key.program + "\".");
   std::vector<uint32_t> words = visibleAtBarriers(program);
   // The other families read the same place again and again.
-  const bool readsOnce = key.program.find("_lane") != std::string::npos;
+  const bool readsOnce = key.program.find(std::string("_") + nameOf(KernelFamily::lane)) != std::string::npos;
   if (readsOnce && llvmpipeTraits(gpu.description.driver).comparesSharedLoads) words = withVolatileSharedLoads(words);
   VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   moduleInfo.codeSize = words.size() * sizeof(uint32_t);
