@@ -1,8 +1,6 @@
 #include "frames/frame_exposure.h"
 
-#include <algorithm>
-#include <cmath>
-
+#include "shaders/binned_exposure/binned_exposure.h"
 #include "shaders/exposure/exposure.h"
 
 namespace xrds {
@@ -16,29 +14,9 @@ FrameExposure exposureOnHost(const PixelView& colour) {
 }
 
 FrameExposure binnedExposure(const PixelView& colour) {
-  constexpr uint32_t kBin = 16;
-  constexpr double kDarkest = 1e-8, kBrightest = 3.4028234e38;
-  const uint64_t rows = ceilDivide(colour.height, kBin), columns = ceilDivide(colour.width, kBin);
-  const auto inside = [&](float value) { return value > 0 ? std::min<double>(value, kBrightest) : 0.0; };  // NaN: 0
-  double logarithms = 0;
-  uint64_t count = 0;
-  for (uint64_t i = 0; i < rows; ++i)
-    for (uint64_t j = 0; j < columns; ++j) {
-      const uint64_t top = i * colour.height / rows, bottom = (i + 1) * colour.height / rows;
-      const uint64_t left = j * colour.width / columns, right = (j + 1) * colour.width / columns;
-      double sum = 0;
-      for (uint64_t y = top; y < bottom; ++y)
-        for (uint64_t x = left; x < right; ++x) {
-          const float* rgb = colour.pixels + (y * colour.width + x) * colour.stride;
-          sum += 0.212671 * inside(rgb[0]) + 0.715160 * inside(rgb[1]) + 0.072169 * inside(rgb[2]);
-        }
-      const double luminance = sum / static_cast<double>((bottom - top) * (right - left));
-      if (luminance <= kDarkest) continue;
-      logarithms += std::log(luminance);
-      ++count;
-    }
-  if (count == 0) return {};
-  return static_cast<float>(0.18 / std::exp(logarithms / static_cast<double>(count)));
+  return static_cast<float>(binnedExposureOf(colour.height, colour.width, [&](uint32_t y, uint32_t x, uint32_t c) {
+                              return colour.pixels[(size_t{y} * colour.width + x) * colour.stride + c];
+                            }).exposure);
 }
 
 FrameExposure exposureOf(Gpu& gpu, const PixelView& colour, Buffer& scratch) {

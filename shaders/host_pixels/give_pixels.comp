@@ -1,18 +1,20 @@
-// Pixels in any buffer from an image: target[y][x] = source[top + y][left + x], three channels or these and 1. Two pixels
-// side by side an invocation, so that three halves a pixel make whole words; behind the last one of a row the word's
-// other half stays. Halves are rounded to nearest and clamped to +-65504.
+// Pixels in any buffer from an image: target[y][x] = source[top + y][left + x], three channels, or these and 1, or all
+// four. Two pixels side by side an invocation, so that three halves a pixel make whole words; behind the last one of a
+// row the word's other half stays. Halves are rounded to nearest and clamped to +-65504.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/common/half.glsl"
 #include "shaders/host_pixels/host_pixels.h"
 layout(constant_id = 0) const bool kHalves = false;
+layout(constant_id = 1) const bool kMarksLost = false;  // the fourth channel is the source's
 layout(local_size_x = kImageGroupWidth, local_size_y = kImageGroupHeight) in;
 layout(binding = 0, std430) buffer Target { uint target[]; };
 layout(binding = 1, std430) readonly buffer Source { vec4 source[]; };
 layout(push_constant) uniform Push { GivePixelsParams p; };
 
 vec4 pixelAt(int x, int y) {
-  return vec4(source[(p.top + y) * p.sourceWidth + p.left + x - p.sourceOrigin].rgb, 1);
+  const vec4 pixel = source[(p.top + y) * p.sourceWidth + p.left + x - p.sourceOrigin];
+  return kMarksLost ? pixel : vec4(pixel.rgb, 1);
 }
 
 void main() {

@@ -100,6 +100,7 @@ std::vector<Dispatch> dispatches(const GivePixels& give, const DeviceTraits& dev
     const uint32_t end = std::min(give.height, begin + most);
     Dispatch band = target.isAlpha ? launch("give_alpha", target, give.width, end - begin)
                                    : launch("give_pixels", target, ceilDivide(give.width, 2), end - begin);
+    if (!target.isAlpha) band.specialization[1] = give.marksLost;
     band.bindings = {bound(kHost, Access::write, rowAt(target, give.y + begin), endOfRow(target, give.y + end - 1)),
                      bound(kGraph, Access::read, (give.top + begin) * source.rowByteSize(),
                            (give.top + end) * source.rowByteSize())};

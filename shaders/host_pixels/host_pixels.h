@@ -18,7 +18,7 @@ struct TakePixelsParams {
 
 struct GivePixelsParams {
   uint firstWord, rowWords;     // of the binding, at which row `rowBegin` begins
-  int channels;                 // 3, or 4 of which the last one is 1
+  int channels;                 // 3, or 4 of which the last one is 1 or the source's
   int width, rowBegin, rowEnd;  // that are given
   int sourceWidth, left, top;   // of the source, where pixel (0, 0) lies
   int sourceOrigin;             // pixels of the source before the binding
@@ -53,12 +53,13 @@ struct TakePixels {
 };
 
 /// Columns and rows of an f32 image [H, W, 4] from (left, top) on, to (x, y) of the target; the fourth channel
-/// becomes 1. Halves are clamped to +-65504. x and left are even. Of an alpha the target's fourth channel is written
-/// alone: the source's first one, as snappedAlpha() has it.
+/// becomes 1, unless it is to be the source's. Halves are clamped to +-65504. x and left are even. Of an alpha the
+/// target's fourth channel is written alone: the source's first one, as snappedAlpha() has it.
 struct GivePixels {
   TensorView source;
   HostPixels target;
   uint32_t left = 0, top = 0, x = 0, y = 0, width = 0, height = 0;
+  bool marksLost = false;  // the fourth channel is the source's
 };
 
 /// The launches, in bands of rows that the device can bind: value 0 is the program's buffer, value 1 the graph's, whose
