@@ -8,6 +8,8 @@
 
 namespace xrds {
 
+struct DenoisingParts;
+
 /// A model made ready to run on frames of one shape: as a whole, in tiles, or in the parts that need it.
 class FrameRunner {
  public:
@@ -28,6 +30,8 @@ class FrameRunner {
   /// What a frame is made of, for programs that run it on the device themselves; empty: which parts it has depends on
   /// its pixels.
   virtual std::vector<FramePart> parts() { return {}; }
+  /// What stands in front of the parts; null: nothing does.
+  virtual const DenoisingParts* denoising() const { return nullptr; }
   /// What skips windows; null: nothing does.
   virtual const SparseRunner* sparse() const { return nullptr; }
 };

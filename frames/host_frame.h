@@ -1,11 +1,9 @@
 #pragma once
 
-#include <list>
 #include <optional>
+#include <string>
 
-#include "frames/session.h"
-#include "frames/tiles.h"
-#include "shaders/host_pixels/host_pixels.h"
+#include "frames/frame_steps.h"
 
 namespace xrds {
 
@@ -15,23 +13,18 @@ struct FramePart {
   Tile tile;
 };
 
-/// Pixels of another program: in its buffer, or all of its image, of which `pixels` tells size and type.
-struct HostPicture {
-  HostPixels pixels;
-  const Buffer* buffer = nullptr;
-  const HostImage* image = nullptr;  // in place of the buffer
-};
-
 struct HostPictures {
   HostPicture colour;                  // [h, w]
   std::vector<HostPicture> auxiliary;  // [s h, s w] each, in the model's order
   HostPicture output;                  // [s h, s w]
   HostPicture alpha;                   // [h, w], for the parts of an alpha
   /// The exposure: of one float of a buffer, which is read with each frame; else given; else as the frame's mean
-  /// luminance has it.
+  /// luminance has it, or the bins of it where the model takes that.
   const Buffer* exposureBuffer = nullptr;
   uint64_t exposureOffset = 0;
   std::optional<float> exposure{};
+  bool binnedExposure = false;
+  bool marksLost = false;  // the output's fourth channel is not 1, but as Session::downloadRows() has it
 };
 
 /// A frame as dispatches from another program's pixels to its pixels, none of which passes the host: ready to be
@@ -44,22 +37,17 @@ class HostFrame {
   HostFrame(Gpu& gpu, std::span<const FramePart> parts, const HostPictures& pictures,
             std::span<const FramePart> alphaParts = {});
 
-  std::span<const PlacedDispatch> dispatches() const { return placed_; }
+  std::span<const PlacedDispatch> dispatches() const { return steps_.dispatches(); }
+  /// Device memory of its own, beside that of the sessions.
+  uint64_t byteSize() const { return steps_.byteSize(); }
 
  private:
-  const Buffer& ownBuffer(uint64_t byteSize);
-  HostPicture inBuffer(const HostPicture& picture);
-  void take(const HostPicture& from, const Rectangle& part, const TensorView& to, const Buffer& graph, uint64_t offset,
-            uint32_t channel = 0, uint32_t cleared = 0);
   const Buffer* prepareExposure(std::span<const FramePart> parts, const HostPictures& pictures);
   void addParts(std::span<const FramePart> parts, const HostPictures& pictures);
   void addPart(const FramePart& part, const HostPictures& pictures, const Buffer* exposure);
-  void copy(const ByteRange& from, const ByteRange& to);
-  void place(std::span<const Dispatch> dispatches, const Buffer& host, const Buffer& graph, uint64_t graphOffset);
 
   Gpu& gpu_;
-  std::list<Buffer> own_;
-  std::vector<PlacedDispatch> placed_;
+  FrameSteps steps_;
 };
 
 }  // namespace xrds
