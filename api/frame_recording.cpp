@@ -7,7 +7,7 @@
 #include "api/c/sized.h"
 #include "engine/host_device.h"
 #include "engine/host_recording.h"
-#include "frames/frame_runner.h"
+#include "frames/denoised_frame.h"
 #include "network/oidn.h"
 
 namespace xrds {
@@ -17,6 +17,7 @@ using c::checkSize, c::numberOf, c::required;
 struct RecordedFrame::State {
   State(FrameUpscaler& upscaler, const XrdsVulkanFrame& given, const FrameUpscaler* alpha);
   HostPicture pictureOf(const XrdsVulkanImage& image, const std::string& what, uint32_t scale, uint32_t fewest = 3);
+  std::span<const PlacedDispatch> dispatches() const { return frame ? frame->dispatches() : denoised->dispatches(); }
   void takeExposure(const XrdsVulkanFrame& given, HostPictures& pictures);
 
   Gpu& gpu;
@@ -27,6 +28,7 @@ struct RecordedFrame::State {
   std::list<HostImage> images;
   std::vector<FramePart> parts, alphaParts;
   std::optional<HostFrame> frame;
+  std::optional<DenoisedFrame> denoised;  // in place of the frame
   std::optional<HostRecording> recording;
   std::optional<Recording> ownRuns;  // made by the first run()
 };
@@ -133,12 +135,13 @@ RecordedFrame::State::State(FrameUpscaler& upscaler, const XrdsVulkanFrame& give
     alphaParts = alpha->parts();
   }
   takeExposure(given, pictures);
-  if (!pictures.exposure && takesBinnedExposure(config))
-    throw InvalidArgument(
-        "The exposure of this network is computed on the host: create the upscaler with the option exposure.");
+  pictures.binnedExposure = takesBinnedExposure(config);
   parts = upscaler.parts();
-  frame.emplace(gpu, parts, pictures, alphaParts);
-  recording.emplace(gpu, frame->dispatches());
+  if (const DenoisingParts* const denoising = upscaler.denoising())
+    denoised.emplace(gpu, *denoising, parts, inputs, pictures, alphaParts);
+  else
+    frame.emplace(gpu, parts, pictures, alphaParts);
+  recording.emplace(gpu, dispatches());
 }
 
 RecordedFrame::RecordedFrame(FrameUpscaler& upscaler, const XrdsVulkanFrame& frame, const FrameUpscaler* alpha)
@@ -157,7 +160,7 @@ bool RecordedFrame::run(const Upscaler::Progress& progress) {
   const RecordingOptions asked{.timestamps = state_->options.profile,
                                .multiplyAddsPerSubmission = state_->options.multiplyAddsPerSubmission,
                                .measuresPace = true};
-  if (!state_->ownRuns) state_->ownRuns.emplace(state_->gpu, state_->frame->dispatches(), asked);
+  if (!state_->ownRuns) state_->ownRuns.emplace(state_->gpu, state_->dispatches(), asked);
   return state_->ownRuns->run(countingShare(progress));
 }
 
@@ -165,7 +168,7 @@ float RecordedFrame::exposure() const { return state_->parts.front().session->ex
 
 std::vector<Upscaler::ProfileRow> RecordedFrame::profile() const {
   if (!state_->ownRuns) return {};
-  return profileRows(timesOf(state_->frame->dispatches(), state_->ownRuns->gpuMicroseconds()));
+  return profileRows(timesOf(state_->dispatches(), state_->ownRuns->gpuMicroseconds()));
 }
 
 }  // namespace xrds

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "api/arguments.h"
+#include "api/denoising.h"
 #include "api/finite_image.h"
 #include "api/layer_frame.h"
 #include "api/model.h"
@@ -30,86 +31,17 @@ FrameInput inputOf(const NetworkConfig& config, const PixelView& colour, std::sp
   return input;
 }
 
-// Of a small frame on a CPU nearly all the time is the driver's, which optimizes kernels of written-out products.
-KernelFamily familyFor(const Gpu& gpu, FrameShape frame) {
-  if (gpu.hasAskedFamily()) return gpu.traits().family;
-  return kernelFamilyOf(Upscaler::kernelFamily(nameOf(gpu.traits().family), frame.width, frame.height));
-}
-
-// Of frames that the device's own family makes, and that one graph can hold.
-bool mayTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame) {
-  const bool isOneGraph = std::max(frame.width, frame.height) <= kMaxSide / model.config().scale;
-  return isOneGraph && !gpu.hasAskedFamily() && familyFor(gpu, frame) == gpu.traits().family;
-}
-
-SessionOptions sessionOptions(const Gpu& gpu, const NetworkModel& model, FrameShape frame,
-                              const Upscaler::Options& options) {
-  const Precision precision = options.fp16 ? Precision::fp16 : Precision::fp32;
-  const KernelFamily family = familyFor(gpu, frame);
-  KernelTable kernels;
-  if (mayTune(gpu, model, frame)) kernels = tunedKernels(gpu, model, frame, precision).value_or(kernels);
-  return {.precision = precision,
-          .autoExposure = !options.exposure.has_value(),
-          .timestamps = options.profile,
-          .multiplyAddsPerSubmission = options.multiplyAddsPerSubmission,
-          .family = family,
-          .kernels = std::move(kernels)};
-}
-
-SparseOptions sparseOptions(const NetworkConfig& config, const Upscaler::Options& options) {
-  if (options.tiles.wrap)
-    throw InvalidArgument(
-        "A panorama whose borders continue into each other is computed in full: skip nothing, or do not wrap.");
-  // Around what is quiet one window is enough: bench/skip.md. Around what moved it is not.
-  const uint32_t bounded =
-      options.skip.keepUnchanged ? boundedHalo(config) : std::min(config.window, exactHalo(config));
-  const uint32_t halo = options.tiles.halo.value_or(options.tiles.exact ? exactHalo(config) : bounded);
-  return {.bound = options.skip.bound, .keepUnchanged = options.skip.keepUnchanged, .reach = halo, .halo = halo};
-}
-
-bool pays(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Precision precision) {
-  const double pace = gpu.pace().mean;
-  if (pace <= 0 || !mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, precision)) return false;
-  const NodeCost work =
-      cost(buildGraph(model.config(), frame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})));
-  return static_cast<double>(work.multiplyAdds + work.attentionMultiplyAdds) >= Upscaler::kSecondsThatPay * pace;
-}
-
-uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
-  return options.memoryBytes ? options.memoryBytes : gpu.description().memoryBytes / 4 * 3;
-}
-
-// Throws Error if the memory has no room for the smallest tiles.
-Tiling tilingIn(uint64_t memory, const Gpu& gpu, const NetworkModel& model, FrameShape frame,
-                const Upscaler::Options& options, const SessionOptions& of) {
-  DeviceTraits traits = gpu.traits();
-  traits.family = *of.family;
-  traits.memoryBytes = std::min(traits.memoryBytes, memory);
-  return tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels, of.layers});
-}
-
-// Before the upscaler holds any memory of the device. A frame that the memory refuses is refused at once.
-void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Upscaler::Options& options) {
-  if (options.tune == Upscaler::Tune::never) return;
-  if (options.tune == Upscaler::Tune::automatic && gpu.isShared()) return;  // who owns the queue wants it
-  TuningOptions tuning{.precision = options.fp16 ? Precision::fp16 : Precision::fp32};
-  if (options.tune == Upscaler::Tune::automatic && !pays(gpu, model, frame, tuning.precision)) return;
-  if (!mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, tuning.precision)) return;
-  tilingIn(memoryOf(gpu, options.tiles), gpu, model, frame, options, sessionOptions(gpu, model, frame, options));
-  if (options.onTuning) tuning.progress = [&](const TuningStep& step) { return options.onTuning(step.share); };
-  tune(gpu, model, frame, tuning);
-}
-
 }  // namespace
 
 struct FrameUpscaler::State {
-  State(Gpu& device, const NetworkModel& weights, FrameShape shape, const Options& given)
-      : gpu(device), model(weights), config(model.config()), frame(shape), options(given) {
+  State(Gpu& device, const NetworkModel& weights, FrameShape shape, const Options& given,
+        const DenoisingModels& denoisers)
+      : gpu(device), model(weights), denoising(denoisers), config(model.config()), frame(shape), options(given) {
     if (options.ensemble == 8 && frame.width != frame.height) {
       options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
       Options once = options;
       once.ensemble = 1;
-      turned = std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once);
+      turned = std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once, DenoisingModels());
     }
     prepareAsFits();
   }
@@ -126,15 +58,14 @@ struct FrameUpscaler::State {
     SessionOptions of = sessionOptions(gpu, model, frame, options);
     of.memoryBytes = memory;
     of.layers = layerCount;
-    tiling = tilingIn(memory, gpu, model, frame, options, of);
-    const bool skips = options.skip.bound > 0 || options.skip.keepUnchanged;
-    if (tiling.columns * tiling.rows == 1 && !options.tiles.wrap && !skips) {
-      runner = wholeRunner(gpu, model, frame, of);
+    if (denoising) {
+      auto plan = planDenoised(gpu, model, frame, denoising, options, of, memory);
+      tiling = plan.tiling;
+      runner = std::move(plan.runner);
       return;
     }
-    const auto tiles = cutFrame(frame, config.window, {tiling.columns, tiling.rows, tiling.halo, options.tiles.wrap});
-    runner =
-        skips ? partsRunner(gpu, model, tiles, of, sparseOptions(config, options)) : tiledRunner(gpu, model, tiles, of);
+    tiling = tilingIn(memory, gpu, model, frame, options, of);
+    runner = runnerOf(gpu, model, frame, options, of, tiling);
   }
 
   // The device has less memory than it says, for other programs use it: tiles of half as much, again and again.
@@ -158,6 +89,8 @@ struct FrameUpscaler::State {
     if (count > 0 && (options.skip.bound > 0 || options.skip.keepUnchanged))
       throw InvalidArgument(
           "Layers are made of every pixel of the frame: an upscaler that leaves out windows cannot make them.");
+    if (denoising)
+      throw InvalidArgument("An upscaler with denoisers makes no layers: denoise them before, and the colour as well.");
     if (isRecorded)
       throw InvalidArgument("The upscaler is part of a recording, which layers would change: create another one.");
     if (turned) turned->planLayers(count);
@@ -218,6 +151,7 @@ struct FrameUpscaler::State {
 
   Gpu& gpu;
   const NetworkModel& model;
+  const DenoisingModels denoising;
   NetworkConfig config;
   FrameShape frame;
   Options options;
@@ -230,14 +164,16 @@ struct FrameUpscaler::State {
   Upscaler::Repairs repairs{};
 };
 
-FrameUpscaler::FrameUpscaler(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& options)
-    : state_((checkOptions(options), checkShape(model.config(), shape), tuneIfAsked(gpu, model, shape, options),
-              new State(gpu, model, shape, options))) {}
+FrameUpscaler::FrameUpscaler(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& options,
+                             const DenoisingModels& denoising)
+    : state_((checkOptions(options), checkShape(model.config(), shape),
+              checkDenoising(model.config(), denoising, options), tuneIfAsked(gpu, model, shape, options),
+              new State(gpu, model, shape, options, denoising))) {}
 FrameUpscaler::~FrameUpscaler() = default;
 
 bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, bool fp16) {
   checkShape(model.config(), frame);
-  return pays(gpu, model, frame, fp16 ? Precision::fp16 : Precision::fp32);
+  return tuningPays(gpu, model, frame, fp16 ? Precision::fp16 : Precision::fp32);
 }
 
 bool FrameUpscaler::run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,
@@ -339,6 +275,8 @@ std::vector<FramePart> FrameUpscaler::parts() const {
   state_->isRecorded = true;
   return parts;
 }
+
+const DenoisingParts* FrameUpscaler::denoising() const { return state_->runner->denoising(); }
 
 std::vector<float> upscaledAlpha(FrameUpscaler& bicubic, std::span<const float> alpha) {
   const FrameShape shape = bicubic.shape();

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "api/denoising.h"
 #include "frames/host_frame.h"
 #include "network/network_model.h"
 #include "xrds/stress.h"
@@ -17,8 +18,9 @@ class FrameUpscaler {
   using Options = Upscaler::Options;
   using Progress = Upscaler::Progress;
 
-  /// Device and model must outlive it.
-  FrameUpscaler(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& options);
+  /// Device and models must outlive it.
+  FrameUpscaler(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& options,
+                const DenoisingModels& denoising = {});
   ~FrameUpscaler();
   FrameUpscaler(const FrameUpscaler&) = delete;
   FrameUpscaler& operator=(const FrameUpscaler&) = delete;
@@ -39,6 +41,8 @@ class FrameUpscaler {
   FrameShape shape() const;  // of the low-resolution colour
   /// What a frame is made of. Throws InvalidArgument where that depends on its pixels, or it takes several passes.
   std::vector<FramePart> parts() const;
+  /// What stands in front of it; null: no denoiser.
+  const DenoisingParts* denoising() const;
 
  private:
   struct State;

@@ -317,8 +317,10 @@ constexpr const char* kSmall = "scale=1 size=small input=hdr width_divisor=8 aux
 
 const Architecture kOidn{"oidn", parse, describe, forward, kPublished, kSmall};
 
-bool takesBinnedExposure(const NetworkConfig& config) {
-  return config.architecture == kOidn.name && curveOf(config) == FrameCurve::hdr;
+bool takesBinnedExposure(const NetworkConfig& config) { return denoisedImage(config) == "hdr"; }
+
+std::string denoisedImage(const NetworkConfig& config) {
+  return config.architecture == kOidn.name ? kInputs[config.symbol("input")] : "";
 }
 
 }  // namespace xrds

@@ -28,16 +28,23 @@ struct XrdsModel {
   uint32_t scale() const { return model.config().scale; }
 };
 
+/// Models that the options of an upscaler name; null where they name none.
+struct XrdsDenoisers {
+  std::shared_ptr<XrdsModel> colour, albedo, normal;
+  xrds::DenoisingModels models() const;
+};
+
 /// An upscaler with what it needs alive. `use` is held by the thread that runs it, `device->access` as well.
 struct XrdsUpscaler {
-  XrdsUpscaler(std::shared_ptr<XrdsDevice> device, std::shared_ptr<XrdsModel> model, uint32_t width, uint32_t height,
-               const xrds::Upscaler::Options& options);
+  XrdsUpscaler(std::shared_ptr<XrdsDevice> device, std::shared_ptr<XrdsModel> model, XrdsDenoisers denoisers,
+               uint32_t width, uint32_t height, const xrds::Upscaler::Options& options);
   ~XrdsUpscaler();
   /// What upscales an alpha, made when it is first asked for; `device->access` must be held.
   xrds::FrameUpscaler& alphaUpscaler();
 
   const std::shared_ptr<XrdsDevice> device;
   const std::shared_ptr<XrdsModel> model;
+  const XrdsDenoisers denoisers;
   const uint32_t width, height;
   const xrds::TileOptions tiles;
   std::optional<xrds::FrameUpscaler> upscaler;

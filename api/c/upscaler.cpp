@@ -8,11 +8,21 @@
 
 using namespace xrds::c;
 
-XrdsUpscaler::XrdsUpscaler(std::shared_ptr<XrdsDevice> on, std::shared_ptr<XrdsModel> of, uint32_t frameWidth,
-                           uint32_t frameHeight, const xrds::Upscaler::Options& options)
-    : device(std::move(on)), model(std::move(of)), width(frameWidth), height(frameHeight), tiles(options.tiles) {
+xrds::DenoisingModels XrdsDenoisers::models() const {
+  const auto modelOf = [](const std::shared_ptr<XrdsModel>& handle) { return handle ? &handle->model : nullptr; };
+  return {modelOf(colour), modelOf(albedo), modelOf(normal)};
+}
+
+XrdsUpscaler::XrdsUpscaler(std::shared_ptr<XrdsDevice> on, std::shared_ptr<XrdsModel> of, XrdsDenoisers before,
+                           uint32_t frameWidth, uint32_t frameHeight, const xrds::Upscaler::Options& options)
+    : device(std::move(on)),
+      model(std::move(of)),
+      denoisers(std::move(before)),
+      width(frameWidth),
+      height(frameHeight),
+      tiles(options.tiles) {
   const std::lock_guard lock(device->access);
-  upscaler.emplace(device->gpu, model->model, xrds::FrameShape{height, width}, options);
+  upscaler.emplace(device->gpu, model->model, xrds::FrameShape{height, width}, options, denoisers.models());
 }
 
 XrdsUpscaler::~XrdsUpscaler() {
@@ -57,6 +67,16 @@ xrds::Upscaler::Options xrds::c::optionsOf(const XrdsUpscalerOptions* options) {
 }
 
 namespace {
+
+XrdsDenoisers denoisersOf(const XrdsUpscalerOptions* options) {
+  if (!options) return {};
+  const XrdsUpscalerOptions given = taken(*options, xrdsUpscalerOptionsDefault());
+  const auto opened = [](const XrdsModel* model, const char* what) {
+    return model ? Models::open().opened(model, what) : nullptr;
+  };
+  return {opened(given.denoiser, "denoiser"), opened(given.albedoDenoiser, "albedoDenoiser"),
+          opened(given.normalDenoiser, "normalDenoiser")};
+}
 
 void checkOutput(const XrdsUpscaler& upscaler, const XrdsImage& output) {
   checkImage(output, "output", 3);
@@ -167,7 +187,7 @@ XrdsResult xrdsCreateUpscaler(XrdsDevice* device, const XrdsModel* model, uint32
         return on->preparation(on->preparationUser, 2, static_cast<size_t>(1000 * share), 1000) != 0;
       };
     const auto of = Models::open().opened(model, "model");
-    out = Upscalers::open().add(std::make_shared<XrdsUpscaler>(on, of, width, height, given));
+    out = Upscalers::open().add(std::make_shared<XrdsUpscaler>(on, of, denoisersOf(options), width, height, given));
     return XRDS_OK;
   });
 }

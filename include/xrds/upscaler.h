@@ -30,6 +30,17 @@ class Upscaler {
   /// family was asked for; an upscaler that need not tune does not wait for it.
   enum class Tune : uint8_t { never, automatic, now };
 
+  /// Networks of Open Image Denoise (xrds/oidn_import.h) that take the noise out of the images before they are
+  /// upscaled; between them nothing leaves the device. Albedo and normal, unless they have no noise, each by its own;
+  /// then light at their resolution, with these; then the colour, with their box means. A full-resolution colour must
+  /// be at the level of the other one (levelledColour()). Not with an ensemble, layers, SkipOptions or
+  /// TileOptions::wrap. The exposure of these networks is their own.
+  struct Denoisers {
+    const Model* colour = nullptr;  // HDR, with as many guides as the model has of albedo and normal, or fewer
+    const Model* albedo = nullptr;  // null: the albedo has no noise
+    const Model* normal = nullptr;
+  };
+
   struct Options {
     bool fp16 = false;                // storage of activations and weights; arithmetic is fp32
     std::optional<float> exposure{};  // factor on the colour, see isExposure(); empty: from the mean log luminance
@@ -43,6 +54,7 @@ class Upscaler {
     /// A run is cut into submissions of about that much work: others wait for the device no longer than one takes.
     uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
     Tune tune = Tune::automatic;
+    Denoisers denoisers{};
     /// Hears how far the tuning is, with the share done in [0, 1]; returning false ends it, and the making of the
     /// upscaler, with Cancelled. What is known by then is kept.
     std::function<bool(double)> onTuning{};
@@ -72,7 +84,7 @@ class Upscaler {
     bool finite = true, withinBound = true;
   };
 
-  /// width x height: of the low-resolution colour. Device and model must outlive the upscaler. Throws Error if the
+  /// width x height: of the low-resolution colour. Device and models must outlive the upscaler. Throws Error if the
   /// device cannot hold even the smallest tiles of the frame, or if an option is out of range; Cancelled if
   /// Device::Options::onPreparation says so. Small frames take the plain kernels on CPU devices unless a family was
   /// asked for (kernelFamily()): they start in a tenth of the time.

@@ -25,6 +25,10 @@ inline XrdsUpscalerOptions options(const Upscaler::Options& given) {
                                                      : XRDS_TUNE_AUTO;
   asked.multiplyAddsPerSubmission = given.multiplyAddsPerSubmission;
   asked.profile = given.profile;
+  const auto handleOf = [](const Model* model) { return model ? model->handle() : nullptr; };
+  asked.denoiser = handleOf(given.denoisers.colour);
+  asked.albedoDenoiser = handleOf(given.denoisers.albedo);
+  asked.normalDenoiser = handleOf(given.denoisers.normal);
   return asked;
 }
 

@@ -216,6 +216,9 @@ int main(void) {
   FIELD(XrdsUpscalerOptions, tuning);
   FIELD(XrdsUpscalerOptions, tuningUser);
   FIELD(XrdsUpscalerOptions, profile);
+  FIELD(XrdsUpscalerOptions, denoiser);
+  FIELD(XrdsUpscalerOptions, albedoDenoiser);
+  FIELD(XrdsUpscalerOptions, normalDenoiser);
   SIZE(XrdsVulkanFeatures);
   FIELD(XrdsVulkanFeatures, shaderInt64);
   FIELD(XrdsVulkanFeatures, shaderSubgroupExtendedTypes);

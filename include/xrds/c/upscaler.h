@@ -40,6 +40,14 @@ typedef struct XrdsUpscalerOptions {
   XrdsProgress tuning;            /* hears of a tuning in place of the device's `preparation`; default NULL */
   void* tuningUser;
   int32_t profile; /* 1: each dispatch is timed for xrdsGetProfile(); default 0 */
+  /* Networks of Open Image Denoise (xrdsImportOidn()) that take the noise out of the images first; between them nothing
+   * leaves the device. Of albedo and normal, each by its own, NULL where it has no noise; then of light at their
+   * resolution, with these; then of the colour, with their box means. A full-resolution colour must be at the level of
+   * the other one (xrdsLevelColour()). Not with an ensemble, layers, skipBound, keepUnchanged or wrap. The exposure
+   * of these networks is their own. Default NULL: none; with `denoiser` NULL both others are, too. */
+  const XrdsModel* denoiser; /* for HDR colour with as many guides as the model has of albedo and normal, or fewer */
+  const XrdsModel* albedoDenoiser;
+  const XrdsModel* normalDenoiser;
 } XrdsUpscalerOptions;
 
 XRDS_API XrdsUpscalerOptions xrdsUpscalerOptionsDefault(void);
