@@ -179,6 +179,12 @@ void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) 
   denoisedBy_ = denoiser.name();
 }
 
+void Frame::levelFor(const std::string& denoisers) {
+  Image* const full = imageOf(kFullColour.name);
+  if (full && merged_) full->pixels = levelledColour(viewOf(*full), viewOf(colour_));
+  denoisedBy_ = denoisers;
+}
+
 const Image* Frame::imageOf(std::string_view input) const { return xrds::imageOf(inputs_, auxiliary_, input); }
 
 Image* Frame::imageOf(std::string_view input) { return const_cast<Image*>(std::as_const(*this).imageOf(input)); }

@@ -56,6 +56,9 @@ class Frame {
   /// Error.
   void denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes = 1);
 
+  /// After load(), in the place of denoise(): makes it what Upscaler::Denoisers take, for denoisers of that name.
+  void levelFor(const std::string& denoisers);
+
   /// An auxiliary image by the name of the input; null if it is none of inputs().
   const Image* imageOf(std::string_view input) const;
 
@@ -69,7 +72,7 @@ class Frame {
   const Image& colour() const { return colour_; }
   /// What load() merged into the colour; nothing if there was nothing to merge.
   const std::optional<MergedColour>& merged() const { return merged_; }
-  /// "Open Image Denoise 2.5.1", if denoise() was called; else empty.
+  /// "Open Image Denoise 2.5.1", if denoise() or levelFor() was called; else empty.
   const std::string& denoisedBy() const { return denoisedBy_; }
   const std::optional<Image>& alpha() const { return alpha_; }
   /// What loadLayers() found; nothing if it was not called.

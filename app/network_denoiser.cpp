@@ -36,6 +36,13 @@ bool NetworkDenoiser::has(size_t guides, bool clean, bool prefiltered) const {
   return std::all_of(kinds.begin(), kinds.end(), [&](const std::string& kind) { return !fileOf(kind).empty(); });
 }
 
+Upscaler::Denoisers NetworkDenoiser::inFront(bool hasAlbedo, bool hasNormal, bool clean) {
+  Upscaler::Denoisers found{.colour = &colourNetwork(!hasAlbedo ? 0 : !hasNormal ? 1 : 2, true)};
+  if (hasAlbedo && !clean) found.albedo = &networkOf("rt_alb");
+  if (hasNormal && !clean) found.normal = &networkOf("rt_nrm");
+  return found;
+}
+
 Image NetworkDenoiser::denoisedAlbedo(Device& device, const Image& albedo) {
   return filtered(device, networkOf("rt_alb"), albedo, {});
 }
@@ -62,6 +69,15 @@ const Model& NetworkDenoiser::networkOf(const std::string& kind) {
   throw Error("There is no network " + kind + " of Open Image Denoise in '" + folder().string() +
               "': read them once out of your own copy with 'xrds import oidn PATH', where PATH is the file "
               "libOpenImageDenoise_core.so of your system's package or of pip install pyoidn.");
+}
+
+// Its name is kept.
+const Model& NetworkDenoiser::colourNetwork(size_t guides, bool clean) {
+  const std::string kind = kindOf(options_.ldr, guides, clean);
+  const Model& model = networkOf(kind);
+  const auto source = model.metadata().find("source");
+  name_ = source == model.metadata().end() ? kind : source->second;
+  return model;
 }
 
 Image NetworkDenoiser::filtered(Device& device, const Model& model, const Image& colour,
@@ -91,11 +107,7 @@ Image NetworkDenoiser::denoised(Device& device, const Image& colour, const Image
   std::vector<const Image*> guides;
   if (albedo) guides.push_back(albedo);
   if (albedo && normal) guides.push_back(normal);
-  const std::string kind = kindOf(options_.ldr, guides.size(), clean);
-  const Model& model = networkOf(kind);
-  const auto source = model.metadata().find("source");
-  name_ = source == model.metadata().end() ? kind : source->second;
-  return filtered(device, model, colour, guides);
+  return filtered(device, colourNetwork(guides.size(), clean), colour, guides);
 }
 
 Image NetworkDenoiser::prefiltered(Device& device, const Image& colour, const Image* albedo, const Image* normal) {

@@ -40,6 +40,10 @@ class NetworkDenoiser {
   /// Whether load() would find its networks.
   bool has(size_t guides, bool clean, bool prefiltered) const;
 
+  /// Networks to stand in front of an upscaler of frames with these images: of HDR colour, with clean guides, and of
+  /// albedo and normal unless these are clean. They live as long as this. Throws Error, as load() does.
+  Upscaler::Denoisers inFront(bool hasAlbedo, bool hasNormal, bool clean);
+
   /// The colour [h, w, 3] without its noise, with the help of albedo and normal [h, w, 3]. Either may be null, the
   /// normal must be where there is no albedo. `clean`: they have no noise. Tiles, where the memory asks for them, have
   /// halos with which the picture is that of the whole frame bit for bit. Throws Error, as load() does.
@@ -53,7 +57,7 @@ class NetworkDenoiser {
   /// Gives back what stays prepared: before the device goes.
   void release() { prepared_.clear(); }
 
-  /// "Open Image Denoise 2.5.1, rt_hdr_alb_nrm": the network of denoised() that ran last.
+  /// "Open Image Denoise 2.5.1, rt_hdr_alb_nrm": the network of denoised() that ran last, or of inFront()'s colour.
   const std::string& name() const { return name_; }
   /// The most device memory that a network took, arena and weights, in bytes.
   uint64_t deviceBytes() const { return deviceBytes_; }
@@ -65,6 +69,7 @@ class NetworkDenoiser {
   std::filesystem::path folder() const;
   std::filesystem::path fileOf(const std::string& kind) const;
   const Model& networkOf(const std::string& kind);
+  const Model& colourNetwork(size_t guides, bool clean);
   Image filtered(Device& device, const Model& model, const Image& colour, const std::vector<const Image*>& guides);
 
   Options options_;

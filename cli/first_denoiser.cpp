@@ -3,6 +3,7 @@
 #include "app/byte_count.h"
 #include "app/denoiser.h"
 #include "app/failing_with.h"
+#include "app/skip_bound.h"
 #include "cli/progress.h"
 
 namespace xrds {
@@ -46,7 +47,30 @@ bool FirstDenoiser::takes(const Frame& frame) {
   return true;
 }
 
+bool FirstDenoiser::goesAlong(const Frame& frame) {
+  const bool isPlain = options_.ensemble == 1 && options_.memory.empty() && parseSkip(options_.skip) == 0 &&
+                       !options_.keepUnchanged && !options_.wrap;
+  const bool isLookedAt = options_.check || !options_.reference.empty() || !options_.sideBySide.empty();
+  return hasRoom_ && isPlain && !isLookedAt && !frame.layers() && takes(frame);
+}
+
+void FirstDenoiser::prepare(std::optional<Upscaler>& upscaler, Device& device, const Model& model, const Frame& frame) {
+  Upscaler::Options asked = options_.upscaler();
+  asked.denoisers = networks_.inFront(frame.imageOf(kAlbedo.name), frame.imageOf(kNormal.name), options_.cleanGuides);
+  try {
+    upscaler.emplace(device, model, frame.width(), frame.height(), asked);
+  } catch (const DeviceLost&) {
+    throw;
+  } catch (const Cancelled&) {
+    stopIfInterrupted();
+    throw;
+  } catch (const Error&) {  // one after the other they need less
+    hasRoom_ = false;
+  }
+}
+
 void FirstDenoiser::denoise(Device& device, Frame& frame) {
+  if (goesAlong(frame)) return frame.levelFor(networks_.name());
   DeviceDenoiser denoiser(networks_, device);
   try {
     frame.denoise(denoiser, options_.cleanGuides, options_.ensemble);

@@ -25,7 +25,17 @@ class FirstDenoiser {
   /// denoisesOnDevice() for frames of a sequence.
   bool takes(const Frame& frame);
 
-  /// Throws Error, and Failure when interrupted.
+  /// Whether the networks stand in front of the upscaler on the device, so that no image comes back in between. Not
+  /// where more is asked of the frame than one pass over all of it, where --memory is for each network alone, or where
+  /// the device had no room.
+  bool goesAlong(const Frame& frame);
+
+  /// Makes the upscaler of a frame with which the networks go along, with them in front. If they find no room there is
+  /// none, and they do not go along from then on. Throws Error. The upscaler must go before this.
+  void prepare(std::optional<Upscaler>& upscaler, Device& device, const Model& model, const Frame& frame);
+
+  /// What is left to do before the upscaler: nothing but the levels of the frame if the networks go along with it, else
+  /// all of it. Throws Error, and Failure when interrupted.
   void denoise(Device& device, Frame& frame);
 
   /// Of many frames, before the device goes.
@@ -34,6 +44,7 @@ class FirstDenoiser {
  private:
   const UpscaleOptions& options_;
   NetworkDenoiser networks_;
+  bool hasRoom_ = true;
 };
 
 }  // namespace xrds

@@ -30,16 +30,17 @@ std::vector<Upscaler::CheckRow> runCheck(Device& device, const Model& model, con
   return rows;
 }
 
-// Where that takes the device.
-void denoiseFirst(Device& device, Frame& frame, const UpscaleOptions& options) {
-  if (!denoisesOnDevice(options, frame)) return;
-  ProgressBar bar(options.quiet);
-  FirstDenoiser denoiser(options, FirstDenoiser::Frames::one, [&](double share) { return bar.update(share); });
-  failingWith(ExitCode::device, [&] { denoiser.denoise(device, frame); });
+// Where that takes the device: the upscaler is there after it if the networks go along with the frame.
+void denoiseFirst(Device& device, const Model& model, Frame& frame, FirstDenoiser& denoiser,
+                  std::optional<Upscaler>& upscaler) {
+  if (!denoiser.takes(frame)) return;
+  failingWith(ExitCode::device, [&] {
+    if (denoiser.goesAlong(frame)) denoiser.prepare(upscaler, device, model, frame);
+    denoiser.denoise(device, frame);
+  });
 }
 
-Upscaled compute(Device& device, const Model& model, const Frame& frame, const UpscaleOptions& options) {
-  Upscaler upscaler(device, model, frame.width(), frame.height(), options.upscaler());
+Upscaled compute(Upscaler& upscaler, const Model& model, const Frame& frame, const UpscaleOptions& options) {
   stopIfInterrupted();
   Upscaled result;
   {
@@ -75,16 +76,25 @@ void upscaleOn(Device& device, const Task& task) {
   auto& [opened, frame] = input;
   const int scale = static_cast<int>(opened.model.scale());
   tuneFirst(device, input, options);
-  denoiseFirst(device, frame, options);
+  std::optional<ProgressBar> bar;
+  FirstDenoiser denoiser(options, FirstDenoiser::Frames::one, [&](double share) {
+    if (!bar) bar.emplace(options.quiet);
+    return bar->update(share);
+  });
+  std::optional<Upscaler> upscaler;
+  denoiseFirst(device, opened.model, frame, denoiser, upscaler);
+  bar.reset();
   std::optional<EndsAtOnce> endsAtOnce(std::in_place);
   std::vector<Upscaler::CheckRow> checks;
   if (options.check) checks = runCheck(device, opened.model, frame, options);
-  Upscaled result = compute(device, opened.model, frame, options);
+  if (!upscaler) upscaler.emplace(device, opened.model, frame.width(), frame.height(), options.upscaler());
+  Upscaled result = compute(*upscaler, opened.model, frame, options);
+  upscaler.reset();
   result.checks = std::move(checks);
   std::optional<Image> alpha;
   if (frame.alpha()) {
-    AlphaUpscaler upscaler(device, frame.width(), frame.height(), opened.model.scale(), options.upscaler().tiles);
-    alpha = upscaleAlpha(upscaler, *frame.alpha(), scale);
+    AlphaUpscaler bicubic(device, frame.width(), frame.height(), opened.model.scale(), options.upscaler().tiles);
+    alpha = upscaleAlpha(bicubic, *frame.alpha(), scale);
   }
   endsAtOnce.reset();
   writeResult(options, input, result, alpha);

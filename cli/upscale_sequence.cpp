@@ -41,8 +41,8 @@ class Worker {
       : select_(std::move(select)),
         options_(options),
         opened_(opened),
-        merger_(opened.model.scale()),
-        denoiser_(options, FirstDenoiser::Frames::many, [](double) { return !interrupted(); }) {}
+        denoiser_(options, FirstDenoiser::Frames::many, [](double) { return !interrupted(); }),
+        merger_(opened.model.scale()) {}
 
   /// Opens the device, tunes it where that is asked for, and says what there is to say. Throws Failure.
   void open(const UpscaleInput& first) {
@@ -55,6 +55,7 @@ class Worker {
   MadeFrame compute(const FrameGroup& group) {
     MadeFrame made;
     withDevice([&] {
+      if (denoiser_.goesAlong(group.present->frame)) prepareFor(group.present->frame);
       const std::shared_ptr<const Frame> read = frameOf(group);
       const Frame& frame = *read;
       prepareFor(frame);
@@ -121,7 +122,8 @@ class Worker {
       upscaler_.reset();  // its memory may be needed
       width_ = frame.width();
       height_ = frame.height();
-      upscaler_.emplace(*device_, opened_.model, width_, height_, options_.upscaler());
+      if (denoiser_.goesAlong(frame)) denoiser_.prepare(upscaler_, *device_, opened_.model, frame);
+      if (!upscaler_) upscaler_.emplace(*device_, opened_.model, width_, height_, options_.upscaler());
     }
     if (frame.alpha() && !alpha_)
       alpha_.emplace(*device_, width_, height_, opened_.model.scale(), options_.upscaler().tiles);
@@ -131,10 +133,10 @@ class Worker {
   const UpscaleOptions& options_;
   const OpenedModel& opened_;
   std::unique_ptr<Device> device_;
+  FirstDenoiser denoiser_;
   std::optional<Upscaler> upscaler_;
   std::optional<AlphaUpscaler> alpha_;
   GroupMerger merger_;
-  FirstDenoiser denoiser_;
   uint32_t width_ = 0, height_ = 0;
 };
 
