@@ -14,6 +14,7 @@
 #include "python/native/device.h"
 #include "python/native/image.h"
 #include "python/native/temporal_filter.h"
+#include "xrds/xrds_report.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -72,10 +73,14 @@ XrdsUpscalerOptions optionsOf(const UpscalerOptions& given) {
 
 class Upscaler {
  public:
+  /// denoisers: of the colour, the albedo and the normal, each of which may be null; or none.
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const UpscalerOptions& given,
-           nb::handle progress) {
+           const std::vector<const Model*>& denoisers, nb::handle progress) {
     Call call(progress);
-    const XrdsUpscalerOptions options = optionsOf(given);
+    XrdsUpscalerOptions options = optionsOf(given);
+    const XrdsModel** const places[] = {&options.denoiser, &options.albedoDenoiser, &options.normalDenoiser};
+    for (size_t i = 0; i < std::min(denoisers.size(), std::size(places)); ++i)
+      if (denoisers[i]) *places[i] = denoisers[i]->handle();
     call.run([&] { return xrdsCreateUpscaler(device.handle(), model.handle(), width, height, &options, &handle_); });
   }
   ~Upscaler() { close(); }
@@ -172,6 +177,11 @@ void mergeColour(const Image& low, const Image& full, double lowSamples, double 
   call.run([&] { return xrdsMergeColour(&low.view(), &full.view(), lowSamples, fullSamples, &merged.view()); });
 }
 
+void levelColour(const Image& full, const Image& merged, const Image& levelled) {
+  Call call;
+  call.run([&] { return xrdsLevelColour(&full.view(), &merged.view(), &levelled.view()); });
+}
+
 double compareColour(const Image& low, const Image& full) {
   double difference = 0;
   Call call;
@@ -226,8 +236,9 @@ NB_MODULE(_native, module) {
       .def_rw("memory", &UpscalerOptions::memory)
       .def_rw("tune", &UpscalerOptions::tune);
   nb::class_<Upscaler>(module, "Upscaler")
-      .def(nb::init<Device&, const Model&, uint32_t, uint32_t, const UpscalerOptions&, nb::handle>(), "device"_a,
-           "model"_a, "width"_a, "height"_a, "options"_a, "progress"_a.none())
+      .def(nb::init<Device&, const Model&, uint32_t, uint32_t, const UpscalerOptions&, const std::vector<const Model*>&,
+                    nb::handle>(),
+           "device"_a, "model"_a, "width"_a, "height"_a, "options"_a, "denoisers"_a, "progress"_a.none())
       .def("run", &Upscaler::run, "colour"_a, "auxiliary"_a, "output"_a, "progress"_a.none())
       .def("run_layers", &Upscaler::runLayers, "colour"_a, "auxiliary"_a, "output"_a, "sets"_a, "whole"_a,
            "progress"_a.none())
@@ -239,6 +250,7 @@ NB_MODULE(_native, module) {
   module.def("find_model", &findModel);
   module.def("choose_model", &chooseModel);
   module.def("merge_colour", &mergeColour);
+  module.def("level_colour", &levelColour);
   module.def("compare_colour", &compareColour);
   module.def("import_oidn", &importOidn);
   module.def("denoiser_folder", &xrdsGetDenoiserFolder);

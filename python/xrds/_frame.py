@@ -14,6 +14,7 @@ from ._devices import Device
 from ._errors import ArgumentError, DeviceLost
 from ._layers import LayerRun, Layers
 from ._models import Model
+from ._oidn import Path
 from ._progress import Progress
 from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given
 
@@ -27,7 +28,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
-    tune: str = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
 
 
@@ -37,7 +38,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
-    tune: str = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
 
 
@@ -61,6 +62,8 @@ def upscale(
     ensemble: int = 1,
     memory: Optional[int] = None,
     tune: str = "auto",
+    denoise_first: Union[bool, Path] = False,
+    clean_guides: bool = False,
     out: Optional[Array] = None,
     progress: Optional[Progress] = None,
 ) -> Union[Result, tuple[Result, dict[str, Result]]]:
@@ -107,6 +110,8 @@ def upscale(
         "ensemble": ensemble,
         "memory": memory,
         "tune": tune,
+        "denoise_first": denoise_first,
+        "clean_guides": clean_guides,
     }
     chosen = model if model is not None else _suitable(scale, given, both is not None, samples)
     upscaler = _kept(low, chosen, device, options, progress)

@@ -8,6 +8,7 @@ from typing import Optional, Union
 
 from . import _native
 from ._errors import Error
+from ._models import Model
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -23,6 +24,32 @@ def import_oidn(library: Path, folder: Optional[Path] = None) -> list[pathlib.Pa
     """
     target = denoiser_folder() if folder is None else pathlib.Path(folder)
     return [pathlib.Path(file) for file in _native.import_oidn(os.fspath(library), os.fspath(target))]
+
+
+def networks_in_front(inputs: tuple[str, ...], folder: Optional[Path], clean_guides: bool) -> list[Optional[Model]]:
+    """The networks in front of a model with these inputs: of the colour, and of albedo and normal unless these are clean.
+
+    folder: None: denoiser_folder(). Raises Error if one is missing.
+    """
+    home = denoiser_folder() if folder is None else pathlib.Path(folder)
+    guides = 0 if "albedo" not in inputs else 1 if "normal" not in inputs else 2
+    return [
+        _network(home, "rt_hdr" + ("", "_alb", "_calb_cnrm")[guides]),
+        None if clean_guides or "albedo" not in inputs else _network(home, "rt_alb"),
+        None if clean_guides or "normal" not in inputs else _network(home, "rt_nrm"),
+    ]
+
+
+def _network(folder: pathlib.Path, kind: str) -> Model:
+    """Of its sizes the largest."""
+    for name in (f"{kind}_large", kind):
+        file = folder / f"{name}.safetensors"
+        if file.exists():
+            return Model(file)
+    raise Error(
+        f"There is no network {kind} of Open Image Denoise in '{folder}': read them once out of your own copy with "
+        "xrds.import_oidn(LIBRARY)."
+    )
 
 
 def denoiser_folder() -> pathlib.Path:

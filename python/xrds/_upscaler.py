@@ -5,12 +5,13 @@ from typing import Optional, Union, overload
 
 from . import _native
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
-from ._colour import Samples, merged_or_none
+from ._colour import Samples, levelled, merged_or_none
 from ._devices import Device
 from ._errors import ArgumentError
 from ._held import Held
 from ._layers import LayerRun, Layers
 from ._models import Model
+from ._oidn import Path, networks_in_front
 from ._progress import Progress
 
 AnyModel = Union[Model, str, "os.PathLike[str]"]
@@ -35,6 +36,9 @@ class Upscaler(Held[_native.Upscaler]):
     ensemble: passes over mirrored images, 1, 2, 4 or 8.
     memory: bytes of the device at most; a larger frame is cut into tiles. None: three quarters.
     tune: "auto", "never" or "now": whether the device's fastest kernels are found before, minutes on a CPU.
+    denoise_first: Open Image Denoise's networks take the noise out of all images first, on the same device: True: those of
+    denoiser_folder(), where import_oidn() puts them; or a folder. Not with ensemble, skip, keep_unchanged or layers.
+    clean_guides: albedo and normal have no noise.
     progress: hears how it is made ready, see Progress.
 
     A frame: `upscaler(colour, albedo=albedo, normal=normal)`. Threads that use one upscaler wait for each other. Raises
@@ -55,6 +59,8 @@ class Upscaler(Held[_native.Upscaler]):
         ensemble: int = 1,
         memory: Optional[int] = None,
         tune: str = "auto",
+        denoise_first: Union[bool, Path] = False,
+        clean_guides: bool = False,
         progress: Optional[Progress] = None,
     ) -> None:
         options = _options(precision, exposure, skip, ensemble, memory, tune)
@@ -62,8 +68,13 @@ class Upscaler(Held[_native.Upscaler]):
         self.width, self.height = _size(width, "width"), _size(height, "height")
         self.model = model if isinstance(model, Model) else Model(model)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
+        self._denoisers: list[Optional[Model]] = []
+        if denoise_first is not False:
+            folder = None if denoise_first is True else denoise_first
+            self._denoisers = networks_in_front(self.model.inputs, folder, clean_guides)
+        networks = [network and network._native for network in self._denoisers]
         super().__init__(
-            _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, progress)
+            _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, networks, progress)
         )
 
     @overload
@@ -141,6 +152,8 @@ class Upscaler(Held[_native.Upscaler]):
         output = writable(result, "out")
         refuse_overlap(output, [low, *inputs])
         frame = low if merged is None else readable(merged, "colour")
+        if self._denoisers and "colour" in self.model.inputs:
+            inputs[self.model.inputs.index("colour")] = levelled(given["colour"], frame)
         with self._lock:
             if layers is None:
                 self._native.run(frame, inputs, output, progress)
