@@ -33,9 +33,10 @@ except ImportError as error:
 import scenes  # noqa: E402
 import xrds_render  # noqa: E402
 from properties import differences, snapshot  # noqa: E402
-from xrds_render import checks, exr, jobs, layers, operators, passes, recorder, settings, temporal, upscaler, worker  # noqa: E402
+from xrds_render import checks, denoiser, exr, jobs, layers, operators, passes, recorder, settings, temporal, upscaler, worker  # noqa: E402
 
 MODEL = "xrds-x4-nano"
+GOLDEN = os.path.join(os.path.dirname(os.path.dirname(HERE)), "tests", "golden", "unet")
 
 
 def before_upscaling(call):
@@ -52,6 +53,7 @@ class WithBlender(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.made = tempfile.TemporaryDirectory()
+        os.environ["XRDS_DENOISERS"] = os.path.join(cls.made.name, "denoisers")  # where there are none
         for build in (scenes.interior, scenes.layers, scenes.cryptomatte):
             build()
             bpy.context.scene.render.filepath = f"//{build.__name__}_"
@@ -209,6 +211,58 @@ class OneClick(WithBlender):
         self.assertIn("64 x 48", " ".join(checks.notes(scene)))
         self.render()
         self.assertEqual(self.result("cryptomatte_0001_xrds.exr").channels["ViewLayer.Combined.R"].shape, (48, 64))
+
+
+class Denoising(WithBlender):
+    """With small networks of random weights in the place of Open Image Denoise's."""
+
+    def setUp(self):
+        super().setUp()
+        networks = os.path.join(self.folder, "networks")
+        os.mkdir(networks)
+        for name, golden in (("rt_hdr_calb_cnrm_large", "hdr_albedo_normal_large"), ("rt_alb", "albedo_small"), ("rt_nrm", "normal_small")):
+            shutil.copy(os.path.join(GOLDEN, f"{golden}.model.safetensors"), os.path.join(networks, f"{name}.safetensors"))
+        environment = mock.patch.dict(os.environ, XRDS_DENOISERS=networks)
+        environment.start()
+        self.addCleanup(environment.stop)
+        upscaler.end()  # which has another environment
+
+    def test_both_renders_unless_the_artist_does_not_want_it(self):
+        scene, made = self.open("cryptomatte"), []
+        self.assertTrue(denoiser.ready())
+        for wanted in (True, False, True):
+            scene.xrds.denoise = wanted
+            self.render()
+            picture = self.result("cryptomatte_0001_xrds.exr")
+            made.append(numpy.stack([picture.channels[f"ViewLayer.Combined.{one}"] for one in "RGB"]))
+        self.assertFalse(numpy.array_equal(made[0], made[1]))
+        self.assertTrue(numpy.array_equal(made[0], made[2]))
+        self.assertEqual(list(checks.notes(scene)), [])
+
+    def test_not_with_passes_of_light(self):
+        scene = self.open("interior")
+        self.assertTrue(any("not denoised first" in note for note in checks.notes(scene)))
+        self.render()
+        scene.xrds.denoise = False
+        self.assertFalse(any("not denoised first" in note for note in checks.notes(scene)))
+
+    def test_animations(self):
+        scene = self.open("cryptomatte")
+        scene.frame_end = 2
+        self.render(animation=True)
+        self.assertTrue(os.path.exists(os.path.join(self.folder, "cryptomatte_0002_xrds.exr")))
+
+    def test_where_the_networks_come_from(self):
+        os.environ["XRDS_DENOISERS"] = os.path.join(self.folder, "none")
+        self.assertFalse(denoiser.ready())
+        with mock.patch.object(denoiser, "libraries", lambda: [__file__]), self.assertRaisesRegex(RuntimeError, "No Open Image Denoise was found"):
+            bpy.ops.xrds.get_denoiser()
+        with self.assertRaisesRegex(RuntimeError, "is no library of Open Image Denoise"):
+            bpy.ops.xrds.get_denoiser(filepath=__file__)
+        with mock.patch.object(denoiser, "libraries", lambda: ["one", "two"]), mock.patch.object(xrds, "import_oidn") as reads, mock.patch.object(
+                denoiser, "ready", lambda: reads.call_count == 2):
+            self.assertEqual(bpy.ops.xrds.get_denoiser(), {"FINISHED"})
+        self.assertTrue(all(isinstance(path, str) for path in denoiser.libraries()))
 
 
 class Animation(WithBlender):

@@ -40,7 +40,7 @@ def register():
     from . import operators, panel, settings
 
     _find_wheel()
-    for made in (settings.XRDS_Settings, operators.XRDS_OT_render, operators.XRDS_OT_cancel, panel.XRDS_PT_panel):
+    for made in (settings.XRDS_Settings, operators.XRDS_OT_render, operators.XRDS_OT_cancel, operators.XRDS_OT_get_denoiser, panel.XRDS_PT_panel):
         bpy.utils.register_class(made)
     bpy.types.Scene.xrds = bpy.props.PointerProperty(type=settings.XRDS_Settings)
     operators.register()
@@ -54,5 +54,5 @@ def unregister():
     operators.unregister()
     upscaler.end()
     del bpy.types.Scene.xrds
-    for made in (panel.XRDS_PT_panel, operators.XRDS_OT_cancel, operators.XRDS_OT_render, settings.XRDS_Settings):
+    for made in (panel.XRDS_PT_panel, operators.XRDS_OT_get_denoiser, operators.XRDS_OT_cancel, operators.XRDS_OT_render, settings.XRDS_Settings):
         bpy.utils.unregister_class(made)

@@ -20,6 +20,7 @@ class Wish(NamedTuple):
     device: Optional[str]  # UUID; None: the best
     has_light: bool  # the guides' colour is of the same light, and is merged
     half: bool  # 16 bits for light; data keep theirs
+    denoise: bool  # both renders first, where there are no lights
     drops: frozenset = frozenset()  # (view layer, pass) that nobody asked for
 
 
@@ -76,13 +77,15 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
         layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
         lights = _lights(low, full, low_layer, layer)
         options = {"layers": lights} if any(is_light(name) for name in lights) else {}
+        if wish.denoise and not options:  # of denoised pictures lights are no part
+            options = {"denoise_first": True}
         colour, images = _colours(wish, low, low_layer, full, layer, around)
-        if options and around:
+        if "layers" in options and around:
             lights["Combined"] = stack(low, low_layer.passes["Combined"], "RGB")  # what they are the sum of, which the merged colour is not
         made = xrds.upscale(
             colour, **images, samples=wish.samples, model=wish.model,
             progress=lambda stage, share, place=place: progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers)), **options)
-        picture, lights = made if options else (made, {})
+        picture, lights = made if "layers" in options else (made, {})
         _put(channels, layer.name, "Combined", picture, wish.half)
         _drop(channels, layer, lambda name: is_light(name) and name not in lights)
         for name, pixels in lights.items():

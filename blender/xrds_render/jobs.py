@@ -7,7 +7,7 @@ import time
 
 import bpy
 
-from . import checks, frame, passes, temporal, upscaler
+from . import checks, denoiser, frame, passes, temporal, upscaler
 from .recorder import Recorder
 from .settings import AUTO
 from .upscaler import Stopped
@@ -172,7 +172,7 @@ class Job:
             layers=tuple(layer.name for layer in layers), keeps_guides=frozenset(layer.name for layer in layers if layer.cycles.denoising_store_passes),
             samples=(settings.samples, settings.guide_samples), model=None if settings.model == AUTO else settings.model,
             device=None if settings.device == AUTO else settings.device, has_light=settings.guides != "CHEAP",
-            half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops))
+            denoise=settings.denoise and denoiser.ready(), half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops))
 
     def _upscale(self, low, full, result, wish, text, shares, around=None):
         """shares: of the whole job, at the begin and at the end. around: (number, folder of renders, frames) where it is merged with those around it."""

@@ -5,7 +5,7 @@ import os
 import bpy
 from bpy.app.handlers import persistent
 
-from . import checks, jobs
+from . import checks, denoiser, jobs
 from .recorder import active, restore_marked
 
 current = None  # the job that runs
@@ -117,6 +117,35 @@ class XRDS_OT_cancel(bpy.types.Operator):
     def execute(self, context):
         current.cancel()
         return {"FINISHED"}
+
+
+class XRDS_OT_get_denoiser(bpy.types.Operator):
+    """Read Open Image Denoise's networks out of Blender's own copy, or out of a file"""
+
+    bl_idname = "xrds.get_denoiser"
+    bl_label = "Get Denoiser"
+
+    filepath: bpy.props.StringProperty(name="Library", description="libOpenImageDenoise_core; empty: that of this Blender or of the system", subtype="FILE_PATH", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        return checks.package_problem() is None
+
+    def execute(self, context):
+        try:
+            self.report({"INFO"}, f"Read the denoiser's networks out of {denoiser.get(self.filepath)}.")
+        except (RuntimeError, OSError) as error:
+            self.report({"ERROR"}, str(error).strip())
+            return {"CANCELLED"}
+        _redraw(context)
+        return {"FINISHED"}
+
+    def invoke(self, context, event):
+        """Asks for a file where no copy that is known has them."""
+        if denoiser.found() or bpy.app.background:
+            return self.execute(context)
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
 
 
 def _editors(context):

@@ -4,7 +4,7 @@ import textwrap
 
 import bpy
 
-from . import checks, operators, passes
+from . import checks, denoiser, operators, passes
 
 
 class XRDS_PT_panel(bpy.types.Panel):
@@ -31,6 +31,12 @@ class XRDS_PT_panel(bpy.types.Panel):
         row = column.row(heading="Animation")
         row.active = checks.unsteady(scene) is None
         row.prop(settings, "steady")
+        row = column.row(heading="Denoise")
+        ready = checks.package_problem() is None and denoiser.ready()
+        row.active = ready
+        row.prop(settings, "denoise", text="First")
+        if not ready:
+            row.operator("xrds.get_denoiser", text="Get", icon="IMPORT")
         column.prop(settings, "model")
         column.prop(settings, "device")
         if job:

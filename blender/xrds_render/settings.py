@@ -74,5 +74,7 @@ class XRDS_Settings(bpy.types.PropertyGroup):
     guide_samples: bpy.props.IntProperty(name="Guides' Samples", description="Of a pixel of the full-resolution render", default=16, min=1, max=4096)
     steady: bpy.props.BoolProperty(
         name="Stable over Time", description="Animations: merge each frame with up to five before and five after it, along the motion of the Vector pass", default=True)
+    denoise: bpy.props.BoolProperty(
+        name="Denoise First", description="Open Image Denoise takes the noise out of both renders before they are upscaled. Not with light passes", default=True)
     model: bpy.props.EnumProperty(name="Model", description="The network that upscales", items=lambda settings, context: _models(int(settings.scale)))
     device: bpy.props.EnumProperty(name="Device", description="The Vulkan device that upscales", items=lambda settings, context: _devices())

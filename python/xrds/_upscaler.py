@@ -72,7 +72,7 @@ class Upscaler(Held[_native.Upscaler]):
         if denoise_first is not False:
             folder = None if denoise_first is True else denoise_first
             self._denoisers = networks_in_front(self.model.inputs, folder, clean_guides)
-        networks = [network and network._native for network in self._denoisers]
+        networks = [network._native if network else None for network in self._denoisers]
         super().__init__(
             _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, networks, progress)
         )

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Open Image Denoise's networks, which take the noise out of both renders before they are upscaled: whether they are there, and where they come from."""
+import contextlib
+import glob
+import os
+
+import bpy
+
+KINDS = ("rt_hdr_calb_cnrm", "rt_alb", "rt_nrm")  # of the colour with clean guides, and of these
+SIZES = ("", "_large")
+
+
+def ready():
+    """Whether the networks are there."""
+    import xrds
+
+    try:
+        folder = xrds.denoiser_folder()
+    except RuntimeError:
+        return False
+    return all(any((folder / f"{kind}{size}.safetensors").exists() for size in SIZES) for kind in KINDS)
+
+
+def libraries():
+    """Files that may hold the networks: of this Blender first, then of the system."""
+    program = os.path.dirname(bpy.app.binary_path)
+    places = [
+        os.path.join(program, "lib", "libOpenImageDenoise_core.so*"), os.path.join(program, "blender.shared", "OpenImageDenoise_core.dll"),
+        os.path.join(program, "..", "Resources", "lib", "libOpenImageDenoise_core*.dylib"),
+        "/usr/lib/*/libOpenImageDenoise*.so*", "/usr/lib64/libOpenImageDenoise*.so*", "/usr/local/lib/libOpenImageDenoise*.so*",
+    ]
+    return [path for place in places for path in sorted(glob.glob(place))]
+
+
+def found():
+    """The first of them out of which the networks can be read, which is done; None: there is none."""
+    import xrds
+
+    for library in libraries():
+        with contextlib.suppress(xrds.Error):
+            xrds.import_oidn(library)
+        if ready():
+            return library
+    return None
+
+
+def get(path=""):
+    """Reads the networks out of a library, or out of one that is known. Returns it. Raises RuntimeError, a sentence."""
+    import xrds
+
+    if path:
+        xrds.import_oidn(path)
+    library = path or found()
+    if not library or not ready():
+        raise RuntimeError("No Open Image Denoise was found that has the networks. Choose its file libOpenImageDenoise_core, as that of pip install pyoidn.")
+    return library
