@@ -75,7 +75,7 @@ targets=(xrds)
 [ $command = OFF ] || targets=(xrds_product)
 if [ $test = yes ]; then
   targets+=(xrds_tests)
-  [ $command = OFF ] || targets+=(xrds_image_tests xrds_advice_tests xrds_sequence_tests)
+  [ $command = OFF ] || targets+=(xrds_app_tests xrds_image_tests xrds_advice_tests xrds_sequence_tests)
 fi
 cmake --build "$work/xrds" --target "${targets[@]}"
 quietly cpack --config "$work/xrds/CPackConfig.cmake" -G ZIP -B "$out"

@@ -14,7 +14,7 @@ prefix=$build/wine
 rm -rf "$prefix"
 cmake --install "$build" --prefix "$prefix" > /dev/null
 failed=0
-for program in image/xrds_image_tests advice/xrds_advice_tests sequence/xrds_sequence_tests tests/xrds_tests; do
+for program in app/xrds_app_tests image/xrds_image_tests advice/xrds_advice_tests sequence/xrds_sequence_tests tests/xrds_tests; do
   [ -e "$build/$program.exe" ] || continue
   name=${program##*/}
   cp "$build/$program.exe" "$prefix/bin/"

@@ -1,6 +1,7 @@
 #include "tuning/tuned.h"
 
 #include <cmath>
+#include <map>
 
 #include "engine/bytes.h"
 
@@ -58,7 +59,12 @@ ProgramStamp stampOf(const Gpu& gpu, const std::string& program) {
 
 TuningRecord knownRecord(const Gpu& gpu) {
   TuningRecord record = tuningFileOf(gpu).read();
-  record.dropStale([&](const std::string& program) { return stampOf(gpu, program).hash; });
+  std::map<std::string, uint64_t> known;  // each program stands in many findings
+  record.dropStale([&](const std::string& program) {
+    const auto [found, isNew] = known.try_emplace(program, 0);
+    if (isNew) found->second = stampOf(gpu, program).hash;
+    return found->second;
+  });
   return record;
 }
 
