@@ -23,13 +23,8 @@ def ready():
 
 def libraries():
     """Files that may hold the networks: of this Blender first, then of the system."""
-    program = os.path.dirname(bpy.app.binary_path)
-    places = [
-        os.path.join(program, "lib", "libOpenImageDenoise_core.so*"), os.path.join(program, "blender.shared", "OpenImageDenoise_core.dll"),
-        os.path.join(program, "..", "Resources", "lib", "libOpenImageDenoise_core*.dylib"),
-        "/usr/lib/*/libOpenImageDenoise*.so*", "/usr/lib64/libOpenImageDenoise*.so*", "/usr/local/lib/libOpenImageDenoise*.so*",
-    ]
-    return [path for place in places for path in sorted(glob.glob(place))]
+    places = [os.path.join(os.path.dirname(bpy.app.binary_path), "lib"), "/usr/lib/*", "/usr/lib64", "/usr/local/lib"]
+    return [path for place in places for path in sorted(glob.glob(os.path.join(place, "libOpenImageDenoise*.so*")))]
 
 
 def found():
