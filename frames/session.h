@@ -40,8 +40,8 @@ struct SessionOptions {
   KernelTable kernels{};                 // as in GraphOptions
   uint32_t layers = 0;                   // as in GraphOptions
   bool aliasing = true;                  // off: every value keeps its bytes, so that each can be looked at
-  /// A session that must outlive this one. Reuses its weights, if they are the same, and its arena, if it is large enough:
-  /// never run both at once.
+  /// A session that must outlive this one. Reuses its weights if they are the same, and its arena if that is large
+  /// enough: never run both at once.
   const Session* lender = nullptr;
 };
 
