@@ -1,12 +1,12 @@
 """What the extension for Blender costs and gains: three scenes of samples/, beside full renders of as much processor time.
 
     for scene in interior glossy outdoor; do
-      blender -b --factory-startup -noaudio -P bench/extension.py -- --scene $scene --out WORK --package build/release/python
+      XRDS_DENOISERS=NETWORKS blender -b --factory-startup -noaudio -P bench/extension.py -- --scene $scene --out WORK --package build/release/python
     done
     python3 bench/extension.py --report WORK --xrds build/release/cli/xrds
 
 The first part needs Blender 3.4 or newer with the settings of samples/render.py, whose samples/*_gt.exr are the references. For each scene it renders, in
-their size: by the extension, with path-traced and with cheap guides; and plainly, with as many samples as take the processor time of each, upscaling
+their size: by the extension, with path-traced and with cheap guides, without and with the networks that `xrds import oidn` has put into NETWORKS; and plainly, with as many samples as take the processor time of each, upscaling
 included. Times are of the processor, of all threads, which neighbours on the machine hardly change. The second part denoises the plain renders by
 Open Image Denoise, which is Blender's denoiser and needs bench/oidn-requirements.txt (albedo and normals denoised first, its time not counted), and prints Markdown.
 """
@@ -22,7 +22,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIZES = {"interior": (512, 384), "glossy": (512, 384), "outdoor": (320, 240)}   # of samples/*_gt.exr
 SCALE, SAMPLES, GUIDE_SAMPLES = 4, 64, 16
-GUIDES = ("CYCLES", "CHEAP")
+WAYS = {"cycles": ("CYCLES", False), "cycles, denoised first": ("CYCLES", True), "cheap": ("CHEAP", False), "cheap, denoised first": ("CHEAP", True)}
 
 
 def arguments():
@@ -53,7 +53,7 @@ def processor(function):
     return spent() - begin, result
 
 
-def extended(scene, guides, out):
+def extended(scene, way, out):
     """Renders by the extension; {step: seconds of the processor}."""
     from unittest import mock
 
@@ -67,7 +67,7 @@ def extended(scene, guides, out):
         return mock.patch.object(step, "wait", wait)
 
     upscaler.ready()
-    scene.xrds.guides = guides
+    scene.xrds.guides, scene.xrds.denoise = WAYS[way]
     scene.render.filepath = str(out)
     with timed("renders", jobs.Render), timed("upscaling", upscaler.Upscaling):
         seconds["all"], _ = processor(lambda: jobs.run(jobs.Job(scene)))
@@ -90,6 +90,7 @@ def render(ask):
     import bpy
     import passes
     import xrds_render
+    import xrds_render.denoiser
 
     ask.out.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -103,22 +104,28 @@ def render(ask):
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.image_settings.color_depth = "32"
     xrds_render.register()
+    if not xrds_render.denoiser.ready():
+        sys.exit("The denoiser's networks are missing: xrds import oidn LIBRARY -o NETWORKS")
     warm(scene, ask.out / "warm_")
     scene.xrds.samples, scene.xrds.guide_samples = SAMPLES, GUIDE_SAMPLES
-    found = {guides: extended(scene, guides, ask.out / f"{ask.scene}_{guides.lower()}_") for guides in GUIDES}
+    found = {way: extended(scene, way, ask.out / stem_of(ask.scene, way)) for way in WAYS}
     first = plain(scene, GUIDE_SAMPLES, ask.out / f"{ask.scene}_plain.exr")
-    for guides in GUIDES:
-        samples = max(1, round(GUIDE_SAMPLES * found[guides]["all"] / first))
-        seconds = plain(scene, samples, ask.out / f"{ask.scene}_{guides.lower()}_plain.exr")
-        found[guides].update(plain_samples=samples, plain_seconds=seconds)
+    for way, spent in found.items():
+        samples = max(1, round(GUIDE_SAMPLES * spent["all"] / first))
+        seconds = plain(scene, samples, ask.out / f"{stem_of(ask.scene, way)}plain.exr")
+        spent.update(plain_samples=samples, plain_seconds=seconds)
     (ask.out / f"{ask.scene}.json").write_text(json.dumps(found, indent=1))
 
 
+def stem_of(scene, way):
+    return f"{scene}_{way.replace(', ', '_').replace(' ', '_')}_"
+
+
 def warm(scene, out):
-    """Compiles the kernels of both models, which a machine does once, and opens the device, which is kept from frame to frame."""
+    """Compiles the kernels of all models, which a machine does once, and opens the device, which is kept from frame to frame."""
     scene.xrds.samples, scene.xrds.guide_samples = 8, 1
-    for guides in GUIDES:
-        extended(scene, guides, out)
+    for way in WAYS:
+        extended(scene, way, out)
 
 
 def error(ask, path, scene):
@@ -150,14 +157,14 @@ def report(ask):
         scene = path.stem
         if scene == "compare":
             continue
-        for guides, spent in json.loads(path.read_text()).items():
-            stem = f"{scene}_{guides.lower()}_"
+        for way, spent in json.loads(path.read_text()).items():
+            stem = stem_of(scene, way)
             bare = ask.report / f"{stem}plain.exr"
             rows = [("xrds", f"{SAMPLES}-{GUIDE_SAMPLES}", spent["all"], ask.report / f"{stem}0001_xrds.exr"),
                     ("full render", spent["plain_samples"], spent["plain_seconds"], bare), ("full render, OIDN", spent["plain_samples"], spent["plain_seconds"], denoised(bare))]
-            for way, samples, seconds, file in rows:
+            for made, samples, seconds, file in rows:
                 psnr, rel_mse, flip = error(ask, file, scene)
-                print(f"| {scene}, {guides.lower()} | {way} | {samples} | {seconds:.1f} | {psnr:.2f} | {rel_mse:.3f} | {flip:.3f} |")
+                print(f"| {scene}, {way} | {made} | {samples} | {seconds:.1f} | {psnr:.2f} | {rel_mse:.3f} | {flip:.3f} |")
 
 
 if __name__ == "__main__":
