@@ -31,12 +31,10 @@ class XRDS_PT_panel(bpy.types.Panel):
         row = column.row(heading="Animation")
         row.active = checks.unsteady(scene) is None
         row.prop(settings, "steady")
-        row = column.row(heading="Denoise")
-        ready = checks.package_problem() is None and denoiser.ready()
-        row.active = ready
-        row.prop(settings, "denoise", text="First")
-        if not ready:
-            row.operator("xrds.get_denoiser", text="Get", icon="IMPORT")
+        if checks.package_problem() is None and not denoiser.ready():
+            column.operator("xrds.get_denoiser", icon="IMPORT")
+        else:
+            column.row(heading="Denoise").prop(settings, "denoise", text="First")
         column.prop(settings, "model")
         column.prop(settings, "device")
         if job:
