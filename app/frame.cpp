@@ -162,6 +162,7 @@ void Frame::loadLayers(const LayerRequest& request) {
 
 void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) {
   Image *albedo = imageOf(kAlbedo.name), *normal = imageOf(kNormal.name), *full = imageOf(kFullColour.name);
+  if (passes > 1 && full && !layers_) noisy_ = Noisy{colour_, auxiliary_};
   if (albedo && !cleanGuides) *albedo = denoiser.denoisedAlbedo(*albedo);
   if (normal && !cleanGuides) *normal = denoiser.denoisedNormal(*normal);
   if (full) {

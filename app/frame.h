@@ -56,6 +56,13 @@ class Frame {
   /// Error.
   void denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes = 1);
 
+  /// What denoise() with several passes began with, where it was given a full-resolution colour: see upscaleFrame().
+  struct Noisy {
+    Image colour;
+    std::vector<Image> auxiliary;
+  };
+  const std::optional<Noisy>& noisy() const { return noisy_; }
+
   /// After load(), in the place of denoise(): makes it what Upscaler::Denoisers take, for denoisers of that name.
   void levelFor(const std::string& denoisers);
 
@@ -106,6 +113,7 @@ class Frame {
   std::optional<MergedColour> merged_;
   std::optional<FrameLayers> layers_;
   std::string denoisedBy_;
+  std::optional<Noisy> noisy_;
   std::optional<Image> alpha_;
   std::vector<Image> auxiliary_;
   std::vector<std::string> warnings_;

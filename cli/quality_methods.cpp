@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "app/models.h"
+#include "app/upscale_frame.h"
 #include "cli/progress.h"
 #include "cli/timer.h"
 
@@ -30,10 +31,9 @@ Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, FrameSeco
             : known->second;
   const int scale = static_cast<int>(model_.scale());
   Image result(frame.colour().width * scale, frame.colour().height * scale, 3);
-  const auto views = inputsOf(model_, frame);
   for (int pass = first ? 0 : 1; pass < 2; ++pass) {
     const Timer timer;
-    upscaler.run(viewOf(frame.colour()), views, result.pixels, [](double) { return !interrupted(); });
+    upscaleFrame(upscaler, model_, frame, result.pixels, [](double) { return !interrupted(); });
     seconds.wall = timer.seconds();
     stopIfInterrupted();
   }

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "app/upscale_frame.h"
 #include "cli/progress.h"
 #include "cli/timer.h"
 #include "xrds/tuning.h"
@@ -47,14 +48,13 @@ Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, 
   const int scale = static_cast<int>(model.scale());
   Upscaled result{Image(frame.colour().width * scale, frame.colour().height * scale, 3)};
   const Timer timer;
-  const auto auxiliary = inputsOf(model, frame);
   if (frame.layers()) {
     result.layers = frame.layers()->room(scale);
-    upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, frame.layers()->sets(result.layers),
-                 progress);
+    upscaler.run(viewOf(frame.colour()), inputsOf(model, frame), result.colour.pixels,
+                 frame.layers()->sets(result.layers), progress);
     result.layers.reports = upscaler.layerReports();
   } else {
-    upscaler.run(viewOf(frame.colour()), auxiliary, result.colour.pixels, progress);
+    upscaleFrame(upscaler, model, frame, result.colour.pixels, progress);
   }
   stopIfInterrupted();
   result.seconds = timer.seconds();

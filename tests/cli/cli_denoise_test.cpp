@@ -2,6 +2,7 @@
 // is homogeneous in radiance, so with clean guides the result is half of that without.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/frames.h"
@@ -51,6 +52,28 @@ TEST(CliDenoise, DenoisesTheFullResolutionColourOfFullModels) {
   writeFullColour(frame, 1);
   for (const char* model : {"s4_full", "s4_full_prefilter2"})
     expectHalved(frame, {"--samples", "64,16"}, goldenModel(model));
+}
+
+// Of several passes a fifth, of log(1 + e x), is of the images with their noise.
+TEST(CliDenoise, KeepsAShareOfTheNoiseInAnEnsemble) {
+  const SmallFrame frame;
+  writeFullColour(frame, 1);
+  const std::string file = (frame.folder / "run.json").string();
+  const auto made = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> options{"--ensemble", "2", "--samples", "64,16", "--json", file};
+    options.insert(options.end(), more.begin(), more.end());
+    const Ended ended = runXrds(frame.arguments(options, goldenModel("s4_full")), kWithFake);
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    return readColour(frame.out);
+  };
+  const Image noisy = made({});
+  const Image mixed = made({"--denoise-first", "--clean-guides"});
+  const auto exposure = Json::parse(readBytes(file))["exposure"].get<double>();
+  for (size_t i = 0; i < noisy.pixels.size(); ++i) {
+    const double x = noisy.pixels[i],
+                 expected = std::expm1(0.8 * std::log1p(exposure * x / 2) + 0.2 * std::log1p(exposure * x)) / exposure;
+    ASSERT_NEAR(mixed.pixels[i], expected, 1e-3 * (0.1 + expected)) << i;
+  }
 }
 
 TEST(CliDenoise, DenoisesTheLightsOfModelsThatTakeThem) {
