@@ -5,11 +5,14 @@
 #include <cmath>
 #include <random>
 
+#include "tests/harness.h"
 #include "xrds/merged_colour.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {
 namespace {
+
+using test::relativeRms;
 
 constexpr uint32_t kWidth = 92, kHeight = 30, kScale = 2;
 
@@ -56,16 +59,6 @@ Pixels through(const Model& model, const Pixels& colour, uint32_t scale, const s
   Pixels output(colour.size() * factor * factor);
   EXPECT_TRUE(upscaler.run(viewOf(colour, scale), views, output));
   return output;
-}
-
-double relativeRms(const Pixels& found, const Pixels& expected) {
-  EXPECT_EQ(found.size(), expected.size());
-  double difference = 0, power = 0;
-  for (size_t i = 0; i < expected.size(); ++i) {
-    difference += std::pow(double{found[i]} - expected[i], 2);
-    power += std::pow(double{expected[i]}, 2);
-  }
-  return std::sqrt(difference / power);
 }
 
 class Denoising : public testing::Test {

@@ -13,6 +13,8 @@
 namespace xrds {
 namespace {
 
+using test::relativeRms;
+
 const std::filesystem::path kFolder = XRDS_GOLDEN_FOLDER;
 
 std::vector<std::string> goldenNames() {
@@ -69,16 +71,6 @@ struct Golden {
   FrameShape frame;
   FrameInput input;
 };
-
-double relativeRms(const std::vector<float>& found, const std::vector<float>& expected) {
-  EXPECT_EQ(found.size(), expected.size());
-  double difference = 0, power = 0;
-  for (size_t i = 0; i < expected.size(); ++i) {
-    difference += std::pow(double{found[i]} - expected[i], 2);
-    power += std::pow(double{expected[i]}, 2);
-  }
-  return std::sqrt(difference / power);
-}
 
 // The real pixels and channels of the padded raw output.
 std::vector<float> cropped(const std::vector<float>& padded, const TensorView& view, const Graph& graph,

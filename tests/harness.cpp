@@ -206,6 +206,22 @@ std::vector<float> randomNumbers(size_t count, uint32_t seed) {
   return numbers;
 }
 
+std::vector<float> radiances(size_t count, float level) {
+  auto values = randomNumbers(count, 7);
+  for (size_t i = 0; i < count; ++i) values[i] = i % 5 ? level * std::exp(7 * values[i]) : std::min(values[i], 0.0f);
+  return values;
+}
+
+double relativeRms(std::span<const float> found, std::span<const float> expected) {
+  EXPECT_EQ(found.size(), expected.size());
+  double difference = 0, power = 0;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    difference += std::pow(double{found[i]} - expected[i], 2);
+    power += std::pow(double{expected[i]}, 2);
+  }
+  return std::sqrt(difference / power);
+}
+
 std::vector<float> smallIntegers(size_t count, uint32_t seed) {
   std::mt19937 bits(seed);
   std::vector<float> numbers(count);

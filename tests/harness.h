@@ -32,6 +32,12 @@ using Contents = std::map<ValueId, std::vector<float>>;
 /// `count` numbers from a uniform distribution in [-1, 1), the same on every machine.
 std::vector<float> randomNumbers(size_t count, uint32_t seed);
 
+/// Radiances over six decades around `level`, every fifth of them negative or zero.
+std::vector<float> radiances(size_t count, float level);
+
+/// The RMS of the difference over that of what is expected. Fails the test if there are not as many.
+double relativeRms(std::span<const float> found, std::span<const float> expected);
+
 /// `count` integers from -4 to 4, the same on every machine.
 std::vector<float> smallIntegers(size_t count, uint32_t seed);
 

@@ -13,20 +13,12 @@
 namespace xrds {
 namespace {
 
+using test::relativeRms;
+
 const std::filesystem::path kFolder = std::filesystem::path(XRDS_GOLDEN_FOLDER) / "unet";
 constexpr const char* kNames[] = {
     "hdr_small",    "hdr_albedo_base", "hdr_albedo_normal_large", "ldr_albedo_normal_small",
     "albedo_small", "normal_small"};
-
-double relativeRms(std::span<const float> found, std::span<const float> expected) {
-  EXPECT_EQ(found.size(), expected.size());
-  double difference = 0, power = 0;
-  for (size_t i = 0; i < expected.size(); ++i) {
-    difference += std::pow(double{found[i]} - expected[i], 2);
-    power += std::pow(double{expected[i]}, 2);
-  }
-  return std::sqrt(difference / power);
-}
 
 /// A golden model with the images that it was given and what PyTorch made of them.
 struct Golden {

@@ -12,17 +12,11 @@ namespace xrds {
 namespace {
 
 using test::PrintTo;
+using test::radiances;
 using test::view;
 
 BinnedExposure exposureOf(uint32_t height, uint32_t width, DataType type = DataType::f32) {
   return {.colour = view(0, type, height, width, 4, 4, 12), .output = view(1, DataType::f32, 1, 1, 4, 8, 16)};
-}
-
-// Radiances over six decades around `level`, every fifth of them negative or zero.
-std::vector<float> radiances(size_t count, float level) {
-  auto values = test::randomNumbers(count, 7);
-  for (size_t i = 0; i < count; ++i) values[i] = i % 5 ? level * std::exp(7 * values[i]) : std::min(values[i], 0.0f);
-  return values;
 }
 
 struct Shape {
