@@ -136,6 +136,7 @@ def chart(rows, title, path):
     plt.close(figure)
 
 
+NUMBERS = {2: "two", 3: "three", 4: "four", 5: "five"}
 PARTS = (("val", "path", "Guides of the same paths, ten scenes of 256 x 256", "budgets_val"),
          ("val", "free", "Clean guides that cost nothing, the same scenes", "budgets_val_free"),
          ("live", "free", "Clean guides that cost nothing, ten scenes of 256 x 256 for few samples", "budgets_live"),
@@ -156,7 +157,7 @@ def write():
         if not rows:
             continue
         count = rows[0]["scenes"]
-        title = title.format(scenes="one frame" if count == 1 else f"{count} frames")
+        title = title.format(scenes="one frame" if count == 1 else f"{NUMBERS.get(count, count)} frames")
         chart(rows, title, HERE / "images" / f"{image}.svg")
         text += [f"## {title}", "", f"![{title}](images/{image}.svg)", "", table(rows)]
     (HERE / "budgets.md").write_text("\n".join(text))
