@@ -22,7 +22,7 @@ import numpy
 HERE = os.path.dirname(os.path.abspath(__file__))
 OWN = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
 sys.dont_write_bytecode = True
-sys.path[:0] = [HERE, os.path.dirname(HERE)] + ([OWN[1]] if OWN[:1] == ["--package"] else [])
+sys.path[:0] = [HERE, os.path.dirname(HERE)] + ([os.path.abspath(OWN[1])] if OWN[:1] == ["--package"] else [])
 try:
     import xrds
 except ImportError as error:
