@@ -35,18 +35,18 @@ DenoisedFrame::DenoisedFrame(Gpu& gpu, const DenoisingParts& denoising, std::spa
     const TensorView image = input == &kAlbedo          ? cleanAlbedo(denoising.albedo, *picture)
                              : denoising.normal.empty() ? steps_.taken(*picture)
                                                         : denoised(denoising.normal, *picture, {}, false);
-    *picture = steps_.pictureOf(image);
+    *picture = pictureOf(steps_.images(), image);
     if (guides.size() == denoising.guides) continue;
-    const TensorView mean = steps_.create({image.height / scale, image.width / scale, 4});
+    const TensorView mean = steps_.images().create("mean", {image.height / scale, image.width / scale, 4});
     steps_.run({BoxMean{image, mean, scale}});
     guides.push_back(*picture);
-    lowGuides.push_back(steps_.pictureOf(mean));
+    lowGuides.push_back(pictureOf(steps_.images(), mean));
   }
   XRDS_CHECK_EQ(guides.size(), denoising.guides);
   for (size_t i = 0; i < inputs.size(); ++i)
     if (findAuxiliaryInput(inputs[i])->isRadiance)
-      pictures.auxiliary[i] = steps_.pictureOf(denoised(denoising.full, pictures.auxiliary[i], guides, true));
-  pictures.colour = steps_.pictureOf(denoised(denoising.low, pictures.colour, lowGuides, true));
+      pictures.auxiliary[i] = pictureOf(steps_.images(), denoised(denoising.full, pictures.auxiliary[i], guides, true));
+  pictures.colour = pictureOf(steps_.images(), denoised(denoising.low, pictures.colour, lowGuides, true));
   add(upscaling, pictures, alphaParts);
 }
 
@@ -54,18 +54,18 @@ DenoisedFrame::DenoisedFrame(Gpu& gpu, const DenoisingParts& denoising, std::spa
 TensorView DenoisedFrame::cleanAlbedo(std::span<const FramePart> parts, const HostPicture& albedo) {
   const TensorView given = steps_.taken(albedo);
   if (parts.empty()) return given;
-  const TensorView inside = denoised(parts, steps_.pictureOf(given), {}, false);
-  const TensorView result = steps_.create(given.shape());
+  const TensorView inside = denoised(parts, pictureOf(steps_.images(), given), {}, false);
+  const TensorView result = steps_.images().create("albedo", given.shape());
   steps_.run({AddExcess{inside, given, result}});
   return result;
 }
 
 TensorView DenoisedFrame::denoised(std::span<const FramePart> parts, const HostPicture& picture,
                                    std::span<const HostPicture> guides, bool isRadiance) {
-  const TensorView result = steps_.create({picture.pixels.height, picture.pixels.width, 4});
+  const TensorView result = steps_.images().create("denoised", {picture.pixels.height, picture.pixels.width, 4});
   HostPictures pictures{.colour = picture,
                         .auxiliary = {guides.begin(), guides.end()},
-                        .output = steps_.pictureOf(result),
+                        .output = pictureOf(steps_.images(), result),
                         .binnedExposure = isRadiance};
   if (!isRadiance) pictures.exposure = 1.F;
   add(parts, pictures);

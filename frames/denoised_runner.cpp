@@ -1,7 +1,5 @@
 #include "frames/denoised_runner.h"
 
-#include <algorithm>
-
 #include "xrds/auxiliary_input.h"
 
 namespace xrds {
@@ -21,11 +19,11 @@ DenoisedRunner::DenoisedRunner(Gpu& gpu, DenoisedRunners runners, FrameShape sha
              runners_.guides},
       images_(gpu) {
   const TensorShape full{scale * shape.height, scale * shape.width, 4};
-  colour_ = images_.create({shape.height, shape.width, 4});
-  for (size_t i = 0; i < inputs.size(); ++i) auxiliary_.push_back(images_.create(full));
-  output_ = images_.create(full);
-  HostPictures pictures{.colour = images_.pictureOf(colour_), .output = images_.pictureOf(output_)};
-  for (const TensorView& image : auxiliary_) pictures.auxiliary.push_back(images_.pictureOf(image));
+  colour_ = images_.create("colour", {shape.height, shape.width, 4});
+  for (size_t i = 0; i < inputs.size(); ++i) auxiliary_.push_back(images_.create("auxiliary", full));
+  output_ = images_.create("output", full);
+  HostPictures pictures{.colour = pictureOf(images_, colour_), .output = pictureOf(images_, output_)};
+  for (const TensorView& image : auxiliary_) pictures.auxiliary.push_back(pictureOf(images_, image));
   pictures.exposure = exposure;
   pictures.marksLost = true;
   const std::vector<FramePart> upscaling = parts();
@@ -35,9 +33,7 @@ DenoisedRunner::DenoisedRunner(Gpu& gpu, DenoisedRunners runners, FrameShape sha
 }
 
 void DenoisedRunner::upload(const TensorView& to, const PixelView& image) {
-  images_.bufferOf(to).uploadRows(0, to.rowByteSize(), to.height, [&](uint32_t y, std::span<std::byte> row) {
-    copyRow(image, 0, y, to.width, reinterpret_cast<float*>(row.data()), 4);
-  });
+  images_.upload(to, [&](uint32_t y, std::span<float> row) { copyRow(image, 0, y, to.width, row.data(), 4); });
 }
 
 bool DenoisedRunner::run(const FrameInput& frame, std::span<float> output,
@@ -48,15 +44,9 @@ bool DenoisedRunner::run(const FrameInput& frame, std::span<float> output,
   for (size_t i = 0; i < auxiliary_.size(); ++i) upload(auxiliary_[i], frame.auxiliary[i]);
   if (!recording_->run(countingShare(progress))) return false;
   lostPixels_.clear();
-  images_.bufferOf(output_).downloadRows(0, output_.rowByteSize(), output_.height,
-                                         [&](uint32_t y, std::span<const std::byte> row) {
-                                           const auto* const pixels = reinterpret_cast<const float*>(row.data());
-                                           const uint64_t first = uint64_t{y} * output_.width;
-                                           for (uint64_t x = 0; x < output_.width; ++x) {
-                                             std::copy_n(&pixels[4 * x], 3, &output[3 * (first + x)]);
-                                             if (pixels[4 * x + 3] != 0) lostPixels_.push_back(first + x);
-                                           }
-                                         });
+  images_.download(output_, [&](uint32_t y, std::span<const float> row) {
+    storeRow(row, uint64_t{y} * output_.width, output, lostPixels_);
+  });
   return true;
 }
 

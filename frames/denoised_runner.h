@@ -43,7 +43,7 @@ class DenoisedRunner : public FrameRunner {
 
   DenoisedRunners runners_;
   DenoisingParts parts_;
-  FrameSteps images_;  // what comes and goes
+  DeviceImages images_;  // what comes and goes
   TensorView colour_, output_;
   std::vector<TensorView> auxiliary_;
   std::optional<DenoisedFrame> frame_;

@@ -15,6 +15,13 @@ void copyRow(const PixelView& image, int64_t x, uint32_t y, uint32_t width, floa
   }
 }
 
+void storeRow(std::span<const float> row, uint64_t first, std::span<float> output, std::vector<uint64_t>& lost) {
+  for (size_t x = 0; x < row.size() / 4; ++x) {
+    std::copy_n(&row[4 * x], 3, &output[3 * (first + x)]);
+    if (row[4 * x + 3] != 0) lost.push_back(first + x);
+  }
+}
+
 std::vector<float> packed(const PixelView& image) {
   std::vector<float> pixels(size_t{3} * image.width * image.height);
   for (uint32_t y = 0; y < image.height; ++y)

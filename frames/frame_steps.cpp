@@ -1,7 +1,5 @@
 #include "frames/frame_steps.h"
 
-#include "engine/bytes.h"
-
 namespace xrds {
 namespace {
 
@@ -9,16 +7,10 @@ uint64_t imageBytes(const HostPixels& pixels) { return pixels.rowBytes * pixels.
 
 }  // namespace
 
-TensorView FrameSteps::create(TensorShape shape) {
-  const TensorView view = graph_.create("image", DataType::f32, shape);
-  buffers_.push_back(std::make_unique<Buffer>(gpu_, alignUp(view.storedByteSize(), kBindingAlignment)));
-  return view;
-}
-
-HostPicture FrameSteps::pictureOf(const TensorView& own) {
-  XRDS_CHECK_EQ(own.channels, 4u);
-  return {.pixels = {.rowBytes = own.rowByteSize(), .width = own.width, .height = own.height, .channels = 4},
-          .buffer = &bufferOf(own)};
+HostPicture pictureOf(const DeviceImages& images, const TensorView& image) {
+  XRDS_CHECK_EQ(image.channels, 4u);
+  return {.pixels = {.rowBytes = image.rowByteSize(), .width = image.width, .height = image.height, .channels = 4},
+          .buffer = &images.bufferOf(image)};
 }
 
 HostPicture FrameSteps::inBuffer(const HostPicture& picture) {
@@ -65,27 +57,13 @@ void FrameSteps::take(const HostPicture& from, const Rectangle& part, const Tens
 
 TensorView FrameSteps::taken(const HostPicture& from) {
   const HostPixels& pixels = from.pixels;
-  const TensorView to = create({pixels.height, pixels.width, 4});
-  take(read(from), {0, 0, pixels.width, pixels.height}, to, bufferOf(to), 0, 0, 1);
+  const TensorView to = images_.create("picture", {pixels.height, pixels.width, 4});
+  take(read(from), {0, 0, pixels.width, pixels.height}, to, images_.bufferOf(to), 0, 0, 1);
   return to;
 }
 
-void FrameSteps::run(std::vector<Operator> operators) {
-  Graph graph = graph_;
-  for (Operator& op : operators) {
-    graph.nodes.push_back({"", std::move(op)});
-    graph.nodes.back().name = factsOf(graph.nodes.back()).name;
-  }
-  for (LoweredDispatch& lowered : lower(graph, gpu_.traits())) {
-    PlacedDispatch& dispatch = placed_.emplace_back(PlacedDispatch{std::move(lowered.dispatch), {}});
-    for (const Binding& binding : dispatch.dispatch.bindings)
-      dispatch.ranges.push_back({buffers_[binding.value].get(), binding.byteOffset, binding.byteSize});
-  }
-}
-
 uint64_t FrameSteps::byteSize() const {
-  uint64_t sum = 0;
-  for (const auto& buffer : buffers_) sum += buffer->byteSize();
+  uint64_t sum = images_.byteSize();
   for (const Buffer& copy : copies_) sum += copy.byteSize();
   return sum;
 }

@@ -3,6 +3,7 @@
 #include <list>
 #include <vector>
 
+#include "frames/device_images.h"
 #include "frames/session.h"
 #include "frames/tiles.h"
 #include "shaders/host_pixels/host_pixels.h"
@@ -17,16 +18,16 @@ struct HostPicture {
   const HostImage* image = nullptr;  // in place of the buffer
 };
 
+/// An image [h, w, 4] as pixels that sessions take.
+HostPicture pictureOf(const DeviceImages& images, const TensorView& image);
+
 /// Dispatches between the pixels of other programs, images of its own and the arenas of sessions, in their order.
 class FrameSteps {
  public:
-  explicit FrameSteps(Gpu& gpu) : gpu_(gpu) {}
+  explicit FrameSteps(Gpu& gpu) : gpu_(gpu), images_(gpu) {}
 
-  /// An image of its own, f32, in the step's own memory. Throws OutOfMemory if the device has no room for it.
-  TensorView create(TensorShape shape);
-  Buffer& bufferOf(const TensorView& own) { return *buffers_[own.value]; }
-  /// One [h, w, 4] as pixels that sessions take.
-  HostPicture pictureOf(const TensorView& own);
+  /// Images of its own.
+  DeviceImages& images() { return images_; }
 
   /// Where an image is copied to or from: rows without gaps.
   HostPicture inBuffer(const HostPicture& picture);
@@ -43,7 +44,7 @@ class FrameSteps {
   /// Between a buffer, value 0 of the launches, and the bytes of another one from an offset on, value 1.
   void place(std::span<const Dispatch> launches, const Buffer& host, const Buffer& arena, uint64_t offset);
   /// Operators on images of its own.
-  void run(std::vector<Operator> operators);
+  void run(std::vector<Operator> operators) { add(images_.placed(std::move(operators))); }
   void add(std::span<const PlacedDispatch> more) { placed_.insert(placed_.end(), more.begin(), more.end()); }
 
   std::span<const PlacedDispatch> dispatches() const { return placed_; }
@@ -52,8 +53,7 @@ class FrameSteps {
 
  private:
   Gpu& gpu_;
-  Graph graph_;  // values alone
-  std::vector<std::unique_ptr<Buffer>> buffers_;
+  DeviceImages images_;
   std::list<Buffer> copies_;
   std::vector<PlacedDispatch> placed_;
 };

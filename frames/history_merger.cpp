@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/bytes.h"
-
 namespace xrds {
 namespace {
 
@@ -25,14 +23,14 @@ std::vector<RowRange> inOrder(std::vector<RowRange> bands, bool movesUp) {
 }  // namespace
 
 HistoryMerger::HistoryMerger(Gpu& gpu, uint32_t height, uint32_t width, uint32_t scale, uint32_t bandRows)
-    : gpu_(gpu), height_(height), width_(width), scale_(scale) {
+    : gpu_(gpu), height_(height), width_(width), scale_(scale), images_(gpu) {
   low_ = createLevel(1, bandRows);
   full_ = createLevel(scale, bandRows);
   low_.scale = scale;
   positions_ = createMoving("positions", {scale * height, scale * width, 4}, full_.bandRows);
-  lowPositions_ = create("low positions", {height, width, 4});
-  lowGuides_ = create("low guides", {height, width, 4});
-  exposure_ = create("exposure", {1, 1, 4});
+  lowPositions_ = images_.create("low positions", {height, width, 4});
+  lowGuides_ = images_.create("low guides", {height, width, 4});
+  exposure_ = images_.create("exposure", {1, 1, 4});
   motion_ = inPlaceOf(full_.history, 4);  // followed before the history comes
   resultLow_ = inPlaceOf(low_.history, 4);
   resultFull_ = full_.history;
@@ -40,16 +38,10 @@ HistoryMerger::HistoryMerger(Gpu& gpu, uint32_t height, uint32_t width, uint32_t
                      Exposure{slice(low_.present, 0, 4), exposure_}});
 }
 
-TensorView HistoryMerger::create(const char* name, TensorShape shape) {
-  const TensorView view = graph_.create(name, DataType::f32, shape);
-  buffers_.push_back(std::make_unique<Buffer>(gpu_, alignUp(view.storedByteSize(), kBindingAlignment)));
-  return view;
-}
-
 HistoryMerger::Moving HistoryMerger::createMoving(const char* name, TensorShape shape, uint32_t bandRows) {
   const uint32_t height = shape.height;
   shape.height += bandRows;
-  const TensorView both = create(name, shape);
+  const TensorView both = images_.create(name, shape);
   return {rowsOf(both, {0, height}), rowsOf(both, {bandRows, bandRows + height})};
 }
 
@@ -57,10 +49,10 @@ HistoryMerger::Level HistoryMerger::createLevel(uint32_t scale, uint32_t bandRow
   Level level{.height = scale * height_};
   const uint32_t width = scale * width_;
   level.bandRows = std::min(level.height, bandRows ? bandRows : suitableBandRows(level.height));
-  level.present = create("present", {level.height, width, shader::kHistoryFrame});
-  level.history = create("history", {level.height, width, shader::kHistoryFrame});
+  level.present = images_.create("present", {level.height, width, shader::kHistoryFrame});
+  level.history = images_.create("history", {level.height, width, shader::kHistoryFrame});
   level.warped =
-      create("warped", {std::min(level.height, level.bandRows + 2 * kRadius), width, shader::kHistoryWarped});
+      images_.create("warped", {std::min(level.height, level.bandRows + 2 * kRadius), width, shader::kHistoryWarped});
   level.sums = createMoving("sums", {level.height, width, shader::kHistoryFrame}, level.bandRows);
   return level;
 }
@@ -85,31 +77,7 @@ TensorView HistoryMerger::Level::warpedRows(uint32_t first) const {
 }
 
 Recording HistoryMerger::record(std::vector<Operator> operators) {
-  Graph graph = graph_;
-  for (Operator& op : operators) {
-    graph.nodes.push_back({"", std::move(op)});
-    graph.nodes.back().name = factsOf(graph.nodes.back()).name;
-  }
-  std::vector<PlacedDispatch> placed;
-  for (LoweredDispatch& lowered : lower(graph, gpu_.traits())) {
-    PlacedDispatch& dispatch = placed.emplace_back(PlacedDispatch{std::move(lowered.dispatch), {}});
-    for (const Binding& binding : dispatch.dispatch.bindings)
-      dispatch.ranges.push_back({buffers_[binding.value].get(), binding.byteOffset, binding.byteSize});
-  }
-  return {gpu_, placed};
-}
-
-void HistoryMerger::upload(const TensorView& view, const HistoryFrame::WriteRow& write) {
-  buffers_[view.value]->uploadRows(0, view.rowByteSize(), view.height, [&](uint32_t y, std::span<std::byte> bytes) {
-    write(y, {reinterpret_cast<float*>(bytes.data()), bytes.size() / sizeof(float)});
-  });
-}
-
-void HistoryMerger::download(const TensorView& view, const TakeRow& take) const {
-  buffers_[view.value]->downloadRows(
-      0, view.rowByteSize(), view.height, [&](uint32_t y, std::span<const std::byte> bytes) {
-        take(y, {reinterpret_cast<const float*>(bytes.data()), bytes.size() / sizeof(float)});
-      });
+  return {gpu_, images_.placed(std::move(operators))};
 }
 
 Recording& HistoryMerger::follow(uint32_t inChain) {
@@ -150,10 +118,10 @@ void HistoryMerger::mergeChain(const HistoryFrame& present, std::span<const Hist
   uint32_t inChain = 0;
   for (const HistoryFrame& frame : chain) {
     if (!(last->*motion)) return;
-    upload(motion_, last->*motion);
+    images_.upload(motion_, last->*motion);
     follow(inChain).run();
-    upload(low_.history, frame.low);
-    upload(full_.history, frame.full);
+    images_.upload(low_.history, frame.low);
+    images_.upload(full_.history, frame.full);
     merge(inChain).run();
     ++inChain;
     ++merged_;
@@ -190,21 +158,15 @@ void HistoryMerger::run(const HistoryFrame& present, std::span<const HistoryFram
   merged_ = 0;
   full_.radius = present.hasFullColour ? kRadius : kGuideRadius;
   if (before.empty() && after.empty()) return giveOwn(present, low, full);
-  upload(low_.present, present.low);
-  upload(full_.present, present.full);
+  images_.upload(low_.present, present.low);
+  images_.upload(full_.present, present.full);
   prepare_->run();
   mergeChain(present, before, &HistoryFrame::toPrevious);
   mergeChain(present, after, &HistoryFrame::toNext);
   if (merged_ == 0) return giveOwn(present, low, full);
   finish();
-  download(resultLow_, low);
-  download(resultFull_, full);
-}
-
-uint64_t HistoryMerger::deviceBytes() const {
-  uint64_t bytes = 0;
-  for (const auto& buffer : buffers_) bytes += buffer->byteSize();
-  return bytes;
+  images_.download(resultLow_, low);
+  images_.download(resultFull_, full);
 }
 
 }  // namespace xrds

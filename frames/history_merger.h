@@ -8,8 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "engine/recording.h"
-#include "graph/graph.h"
+#include "frames/device_images.h"
 
 namespace xrds {
 
@@ -39,7 +38,7 @@ class HistoryMerger {
   void run(const HistoryFrame& present, std::span<const HistoryFrame> before, std::span<const HistoryFrame> after,
            const TakeRow& low, const TakeRow& full);
 
-  uint64_t deviceBytes() const;
+  uint64_t deviceBytes() const { return images_.byteSize(); }
 
  private:
   using Motion = HistoryFrame::WriteRow HistoryFrame::*;
@@ -60,14 +59,11 @@ class HistoryMerger {
     TensorView warpedRows(uint32_t first) const;
   };
 
-  TensorView create(const char* name, TensorShape shape);
   Moving createMoving(const char* name, TensorShape shape, uint32_t bandRows);
   Level createLevel(uint32_t scale, uint32_t bandRows);
   TensorView inPlaceOf(const TensorView& view, uint32_t channels) const;
   void addMerging(const Level& level, const TensorView& positions, uint32_t merged, std::vector<Operator>& to) const;
   Recording record(std::vector<Operator> operators);
-  void upload(const TensorView& view, const HistoryFrame::WriteRow& write);
-  void download(const TensorView& view, const TakeRow& take) const;
   void giveOwn(const HistoryFrame& present, const TakeRow& low, const TakeRow& full) const;
   void mergeChain(const HistoryFrame& present, std::span<const HistoryFrame> chain, Motion motion);
   Recording& follow(uint32_t inChain);
@@ -76,8 +72,7 @@ class HistoryMerger {
 
   Gpu& gpu_;
   uint32_t height_, width_, scale_;
-  Graph graph_;  // values alone
-  std::vector<std::unique_ptr<Buffer>> buffers_;
+  DeviceImages images_;
   Level low_, full_;
   Moving positions_;
   TensorView motion_, exposure_, lowPositions_, lowGuides_, resultLow_, resultFull_;

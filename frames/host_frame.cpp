@@ -38,8 +38,8 @@ HostFrame::HostFrame(Gpu& gpu, std::span<const FramePart> parts, const HostPictu
 // A buffer with the exposure, from where each part takes it; null: their one session computes it.
 const Buffer* HostFrame::prepareExposure(std::span<const FramePart> parts, const HostPictures& pictures) {
   if (parts.front().session->graph().computesExposure()) return nullptr;
-  const TensorView result = steps_.create({1, 1, 4});
-  Buffer& exposure = steps_.bufferOf(result);
+  const TensorView result = steps_.images().create("exposure", {1, 1, 4});
+  Buffer& exposure = steps_.images().bufferOf(result);
   if (pictures.exposureBuffer) {
     const Dispatch launch = takeExposure(pictures.exposureOffset);
     steps_.place({&launch, 1}, *pictures.exposureBuffer, exposure, 0);

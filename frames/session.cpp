@@ -243,11 +243,7 @@ void Session::download(std::span<float> output) const {
   XRDS_CHECK_EQ(output.size(), 3 * graph_.output.pixelCount());
   lostPixels_.clear();
   downloadRows([&](uint32_t row, std::span<const float> pixels) {
-    const uint64_t first = uint64_t{row} * graph_.output.width;
-    for (uint64_t x = 0; x < graph_.output.width; ++x) {
-      std::copy_n(&pixels[4 * x], 3, &output[3 * (first + x)]);
-      if (pixels[4 * x + 3] != 0) lostPixels_.push_back(first + x);
-    }
+    storeRow(pixels, uint64_t{row} * graph_.output.width, output, lostPixels_);
   });
 }
 

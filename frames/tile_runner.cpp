@@ -73,23 +73,21 @@ void TileRunner::store(const Session& session, const Tile& tile, const FrameInpu
   const size_t s = model_.config().scale, width = frame.colour.width * s;
   const size_t left = static_cast<size_t>(tile.inner.x - tile.crop.x) * s, top = (tile.inner.y - tile.crop.y) * s;
   const size_t columns = tile.inner.width * s, rows = tile.inner.height * s;
-  // Hears of each row of the tile which pixel of the output it begins at.
-  const auto storeRow = [&](uint32_t row, std::span<const float> pixels, std::span<float> to, auto&& first) {
-    if (row < top || row >= top + rows) return;
-    const size_t begin = (tile.inner.y * s + row - top) * width + static_cast<size_t>(tile.inner.x) * s;
-    for (size_t x = 0; x < columns; ++x) std::copy_n(&pixels[4 * (left + x)], 3, &to[3 * (begin + x)]);
-    first(begin);
+  // Hands over the pixels of each row that are of the inner part, and which pixel of the output the first one is.
+  const auto inner = [&](auto&& store) {
+    return [&, store](uint32_t row, std::span<const float> pixels) {
+      if (row < top || row >= top + rows) return;
+      const uint64_t begin = (tile.inner.y * s + row - top) * width + static_cast<size_t>(tile.inner.x) * s;
+      store(pixels.subspan(4 * left, 4 * columns), begin);
+    };
   };
-  session.downloadRows([&](uint32_t row, std::span<const float> pixels) {
-    storeRow(row, pixels, output, [&](size_t begin) {
-      for (size_t x = 0; x < columns; ++x)
-        if (pixels[4 * (left + x) + 3] != 0) lostPixels_.push_back(begin + x);
-    });
-  });
+  session.downloadRows(
+      inner([&](std::span<const float> pixels, uint64_t first) { storeRow(pixels, first, output, lostPixels_); }));
   for (size_t i = 0; i < frame.layers.size(); ++i)
-    session.downloadLayerRows(i, [&](uint32_t row, std::span<const float> pixels) {
-      storeRow(row, pixels, frame.layers[i].mean, [](size_t) {});
-    });
+    session.downloadLayerRows(i, inner([&](std::span<const float> pixels, uint64_t first) {
+                                for (size_t x = 0; x < columns; ++x)
+                                  std::copy_n(&pixels[4 * x], 3, &frame.layers[i].mean[3 * (first + x)]);
+                              }));
 }
 
 void TileRunner::addTimes(const Session& session) {
