@@ -20,14 +20,7 @@ struct Stage {
   Tiling tiling{};
 };
 
-bool takes(const NetworkConfig& config, const AuxiliaryInput& input) {
-  return std::find(config.auxInputs.begin(), config.auxInputs.end(), input.name) != config.auxInputs.end();
-}
-
-bool takesRadiance(const NetworkConfig& config) {
-  return std::any_of(config.auxInputs.begin(), config.auxInputs.end(),
-                     [](const std::string& name) { return findAuxiliaryInput(name)->isRadiance; });
-}
+bool takes(const NetworkConfig& config, const AuxiliaryInput& input) { return config.auxOffset(input.name) >= 0; }
 
 // All in the memory, each beside the weights of the others. Throws Error.
 void tile(Gpu& gpu, std::vector<Stage>& stages, uint64_t memory) {
@@ -97,7 +90,7 @@ DenoisedPlan planDenoised(Gpu& gpu, const NetworkModel& model, FrameShape frame,
   };
   add(takes(config, kAlbedo) ? denoising.albedo : nullptr, full, runners.albedo);
   add(takes(config, kNormal) ? denoising.normal : nullptr, full, runners.normal);
-  add(takesRadiance(config) ? denoising.colour : nullptr, full, runners.full);
+  add(config.radianceInputs().empty() ? nullptr : denoising.colour, full, runners.full);
   add(denoising.colour, frame, runners.low);
   stages.push_back({model, frame, options, of, runners.upscaler});
   runners.guides = static_cast<uint32_t>(denoising.colour->config().auxInputs.size());

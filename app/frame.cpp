@@ -165,10 +165,8 @@ void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) 
   if (passes > 1 && full && !layers_) noisy_ = Noisy{colour_, auxiliary_};
   if (albedo && !cleanGuides) *albedo = denoiser.denoisedAlbedo(*albedo);
   if (normal && !cleanGuides) *normal = denoiser.denoisedNormal(*normal);
-  if (full) {
-    if (merged_) full->pixels = levelledColour(viewOf(*full), viewOf(colour_));
-    *full = denoiser.denoised(*full, albedo, normal, passes);
-  }
+  level();
+  if (full) *full = denoiser.denoised(*full, albedo, normal, passes);
   for (size_t i = 0; i < inputs_.size(); ++i)
     if (findAuxiliaryInput(inputs_[i])->isRadiance && &auxiliary_[i] != full)
       auxiliary_[i] = denoiser.denoised(auxiliary_[i], albedo, normal, passes);
@@ -181,9 +179,14 @@ void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) 
 }
 
 void Frame::levelFor(const std::string& denoisers) {
+  level();
+  denoisedBy_ = denoisers;
+}
+
+// The full-resolution colour, if there is one, to the merged one.
+void Frame::level() {
   Image* const full = imageOf(kFullColour.name);
   if (full && merged_) full->pixels = levelledColour(viewOf(*full), viewOf(colour_));
-  denoisedBy_ = denoisers;
 }
 
 const Image* Frame::imageOf(std::string_view input) const { return xrds::imageOf(inputs_, auxiliary_, input); }

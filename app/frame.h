@@ -99,6 +99,7 @@ class Frame {
   Image loadAuxiliary(const std::string& input);
   std::optional<ExrSelection> fullColour() const;
   void mergeColour();
+  void level();
   void chooseShare(const ExrSelection& layer, const Image& full);
   void addWarnings(const std::vector<std::string>& more);
   void addRepaired(size_t count, const ExrSelection& layer, const char* what);
