@@ -6,19 +6,12 @@ import os
 
 import bpy
 
-KINDS = ("rt_hdr_calb_cnrm", "rt_alb", "rt_nrm")  # of the colour with clean guides, and of these
-SIZES = ("", "_large")
-
 
 def ready():
     """Whether the networks are there."""
     import xrds
 
-    try:
-        folder = xrds.denoiser_folder()
-    except RuntimeError:
-        return False
-    return all(any((folder / f"{kind}{size}.safetensors").exists() for size in SIZES) for kind in KINDS)
+    return xrds.can_denoise()
 
 
 def libraries():

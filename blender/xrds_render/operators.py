@@ -133,19 +133,24 @@ class XRDS_OT_get_denoiser(bpy.types.Operator):
 
     def execute(self, context):
         try:
-            self.report({"INFO"}, f"Read the denoiser's networks out of {denoiser.get(self.filepath)}.")
+            return self._end(context, denoiser.get(self.filepath))
         except (RuntimeError, OSError) as error:
             self.report({"ERROR"}, str(error).strip())
             return {"CANCELLED"}
-        _redraw(context)
-        return {"FINISHED"}
 
     def invoke(self, context, event):
         """Asks for a file where no copy that is known has them."""
-        if denoiser.found() or bpy.app.background:
+        if bpy.app.background:
             return self.execute(context)
+        if library := denoiser.found():
+            return self._end(context, library)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
+
+    def _end(self, context, library):
+        self.report({"INFO"}, f"Read the denoiser's networks out of {library}.")
+        _redraw(context)
+        return {"FINISHED"}
 
 
 def _editors(context):

@@ -57,8 +57,10 @@ def test_the_full_colour_is_brought_to_the_level_of_the_merged_one(networks, tmp
 
 def test_networks_that_are_missing_are_named(networks, monkeypatch):
     colour, images = frame(12, 16)
+    assert xrds.can_denoise(networks)
     (networks / "rt_nrm.safetensors").unlink()
     monkeypatch.setenv("XRDS_DENOISERS", str(networks))
+    assert not xrds.can_denoise()
     with pytest.raises(xrds.Error, match="no network rt_nrm"):
         xrds.upscale(colour, model=MODEL, denoise_first=True, **images)
     assert numpy.isfinite(xrds.upscale(colour, model=MODEL, denoise_first=True, clean_guides=True, **images)).all()

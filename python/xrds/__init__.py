@@ -15,7 +15,7 @@ from ._errors import ArgumentError, Cancelled, DeviceLost, Error, OutOfMemory
 from ._frame import release, upscale
 from ._layers import Layers
 from ._models import Model, models
-from ._oidn import denoiser_folder, import_oidn
+from ._oidn import can_denoise, denoiser_folder, import_oidn
 from ._progress import Progress
 from ._temporal import TemporalFilter, TemporalFrame, cycles_motion
 from ._upscaler import Upscaler
@@ -38,6 +38,7 @@ __all__ = [
     "TemporalFilter",
     "TemporalFrame",
     "Upscaler",
+    "can_denoise",
     "cycles_motion",
     "denoiser_folder",
     "devices",

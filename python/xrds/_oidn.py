@@ -26,30 +26,55 @@ def import_oidn(library: Path, folder: Optional[Path] = None) -> list[pathlib.Pa
     return [pathlib.Path(file) for file in _native.import_oidn(os.fspath(library), os.fspath(target))]
 
 
+def can_denoise(folder: Optional[Path] = None) -> bool:
+    """Whether the networks are there that `denoise_first` runs in front of models of albedo and normal.
+
+    folder: None: denoiser_folder().
+    """
+    try:
+        home = _home(folder)
+    except Error:
+        return False
+    return all(_file(home, kind) for kind in _kinds(("albedo", "normal"), False) if kind)
+
+
 def networks_in_front(inputs: tuple[str, ...], folder: Optional[Path], clean_guides: bool) -> list[Optional[Model]]:
     """The networks in front of a model with these inputs: of the colour, and of albedo and normal unless these are clean.
 
     folder: None: denoiser_folder(). Raises Error if one is missing.
     """
-    home = denoiser_folder() if folder is None else pathlib.Path(folder)
+    home = _home(folder)
+    return [_network(home, kind) if kind else None for kind in _kinds(inputs, clean_guides)]
+
+
+def _kinds(inputs: tuple[str, ...], clean_guides: bool) -> list[str]:
+    """Of the colour, the albedo and the normal; empty: none."""
     guides = 0 if "albedo" not in inputs else 1 if "normal" not in inputs else 2
     return [
-        _network(home, "rt_hdr" + ("", "_alb", "_calb_cnrm")[guides]),
-        None if clean_guides or "albedo" not in inputs else _network(home, "rt_alb"),
-        None if clean_guides or "normal" not in inputs else _network(home, "rt_nrm"),
+        "rt_hdr" + ("", "_alb", "_calb_cnrm")[guides],
+        "" if clean_guides or "albedo" not in inputs else "rt_alb",
+        "" if clean_guides or "normal" not in inputs else "rt_nrm",
     ]
 
 
+def _home(folder: Optional[Path]) -> pathlib.Path:
+    return denoiser_folder() if folder is None else pathlib.Path(folder)
+
+
+def _file(folder: pathlib.Path, kind: str) -> Optional[pathlib.Path]:
+    """Of its sizes the largest; None: there is none."""
+    files = (folder / f"{name}.safetensors" for name in (f"{kind}_large", kind))
+    return next((file for file in files if file.exists()), None)
+
+
 def _network(folder: pathlib.Path, kind: str) -> Model:
-    """Of its sizes the largest."""
-    for name in (f"{kind}_large", kind):
-        file = folder / f"{name}.safetensors"
-        if file.exists():
-            return Model(file)
-    raise Error(
-        f"There is no network {kind} of Open Image Denoise in '{folder}': read them once out of your own copy with "
-        "xrds.import_oidn(LIBRARY)."
-    )
+    file = _file(folder, kind)
+    if file is None:
+        raise Error(
+            f"There is no network {kind} of Open Image Denoise in '{folder}': read them once out of your own copy with "
+            "xrds.import_oidn(LIBRARY)."
+        )
+    return Model(file)
 
 
 def denoiser_folder() -> pathlib.Path:
