@@ -1,5 +1,5 @@
 # What makes a build of everything shorter. Half of a file's compile time is headers of the standard library, which are compiled once for each
-# target; a test runs for less time than it is compiled, so tests are optimized little.
+# target. Tests, and programs that read options and call the libraries, run for less time than they are compiled: they are optimized little.
 set(common_headers algorithm array cmath cstdint cstring filesystem fstream functional map memory optional random set span string variant vector)
 
 # For C++ alone: a target may have C files, too.
@@ -11,8 +11,12 @@ endfunction()
 
 xrds_precompile(xrds_options INTERFACE ${common_headers})
 
+function(optimize_little target)
+  target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
+endfunction()
+
 # A program of tests; names of more headers that most of its files include may follow.
 function(quick_to_compile target)
-  target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
+  optimize_little(${target})
   target_precompile_headers(${target} PRIVATE <gtest/gtest.h> ${ARGN})
 endfunction()
