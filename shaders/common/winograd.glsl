@@ -3,6 +3,18 @@
 #define XRDS_SHADERS_COMMON_WINOGRAD_GLSL
 #include "shaders/common/winograd.h"
 
+// Four channels of a square of a row. The lanes of a subgroup take them one after the other, channels first, as they lie in
+// memory: a cache line that one lane begins the next ones finish.
+struct SquareQuad {
+  uint square, quad;
+};
+
+// The item'th of a row; kMostRowItems. Integers would be divided lane by lane.
+SquareQuad squareQuad(uint item, uint quads) {
+  const uint square = uint((float(item) + 0.5) / float(quads));
+  return SquareQuad(square, item - square * quads);
+}
+
 vec4[6] winogradInput(vec4 d[6]) {
   const float a = kWinogradPoint, b = 1 / a;
   const vec4 evenA = d[4] - b * b * d[2], oddA = a * (d[3] - b * b * d[1]);

@@ -1,7 +1,7 @@
 // Planes 6 i + j of a square = (B^T d B)[i][j] of the 6 x 6 pixels d around its 4 x 4, see winograd.h.
 // source: [h, w, c], or upsampled [h / 2, w / 2, c], each pixel of which is 2 x 2 of the image's; target: [ceil(h / 4), w / 4,
-// 36 c] slices. An invocation makes four channels of a square; squares of a row lie side by side. Lane: a subgroup's lanes
-// behind the last square of the row repeat it. fp32.
+// 36 c] slices. An invocation makes four channels of a square. Lane: invocations follow each other as SquareQuad says; those
+// behind the last of the row repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -9,7 +9,7 @@
 #include "shaders/winograd_input/winograd_input.h"
 layout(binding = 0) uniform samplerBuffer source;
 #ifdef XRDS_LANE
-layout(local_size_x_id = 0, local_size_y_id = 1) in;  // x = subgroup size, y: quads side by side
+layout(local_size_x_id = 0, local_size_y_id = 1) in;  // x = subgroup size
 layout(constant_id = 2) const bool kUpsampled = false;
 #define PARAMS WinogradInputParams
 #define TARGET_BINDING 1
@@ -69,22 +69,26 @@ vec4[36] planes(uint column, uint row, uint quad) {
 }
 
 void main() {
-  const uint quad = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
-  const uint row = p.rowBegin + gl_WorkGroupID.z, targetStart = p.target.offset - p.storeOrigin;
-  const uint column = gl_WorkGroupID.y * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  const uint targetStart = p.target.offset - p.storeOrigin;
 #ifdef XRDS_LANE
-  const vec4 made[36] = planes(min(column, p.squares - 1), row, quad);
-  const uint ownQuad = uniformOf(gl_WorkGroupID.x, 2) * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2);
-  const uint first = uniformOf(gl_WorkGroupID.y, 4) * kLanes;
-  const uint rowStart = (p.rowBegin + uniformOf(gl_WorkGroupID.z, 4)) * p.squares;
+  const uint last = p.squares * p.quads - 1;
+  const uint chunk = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
+  const SquareQuad own = squareQuad(min(chunk * kLanes + gl_LocalInvocationID.x, last), p.quads);
+  const vec4 made[36] = planes(own.square, p.rowBegin + gl_WorkGroupID.y, own.quad);
+  const uint first = (uniformOf(gl_WorkGroupID.x, 4) * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2)) * kLanes;
+  const uint rowStart = (p.rowBegin + uniformOf(gl_WorkGroupID.y, 4)) * p.squares;
   uint laneStart[kLanes];
-  [[unroll]] for (uint l = 0; l < kLanes; l++)
-    laneStart[l] = (rowStart + min(first + l, p.squares - 1)) * p.target.stride + targetStart + ownQuad;
+  [[unroll]] for (uint l = 0; l < kLanes; l++) {
+    const SquareQuad item = squareQuad(min(first + l, last), p.quads);
+    laneStart[l] = (rowStart + item.square) * p.target.stride + targetStart + item.quad;
+  }
   [[unroll]] for (uint e = 0; e < 36; e++) {
     const WIDE4 wide = wide4(made[e]);
     [[unroll]] for (uint l = 0; l < kLanes; l++) storeLane(laneStart[l] + e * p.quads, wide, l);
   }
 #else
+  const uint quad = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y, row = p.rowBegin + gl_WorkGroupID.z;
+  const uint column = gl_WorkGroupID.y * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
   if (column >= p.squares || quad >= p.quads) return;
   const vec4 made[36] = planes(column, row, quad);
   for (uint e = 0; e < 36; e++)

@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t kSide = shader::kWinogradSide, kElements = shader::kWinogradElements;
 constexpr uint32_t kPlanes = shader::kWinogradPlanes;
 constexpr uint32_t kGroupWidth = 16, kGroupQuads = 4;  // of the plain kernel
-constexpr uint32_t kMostQuads = 8;                     // of a workgroup of the lane kernel
+constexpr uint32_t kMostSubgroups = 8;                 // of a workgroup of the lane kernel
 
 uint32_t heightOf(const WinogradInput& op) { return (op.upsampled ? 2 : 1) * op.input.height; }
 uint32_t widthOf(const WinogradInput& op) { return (op.upsampled ? 2 : 1) * op.input.width; }
@@ -32,9 +32,9 @@ TensorShape outputShape(const WinogradInput& op) {
 Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
-  const uint32_t quads = op.input.channels / 4, groupQuads = evenShare(quads, kMostQuads);
-  const bool lane = device.family == KernelFamily::lane && device.shaderInt64 &&
-                    device.subgroupSize * groupQuads <= device.maxGroupInvocations;
+  const uint32_t quads = op.input.channels / 4, items = op.output.width * quads;
+  const bool lane = device.family == KernelFamily::lane && device.shaderInt64 && items <= shader::kMostRowItems &&
+                    device.subgroupSize * kMostSubgroups <= device.maxGroupInvocations;
   Dispatch launch{
       .program = programName("winograd_input", lane ? KernelFamily::lane : KernelFamily::plain, op.output.type),
       .bindings = {readTexels(op.input), writeRows(op.output, rows)}};
@@ -50,9 +50,10 @@ Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
                                            .storeOrigin = storeOrigin(op.output, rows)};
   const uint32_t rowCount = rows.end - rows.begin;
   if (lane) {
-    launch.specialization = {device.subgroupSize, groupQuads, op.upsampled};
+    const uint32_t chunks = ceilDivide(items, device.subgroupSize), subgroups = subgroupShare(chunks, kMostSubgroups);
+    launch.specialization = {device.subgroupSize, subgroups, op.upsampled};
     launch.pushConstants = pushBytesWithDigits(params);
-    launch.groupCount = {quads / groupQuads, ceilDivide(params.squares, device.subgroupSize), rowCount};
+    launch.groupCount = {chunks / subgroups, rowCount, 1};
   } else {
     launch.specialization = {op.upsampled};
     launch.pushConstants = pushBytes(params);

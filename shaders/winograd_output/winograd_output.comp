@@ -1,8 +1,8 @@
 // y = activation(A^T m A + b) + residual: 4 x 4 pixels of the 36 products m of a square, see winograd.h.
 // source: [ceil(h / 4), w / 4, 36 c] slices, residual, y: [h, w, c] slices, if shuffled [2h, 2w, c / 4], if pooled the largest
 // of 2 x 2 pixels each, [h / 2, w / 2, c];
-// weights: bias[c]. An invocation makes four channels of a square; squares of a row lie side by side. Lane: a subgroup's lanes
-// behind the last square of the row repeat it. Rows behind the last are stored before those above, to the last. fp32.
+// weights: bias[c]. An invocation makes four channels of a square. Lane: invocations follow each other as SquareQuad
+// says; those behind the last of the row repeat it. Rows behind the last are stored before those above, to the last. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -16,7 +16,7 @@ layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 #ifdef XRDS_LANE
-layout(local_size_x_id = 3, local_size_y_id = 4) in;  // x = subgroup size, y: quads side by side
+layout(local_size_x_id = 3, local_size_y_id = 4) in;  // x = subgroup size
 #define PARAMS WinogradOutputParams
 #define TARGET_BINDING 3
 #include "shaders/common/uniform_store.glsl"
@@ -37,10 +37,9 @@ Place placeOf(uint quad) {
   return Place(quad - part * p.targetQuads, part % 2, part / 2);
 }
 
-// The stored pixel of the convolution's.
-uint pixelAt(uint x, uint y, Place place) {
-  return (y * p.shuffle + place.y) * p.width * p.shuffle + x * p.shuffle + place.x;
-}
+// The stored pixel of the convolution's, and how far behind it that of a place is.
+uint pixelAt(uint x, uint y) { return y * p.shuffle * p.width * p.shuffle + x * p.shuffle; }
+uint pixelsTo(Place place) { return place.y * p.width * p.shuffle + place.x; }
 
 // The same of a pooled one.
 uint pooledAt(uint x, uint y) { return y / 2 * (p.width / 2) + x; }
@@ -71,24 +70,27 @@ vec4[16] pixels(uint column, uint row, uint quad) {
   const Place place = placeOf(quad);
   if (kHasResidual)
     [[unroll]] for (uint i = 0; i < 16; i++) {
-      const uint pixel = pixelAt(4 * column + i % 4, rowOf(row, i / 4), place);
+      const uint pixel = pixelAt(4 * column + i % 4, rowOf(row, i / 4)) + pixelsTo(place);
       made[i] += texelFetch(residual, int(pixel * p.residual.stride + p.residual.offset + place.quad));
     }
   return made;
 }
 
 void main() {
-  const uint quad = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
-  const uint column = gl_WorkGroupID.y * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
   const uint targetStart = p.target.offset - p.storeOrigin;
 #ifdef XRDS_LANE
-  const vec4 made[16] = pixels(min(column, p.squares - 1), gl_WorkGroupID.z, quad);
-  const Place place = placeOf(uniformOf(gl_WorkGroupID.x, 2) * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2));
-  const uint first = uniformOf(gl_WorkGroupID.y, 4) * kLanes, row = uniformOf(gl_WorkGroupID.z, 4);
+  const uint last = p.squares * p.quads - 1;
+  const uint chunk = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
+  const SquareQuad own = squareQuad(min(chunk * kLanes + gl_LocalInvocationID.x, last), p.quads);
+  const vec4 made[16] = pixels(own.square, gl_WorkGroupID.y, own.quad);
+  const uint first = (uniformOf(gl_WorkGroupID.x, 4) * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2)) * kLanes;
+  const uint row = uniformOf(gl_WorkGroupID.y, 4), side = kPooled ? 2 : 4;
   uint laneStart[kLanes];
-  const uint side = kPooled ? 2 : 4;
-  [[unroll]] for (uint l = 0; l < kLanes; l++)
-    laneStart[l] = side * min(first + l, p.squares - 1) * p.shuffle * p.target.stride + targetStart + place.quad;
+  [[unroll]] for (uint l = 0; l < kLanes; l++) {
+    const SquareQuad item = squareQuad(min(first + l, last), p.quads);
+    const Place place = placeOf(item.quad);
+    laneStart[l] = (side * item.square * p.shuffle + pixelsTo(place)) * p.target.stride + targetStart + place.quad;
+  }
   if (kPooled) {
     [[unroll]] for (int v = 1; v >= 0; v--)
       [[unroll]] for (uint h = 0; h < 2; h++) {
@@ -101,10 +103,12 @@ void main() {
   [[unroll]] for (int v = 3; v >= 0; v--)
     [[unroll]] for (uint h = 0; h < 4; h++) {
       const WIDE4 wide = wide4(made[4 * v + h]);
-      const uint start = pixelAt(h, rowOf(row, v), place) * p.target.stride;
+      const uint start = pixelAt(h, rowOf(row, v)) * p.target.stride;
       [[unroll]] for (uint l = 0; l < kLanes; l++) storeLane(start + laneStart[l], wide, l);
     }
 #else
+  const uint quad = gl_WorkGroupID.x * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
+  const uint column = gl_WorkGroupID.y * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
   if (column >= p.squares || quad >= p.quads) return;
   const vec4 made[16] = pixels(column, gl_WorkGroupID.z, quad);
   const Place place = placeOf(quad);
@@ -120,7 +124,7 @@ void main() {
   for (uint i = 0; i < 16; i++) {
     const uint y = p.rowBegin + 4 * gl_WorkGroupID.z + i / 4;
     if (y < p.rowEnd)
-      target[pixelAt(4 * column + i % 4, y, place) * p.target.stride + targetStart + place.quad] = stored4(made[i]);
+      target[(pixelAt(4 * column + i % 4, y) + pixelsTo(place)) * p.target.stride + targetStart + place.quad] = stored4(made[i]);
   }
 #endif
 }
