@@ -6,11 +6,11 @@
 #include "shaders/common/shared.h"
 
 XRDS_SHARED_BEGIN
-const float kWinogradPoint = 1.5;  // beside its inverse, the negatives of both, zero and infinity
-const uint kWinogradSide = 4;      // of a square of results
-const uint kWinogradElements = 6;  // of its inputs, and of the products
-const uint kWinogradPlanes = 36;   // products of a square
-const uint kMostRowItems = 1 << 20;  // squares of a row times their channels in fours: of more, floats do not tell which is which
+const float kWinogradPoint = 1.5;    // beside its inverse, the negatives of both, zero and infinity
+const uint kWinogradSide = 4;        // of a square of results
+const uint kWinogradElements = 6;    // of its inputs, and of the products
+const uint kWinogradPlanes = 36;     // products of a square
+const uint kMostRowItems = 1 << 20;  // squares of a row times quads of channels: floats tell no more of them apart
 XRDS_SHARED_END
 
 #ifdef __cplusplus
