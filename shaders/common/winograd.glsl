@@ -9,7 +9,7 @@ struct SquareQuad {
   uint square, quad;
 };
 
-// The item'th of a row; kMostRowItems. Integers would be divided lane by lane.
+// The item'th of a row of at most kMostRowItems. By floats, which are exact so far: integers would be divided lane by lane.
 SquareQuad squareQuad(uint item, uint quads) {
   const uint square = uint((float(item) + 0.5) / float(quads));
   return SquareQuad(square, item - square * quads);

@@ -10,7 +10,7 @@ const float kWinogradPoint = 1.5;    // beside its inverse, the negatives of bot
 const uint kWinogradSide = 4;        // of a square of results
 const uint kWinogradElements = 6;    // of its inputs, and of the products
 const uint kWinogradPlanes = 36;     // products of a square
-const uint kMostRowItems = 1 << 20;  // squares of a row times quads of channels: floats tell no more of them apart
+const uint kMostRowItems = 1 << 17;  // squares of a row times quads of channels, which one row of workgroups makes
 XRDS_SHARED_END
 
 #ifdef __cplusplus

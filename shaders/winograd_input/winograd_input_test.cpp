@@ -83,5 +83,14 @@ TEST(WinogradInput, RefusesOtherWidths) {
   EXPECT_THROW(dispatch(inputOf({4, 8, 4, {}, 5, true}, DataType::f32), {}), std::logic_error);
 }
 
+// More than a row of workgroups makes.
+TEST(WinogradInput, LeavesTheWidestRowsToThePlainKernel) {
+  const auto programOf = [](uint32_t width) {
+    return dispatch(inputOf({4, width, 256}, DataType::f32), test::traitsOf(KernelFamily::lane)).program;
+  };
+  EXPECT_EQ(programOf(8192), "winograd_input_lane_f32");
+  EXPECT_EQ(programOf(8196), "winograd_input_plain_f32");
+}
+
 }  // namespace
 }  // namespace xrds

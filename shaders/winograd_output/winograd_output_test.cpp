@@ -113,5 +113,14 @@ TEST(WinogradOutput, RefusesWhatDoesNotFit) {
   EXPECT_THROW(dispatch(wrong, {}), std::logic_error);
 }
 
+// More than a row of workgroups makes.
+TEST(WinogradOutput, LeavesTheWidestRowsToThePlainKernel) {
+  const auto programOf = [](uint32_t width) {
+    return dispatch(outputOf({4, width, 256}, DataType::f32, {}), test::traitsOf(KernelFamily::lane)).program;
+  };
+  EXPECT_EQ(programOf(8192), "winograd_output_lane_f32");
+  EXPECT_EQ(programOf(8196), "winograd_output_plain_f32");
+}
+
 }  // namespace
 }  // namespace xrds
