@@ -181,6 +181,10 @@ void Swapchain::makeImage(Image& image) const {
 }
 
 void Swapchain::destroyImages() {
+  if (!images_.empty()) {  // the fence says nothing of the presentation, which waits for a semaphore of them
+    const std::lock_guard lock(gpu_.queueAccess);
+    checkVulkan(vkQueueWaitIdle(gpu_.queue), "vkQueueWaitIdle");
+  }
   for (const Image& image : images_) {
     vkDestroyFramebuffer(gpu_.device, image.framebuffer, nullptr);
     vkDestroyImageView(gpu_.device, image.view, nullptr);
