@@ -36,6 +36,7 @@ enum class Command : uint8_t {
   nextModel,
   previousModel,
   precision,
+  denoiseFirst,
   skip,
   temporal,
   play,

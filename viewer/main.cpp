@@ -35,6 +35,12 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("--precision", options.precision, "Storage of activations and weights")
       ->check(CLI::IsMember({xrds::kFp32, xrds::kFp16}))
       ->capture_default_str();
+  app.add_flag("--denoise-first", options.denoiseFirst,
+               "Networks of Open Image Denoise take the noise out of all images first, as in xrds upscale; needs xrds "
+               "import oidn");
+  app.add_flag("--clean-guides", options.cleanGuides,
+               "With --denoise-first: albedo and normal of the files have no noise, and stay as they are")
+      ->needs("--denoise-first");
   app.add_option("--skip", options.skip, "Leave out windows that need no network: off, safe, or N as in xrds upscale")
       ->check(CLI::Validator(xrds::validSkip, "off|safe|N"))
       ->capture_default_str();

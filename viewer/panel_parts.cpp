@@ -115,6 +115,16 @@ void drawSkip(PanelModel& model) {
   if (!report.onDevice) ImGui::TextDisabled("pictures pass through the host");
 }
 
+void drawDenoiseFirst(PanelModel& model) {
+  Wanted& wanted = model.wanted;
+  ImGui::Checkbox("denoise first (B)", &wanted.denoiseFirst);
+  if (!model.report.denoisedBy.empty() && ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s", model.report.denoisedBy.c_str());
+  if (!wanted.denoiseFirst || !wanted.live.scene.empty()) return;
+  ImGui::SameLine();
+  ImGui::Checkbox("clean guides", &wanted.cleanGuides);
+}
+
 void drawModel(PanelModel& model) {
   heading("NETWORK");
   const Report& report = model.report;
@@ -133,6 +143,7 @@ void drawModel(PanelModel& model) {
     ImGui::SameLine();
     ImGui::ProgressBar(static_cast<float>(report.share), {-1, 0});
   }
+  drawDenoiseFirst(model);
   drawSkip(model);
 }
 

@@ -6,6 +6,7 @@
 #include "app/failing_with.h"
 #include "app/skip_map.h"
 #include "xrds/error.h"
+#include "xrds/merged_colour.h"
 
 namespace xrds {
 namespace {
@@ -27,6 +28,7 @@ Upscaler::Options upscalerOptions(const Device& device, const Model& model, cons
                           .skip = options.skip,
                           .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
                           .tune = options.tune,
+                          .denoisers = options.denoisers,
                           .onTuning = options.onTuning};
   // Of a device of its own an upscaler decides that itself.
   if (asked.tune == Upscaler::Tune::automatic &&
@@ -77,7 +79,8 @@ uint32_t planeCount(const Model& model) { return static_cast<uint32_t>(model.aux
 
 bool operator==(const NetworkOptions& a, const NetworkOptions& b) {
   const auto all = [](const NetworkOptions& o) {
-    return std::tuple(o.fp16, o.skip.bound, o.skip.keepUnchanged, o.memoryBytes);
+    return std::tuple(o.fp16, o.skip.bound, o.skip.keepUnchanged, o.denoisers.colour, o.denoisers.albedo,
+                      o.denoisers.normal, o.memoryBytes);
   };
   return all(a) == all(b);
 }
@@ -128,7 +131,14 @@ bool PreparedNetwork::fits(const FrameSize& frame) const {
 }
 
 void PreparedNetwork::take(const LoadedFrame& frame) {
-  take(viewOf(frame.colour), inputsOf(model_, frame.inputs, frame.auxiliary));
+  std::vector<PixelView> auxiliary = inputsOf(model_, frame.inputs, frame.auxiliary);
+  const auto& inputs = model_.auxiliaryInputs();
+  for (size_t i = 0; i < inputs.size(); ++i)
+    if (options_.denoisers.colour && inputs[i] == kFullColour.name) {
+      levelledFull_ = levelledColour(auxiliary[i], viewOf(frame.colour));
+      auxiliary[i] = {levelledFull_.data(), auxiliary[i].width, auxiliary[i].height};
+    }
+  take(viewOf(frame.colour), std::move(auxiliary));
 }
 
 void PreparedNetwork::takeLive(const PixelView& colour, const PixelView& albedo, const PixelView& normal) {

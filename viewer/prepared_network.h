@@ -21,7 +21,8 @@ struct FrameSize {
 struct NetworkOptions {
   bool fp16 = false;
   SkipOptions skip{};
-  uint64_t memoryBytes = 0;  // of the device; 0: most of it. What does not fit is computed in tiles.
+  Upscaler::Denoisers denoisers{};  // of all images before the network; they must outlive what they are given to
+  uint64_t memoryBytes = 0;         // of the device; 0: most of it. What does not fit is computed in tiles.
   Upscaler::Tune tune = Upscaler::Tune::automatic;
   std::function<bool(double)> onTuning{};  // as Upscaler::Options has it
   /// Of a submission, which a drawing may have to wait for; at first for a CPU to finish one in about 10 ms.
@@ -89,6 +90,7 @@ class PreparedNetwork {
   // Of a frame that passes through the host.
   std::vector<float> copiedColour_, output_;
   std::vector<std::vector<float>> copiedAuxiliary_;
+  std::vector<float> levelledFull_;  // a frame's full-resolution colour, as denoisers take it
   PixelView colour_;
   std::vector<PixelView> auxiliary_;
 };

@@ -8,8 +8,8 @@
 namespace xrds {
 namespace {
 
-constexpr std::array<const char*, 4> kStages{"image pipeline", "auxiliary branch", "low-resolution branch",
-                                             "upsampling"};
+constexpr std::array<const char*, 5> kStages{"image pipeline", "auxiliary branch", "low-resolution branch",
+                                             "upsampling", "denoisers"};
 
 size_t stageOf(std::string_view label) {
   const auto begins = [&](std::initializer_list<std::string_view> prefixes) {
@@ -18,6 +18,7 @@ size_t stageOf(std::string_view label) {
   if (begins({"aux_", "deshuffle"})) return 1;
   if (begins({"lr_conv", "groups.", "fuse", "body_conv"})) return 2;
   if (begins({"up", "out"})) return 3;
+  if (begins({"enc_conv", "dec_conv"})) return 4;
   return 0;
 }
 

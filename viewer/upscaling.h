@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "app/exit_code.h"
+#include "app/network_denoiser.h"
 #include "image/metrics.h"
 #include "viewer/flicker.h"
 #include "viewer/live_scene.h"
@@ -27,6 +28,7 @@ struct ComparedPicture {
 /// What the worker has done so far.
 struct Report {
   std::string files, model, device;  // of the picture that is shown
+  std::string denoisedBy;            // its images, first; empty: they are as they were
   std::string error, waiting, notice;
   ExitCode failure = ExitCode::ok;  // what kind the error is of
   bool fp16 = false, hasReference = false;
@@ -87,7 +89,7 @@ class Upscaling {
   void upscale(const Wanted& wanted);
   void showFlicker(const Wanted& wanted);
   LoadedFrame loadFrameOf(const Wanted& wanted, const FrameFiles& files);
-  NetworkOptions optionsFor(const Wanted& wanted, const Model& model) const;
+  NetworkOptions optionsFor(const Wanted& wanted, const Model& model);
   void keepPace();
   void showBaseFirst();
   bool showProgress(double share);
@@ -127,8 +129,9 @@ class Upscaling {
   bool refining_ = false;  // the live view is not finished
   std::unique_ptr<MovingSequence> moving_;
   std::unique_ptr<Flicker> flicker_;
-  bool temporal_ = false;  // of what was served last
-  FrameSize size_;         // of the frame or the live view
+  bool temporal_ = false;          // of what was served last
+  FrameSize size_;                 // of the frame or the live view
+  NetworkDenoiser denoisers_{{}};  // in front of the network
   std::unique_ptr<PreparedNetwork> network_;
   std::map<Slot, std::unique_ptr<PreparedNetwork>> bases_;
   Image denoised_;              // the full-resolution render, what is in the slot

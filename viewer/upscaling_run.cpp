@@ -35,9 +35,15 @@ std::string Upscaling::wantedModel(const Wanted& wanted) const {
 
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
 // frames follow each other; in a live view every sample changes every pixel but those that are skipped anyway.
-NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) const {
+NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) {
   NetworkOptions options{
       .fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes, .tune = wanted.tune, .multiplyAddsAtOnce = pace_};
+  if (wanted.denoiseFirst) {  // which computes every pixel
+    const bool hasAlbedo = takes(model, kAlbedo), hasNormal = takes(model, kNormal);
+    const bool clean = live_ || wanted.cleanGuides;
+    options.denoisers = failingWith(ExitCode::model, [&] { return denoisers_.inFront(hasAlbedo, hasNormal, clean); });
+    return options;
+  }
   if (wanted.skip.bound() == 0 || !model.whyNeverSkipped().empty()) return options;
   options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.sequence)};
   return options;
@@ -46,8 +52,11 @@ NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) c
 void Upscaling::prepare(const Wanted& wanted) {
   const std::string name = wantedModel(wanted);
   const bool same = network_ && network_->name() == name;
-  if (same && network_->options() == optionsFor(wanted, network_->model()) && network_->fits(size_)) return;
-  upscaled_ = false;
+  const bool upscaled = std::exchange(upscaled_, false);  // an error that is thrown here goes with the next picture
+  if (same && network_->options() == optionsFor(wanted, network_->model()) && network_->fits(size_)) {
+    upscaled_ = upscaled;
+    return;
+  }
   tell([&](Report& report) { report.waiting = "Preparing the network " + fs::path(name).stem().string() + " ..."; });
   network_.reset();  // its memory goes before the next one's comes
   flicker_.reset();
@@ -125,7 +134,9 @@ void Upscaling::upscale(const Wanted& wanted) {
     report.share = 0;
     report.tiles = network_->tileCount();
     report.onDevice = network_->isOnDevice();
-    report.whyNotSkipped = wanted_.skip.bound() > 0 ? network_->model().whyNeverSkipped() : "";
+    report.whyNotSkipped = wanted.skip.bound() == 0 ? ""
+                           : wanted.denoiseFirst    ? "stands behind a denoiser, which computes every pixel"
+                                                    : network_->model().whyNeverSkipped();
   };
   {
     const std::lock_guard lock(mutex_);
@@ -173,6 +184,7 @@ void Upscaling::tellPicture(size_t merged) {
     report.samples = live_ ? live_->samples() : 0;
     report.merged = merged;
     report.fp16 = network_->options().fp16;
+    report.denoisedBy = network_->options().denoisers.colour ? denoisers_.name() : "";
     const SkipMap map = network_->upscaler().skipMap();
     report.interpolated = map.share(SkipMap::Window::interpolated);
     report.kept = map.share(SkipMap::Window::kept);

@@ -60,6 +60,8 @@ Wanted wantedOf(const ViewerOptions& options) {
   wanted.merge = mergeRequest(options.auxColour, "", wanted.layers);
   wanted.model = options.model;
   wanted.fp16 = options.precision == kFp16;
+  wanted.denoiseFirst = options.denoiseFirst;
+  wanted.cleanGuides = options.cleanGuides;
   wanted.skip = skipChoice(options.skip);
   wanted.memoryBytes = parseBytes(options.memory);
   if (options.tune != "auto") wanted.tune = options.tune == "now" ? Upscaler::Tune::now : Upscaler::Tune::never;

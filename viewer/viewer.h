@@ -23,6 +23,7 @@ struct ViewerOptions {
   std::string liveSize = "128x128";             // of its colour
   uint32_t samples = LiveWanted{}.mostSamples;  // of a pixel of it
   std::string model, device, precision = kFp32, skip = "off", memory, tune = "auto", temporal = "auto";
+  bool denoiseFirst = false, cleanGuides = false;  // as Wanted has them
   double framesPerSecond = 24;
   std::string size;                  // "WIDTHxHEIGHT"; empty: as it was left
   std::string script;                // file of steps to take

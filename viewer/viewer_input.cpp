@@ -121,6 +121,9 @@ void Viewer::perform(Command command, int digit) {
     case Command::precision:
       wanted_.fp16 = !wanted_.fp16;
       break;
+    case Command::denoiseFirst:
+      wanted_.denoiseFirst = !wanted_.denoiseFirst;
+      break;
     case Command::skip:
       wanted_.skip.mode = static_cast<SkipChoice::Mode>((static_cast<int>(wanted_.skip.mode) + 1) % 3);
       break;

@@ -32,6 +32,7 @@ void Viewer::printReport() {
     std::printf(" tiles=%u partial=%llu interpolated=%.2f kept=%.2f", report_.tiles,
                 static_cast<unsigned long long>(report_.partialPictures), report_.interpolated, report_.kept);
   if (report_.samples > 0) std::printf(" samples=%u", report_.samples);
+  if (!report_.denoisedBy.empty()) std::printf(" denoised-by=\"%s\"", report_.denoisedBy.c_str());
   if (report_.merged > 1) std::printf(" merged=%zu", report_.merged);
   for (const PixelProbe::Row& row : probe_.rows)
     std::printf(" %s@%d,%d=%.4g,%.4g,%.4g", row.name.c_str(), probe_.x, probe_.y, row.red, row.green, row.blue);

@@ -16,8 +16,8 @@ bool Wanted::operator==(const Wanted& other) const {
   return files == other.files && watching == other.watching && sequence == other.sequence && number == other.number &&
          temporal == other.temporal && folder == other.folder && samePixels(layers, other.layers) &&
          merge.never == other.merge.never && live == other.live && model == other.model && fp16 == other.fp16 &&
-         skip.bound() == other.skip.bound() && memoryBytes == other.memoryBytes && slots == other.slots &&
-         metrics == other.metrics && reload == other.reload;
+         denoiseFirst == other.denoiseFirst && cleanGuides == other.cleanGuides && skip.bound() == other.skip.bound() &&
+         memoryBytes == other.memoryBytes && slots == other.slots && metrics == other.metrics && reload == other.reload;
 }
 
 }  // namespace xrds

@@ -32,6 +32,8 @@ struct Wanted {
   LiveWanted live;    // goes before files
   std::string model;  // a name or a file; empty: the default of the frame's scale, of a live view the fastest
   bool fp16 = false;
+  bool denoiseFirst = false;  // by Open Image Denoise's networks, as `xrds upscale --denoise-first` does
+  bool cleanGuides = false;   // albedo and normal of the files have no noise
   SkipChoice skip;
   uint64_t memoryBytes = 0;  // of the device; 0: most of it
   Upscaler::Tune tune = Upscaler::Tune::automatic;

@@ -29,6 +29,15 @@ TEST(StageTimes, AddUpToTheTotalAndPartsToTheNetwork) {
   EXPECT_NEAR(times[1].milliseconds, 7, 1e-9) << "copies before and after the network are one row";
 }
 
+TEST(StageTimes, DenoisersAreAPartOfTheirOwn) {
+  const std::vector<StageTime> parts = networkParts({{.label = "enc_conv0", .microseconds = 3000},
+                                                     {.label = "up.0", .microseconds = 1000},
+                                                     {.label = "dec_conv4a", .microseconds = 4000}});
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[1].name, "denoisers");
+  EXPECT_NEAR(parts[1].milliseconds, 7, 1e-9);
+}
+
 TEST(StageTimes, WithoutTimestampsTheNetworkHasNoParts) {
   StageClock clock;
   auto now = StageClock::Clock::time_point{} + 1h;
