@@ -30,7 +30,7 @@ class CliTune : public testing::Test {
   // Caches of its own, but programs that are compiled once for all tests of the command.
   StartOptions start(const std::string& family = "") const {
     return {.environment = {{"XDG_CACHE_HOME", (folder_ / "cache").string()},
-                            {"MESA_SHADER_CACHE_DIR", XRDS_TEST_CACHE},
+                            {"MESA_SHADER_CACHE_DIR", XRDS_TEST_CACHE "/xrds"},
                             {"XRDS_KERNEL_FAMILY", family}}};
   }
   Ended run(const std::vector<std::string>& arguments, const std::string& family = "") const {
