@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "shaders/common/example.h"
-#include "shaders/common/groups.h"
 #include "shaders/common/moments.h"
-#include "shaders/common/uniform_store.h"
+#include "shaders/common/square_lanes.h"
 
 namespace xrds {
 namespace {
@@ -13,7 +12,6 @@ namespace {
 constexpr uint32_t kSide = shader::kWinogradSide, kElements = shader::kWinogradElements;
 constexpr uint32_t kPlanes = shader::kWinogradPlanes;
 constexpr uint32_t kGroupWidth = 16, kGroupQuads = 4;  // of the plain kernel
-constexpr uint32_t kMostSubgroups = 8;                 // of a workgroup of the lane kernel
 
 uint32_t heightOf(const WinogradInput& op) { return (op.upsampled ? 2 : 1) * op.input.height; }
 uint32_t widthOf(const WinogradInput& op) { return (op.upsampled ? 2 : 1) * op.input.width; }
@@ -32,11 +30,10 @@ TensorShape outputShape(const WinogradInput& op) {
 Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
-  const uint32_t quads = op.input.channels / 4, items = op.output.width * quads;
-  const bool lane = device.family == KernelFamily::lane && device.shaderInt64 && items <= shader::kMostRowItems &&
-                    device.subgroupSize * kMostSubgroups <= device.maxGroupInvocations;
+  const uint32_t quads = op.input.channels / 4;
+  const auto lanes = squareLanes(op.output.width, quads, device);
   Dispatch launch{
-      .program = programName("winograd_input", lane ? KernelFamily::lane : KernelFamily::plain, op.output.type),
+      .program = programName("winograd_input", lanes ? KernelFamily::lane : KernelFamily::plain, op.output.type),
       .bindings = {readTexels(op.input), writeRows(op.output, rows)}};
   const shader::WinogradInputParams params{.source = sliceOf(op.input),
                                            .target = sliceOf(op.output),
@@ -49,11 +46,10 @@ Dispatch dispatch(const WinogradInput& op, const DeviceTraits& device) {
                                            .quads = quads,
                                            .storeOrigin = storeOrigin(op.output, rows)};
   const uint32_t rowCount = rows.end - rows.begin;
-  if (lane) {
-    const uint32_t chunks = ceilDivide(items, device.subgroupSize), subgroups = subgroupShare(chunks, kMostSubgroups);
-    launch.specialization = {device.subgroupSize, subgroups, op.upsampled};
+  if (lanes) {
+    launch.specialization = {device.subgroupSize, lanes->subgroups, op.upsampled};
     launch.pushConstants = pushBytesWithDigits(params);
-    launch.groupCount = {chunks / subgroups, rowCount, 1};
+    launch.groupCount = {lanes->workgroups, rowCount, 1};
   } else {
     launch.specialization = {op.upsampled};
     launch.pushConstants = pushBytes(params);

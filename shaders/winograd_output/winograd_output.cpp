@@ -3,16 +3,14 @@
 #include <algorithm>
 
 #include "shaders/common/example.h"
-#include "shaders/common/groups.h"
 #include "shaders/common/moments.h"
-#include "shaders/common/uniform_store.h"
+#include "shaders/common/square_lanes.h"
 
 namespace xrds {
 namespace {
 
 constexpr uint32_t kSide = shader::kWinogradSide, kPlanes = shader::kWinogradPlanes;
 constexpr uint32_t kGroupWidth = 16, kGroupQuads = 4;  // of the plain kernel
-constexpr uint32_t kMostSubgroups = 8;                 // of a workgroup of the lane kernel
 
 uint32_t factor(const WinogradOutput& op) { return op.shuffleOutput ? 2 : 1; }
 uint32_t pool(const WinogradOutput& op) { return op.pooled ? 2 : 1; }
@@ -78,22 +76,18 @@ Dispatch dispatch(const WinogradOutput& op, const DeviceTraits& device) {
   XRDS_CHECK(rows.end % kSide == 0 || rows.end == heightOf(op));
   const TensorView& residual = op.residual.exists() ? op.residual : op.input;  // bound, not read
   const shader::WinogradOutputParams params = paramsOf(op, rows, residual);
-  const uint32_t items = params.squares * params.quads;
-  const bool lane = device.family == KernelFamily::lane && device.shaderInt64 && items <= shader::kMostRowItems &&
-                    device.subgroupSize * kMostSubgroups <= device.maxGroupInvocations;
+  const auto lanes = squareLanes(params.squares, params.quads, device);
   Dispatch launch{
-      .program = programName("winograd_output", lane ? KernelFamily::lane : KernelFamily::plain, op.output.type),
+      .program = programName("winograd_output", lanes ? KernelFamily::lane : KernelFamily::plain, op.output.type),
       .specialization = {static_cast<uint32_t>(op.activation), op.residual.exists(), op.pooled},
       .bindings = {readTexels(op.input), readWeights(DataType::f32), readTexels(residual),
                    writeRows(op.output, storedRows(op, rows))}};
   const uint32_t squareRows = ceilDivide(rows.end - rows.begin, kSide);
-  if (lane) {
-    // No subgroup may repeat what another one makes: a residual in the target's place would be added twice.
-    const uint32_t chunks = ceilDivide(items, device.subgroupSize), subgroups = subgroupShare(chunks, kMostSubgroups);
+  if (lanes) {
     launch.specialization.push_back(device.subgroupSize);
-    launch.specialization.push_back(subgroups);
+    launch.specialization.push_back(lanes->subgroups);
     launch.pushConstants = pushBytesWithDigits(params);
-    launch.groupCount = {chunks / subgroups, squareRows, 1};
+    launch.groupCount = {lanes->workgroups, squareRows, 1};
   } else {
     launch.pushConstants = pushBytes(params);
     launch.groupCount = {ceilDivide(params.quads, kGroupQuads), ceilDivide(params.squares, kGroupWidth), squareRows};
