@@ -53,7 +53,7 @@ few="--prefilter 2 --rate 1e-3 --aux-shares 0:0.6,1:0.25,4:0.15 --denoised-share
     [ -n "${LIVE_FOLDER:-}" ] || exit 0
     validation=$LIVE_FOLDER
     card="--spp 1-0,2-0,4-0,16-0,1-1,4-1"
-    model xrds-x2-live 38 "" --scale 2 $mini --block rstb $few --colour-shares 1:0.35,2:0.3,4:0.25,16:0.1 --validation-spp 1-0,2-0,4-0 $filter
+    model xrds-x2-live 101 "" --scale 2 $mini --block rstb $few --colour-shares 1:0.35,2:0.3,4:0.25,16:0.1 --validation-spp 1-0,2-0,4-0 $filter
     card="--spp 1-0,4-0,16-0,64-0,1-1,16-1"
-    model xrds-x4-live 35 xrds-x4-mini $mini $few --colour-shares 1:0.3,4:0.35,16:0.25,64:0.1 --validation-spp 1-0,4-0,16-0 $filter
+    model xrds-x4-live 82 xrds-x4-mini $mini $few --colour-shares 1:0.3,4:0.35,16:0.25,64:0.1 --validation-spp 1-0,4-0,16-0 $filter
 }
