@@ -87,6 +87,8 @@ class Measurement:
             self.quality(*here, "denoised first", self.of_scale(scale, "compact", "live"), "--denoise-first")
 
     def denoised(self, data, folder):
+        if self.asked and "OIDN" not in self.asked:
+            return
         for free in (True,) if data == "live" else (False, True):
             for spp in DENOISED_SPP:
                 images = self.work / f"{data}-{spp}{'-free' * free}"
