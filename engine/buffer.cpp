@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "engine/handles.h"
+#include "engine/parallel.h"
 #include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
@@ -12,6 +13,7 @@ namespace xrds {
 namespace {
 
 constexpr uint64_t kStagingBytes = uint64_t{16} << 20;
+constexpr uint64_t kBytesOfThread = uint64_t{256} << 10;  // fewer are copied sooner than a thread starts
 
 constexpr VkMemoryPropertyFlags kHostAccess =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
@@ -108,6 +110,18 @@ void checkRange(const Buffer::Handles& buffer, uint64_t byteOffset, uint64_t byt
   XRDS_CHECK_LE(byteSize, buffer.askedByteSize - byteOffset);
 }
 
+// Calls take(row) for each of them, on several threads where the bytes are many.
+void eachRow(uint64_t rowCount, uint64_t rowBytes, const std::function<void(uint64_t row)>& take) {
+  inParallel(rowCount, kBytesOfThread / std::max<uint64_t>(rowBytes, 1), [&](uint64_t row, uint64_t end) {
+    for (; row < end; ++row) take(row);
+  });
+}
+
+void copyBytes(const std::byte* from, std::byte* to, uint64_t byteSize) {
+  inParallel(byteSize, kBytesOfThread,
+             [&](uint64_t begin, uint64_t end) { std::memcpy(to + begin, from + begin, end - begin); });
+}
+
 // Rows of that many bytes in one staging copy.
 uint32_t rowsAtOnce(uint64_t rowBytes) {
   XRDS_CHECK_LT(0u, rowBytes);
@@ -134,13 +148,13 @@ uint64_t Buffer::byteSize() const { return handles_->askedByteSize; }
 void Buffer::upload(uint64_t byteOffset, std::span<const std::byte> bytes) {
   checkRange(*handles_, byteOffset, bytes.size());
   if (handles_->mapped) {
-    std::copy(bytes.begin(), bytes.end(), handles_->mapped + byteOffset);
+    copyBytes(bytes.data(), handles_->mapped + byteOffset, bytes.size());
     return;
   }
   const Handles& staging = stagingOf(handles_->gpu);
   for (size_t done = 0; done < bytes.size(); done += kStagingBytes) {
     const auto part = bytes.subspan(done, std::min<size_t>(kStagingBytes, bytes.size() - done));
-    std::copy(part.begin(), part.end(), staging.mapped);
+    copyBytes(part.data(), staging.mapped, part.size());
     copy(handles_->gpu, staging.buffer, 0, handles_->buffer, byteOffset + done, part.size());
   }
 }
@@ -148,14 +162,14 @@ void Buffer::upload(uint64_t byteOffset, std::span<const std::byte> bytes) {
 void Buffer::download(uint64_t byteOffset, std::span<std::byte> bytes) const {
   checkRange(*handles_, byteOffset, bytes.size());
   if (handles_->mapped) {
-    std::copy_n(handles_->mapped + byteOffset, bytes.size(), bytes.begin());
+    copyBytes(handles_->mapped + byteOffset, bytes.data(), bytes.size());
     return;
   }
   const Handles& staging = stagingOf(handles_->gpu);
   for (size_t done = 0; done < bytes.size(); done += kStagingBytes) {
     const auto part = bytes.subspan(done, std::min<size_t>(kStagingBytes, bytes.size() - done));
     copy(handles_->gpu, handles_->buffer, byteOffset + done, staging.buffer, 0, part.size());
-    std::copy_n(staging.mapped, part.size(), part.begin());
+    copyBytes(staging.mapped, part.data(), part.size());
   }
 }
 
@@ -163,7 +177,9 @@ void Buffer::uploadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCoun
                         const std::function<void(uint32_t, std::span<std::byte>)>& write) {
   checkRange(*handles_, byteOffset, rowBytes * rowCount);
   const auto each = [&](std::byte* to, uint32_t first, uint32_t end) {
-    for (uint32_t row = first; row < end; ++row, to += rowBytes) write(row, {to, rowBytes});
+    eachRow(end - first, rowBytes, [&](uint64_t row) {
+      write(first + static_cast<uint32_t>(row), {to + row * rowBytes, rowBytes});
+    });
   };
   if (handles_->mapped) return each(handles_->mapped + byteOffset, 0, rowCount);
   const Handles& staging = stagingOf(handles_->gpu);
@@ -179,7 +195,9 @@ void Buffer::downloadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCo
                           const std::function<void(uint32_t, std::span<const std::byte>)>& read) const {
   checkRange(*handles_, byteOffset, rowBytes * rowCount);
   const auto each = [&](const std::byte* from, uint32_t first, uint32_t end) {
-    for (uint32_t row = first; row < end; ++row, from += rowBytes) read(row, {from, rowBytes});
+    eachRow(end - first, rowBytes, [&](uint64_t row) {
+      read(first + static_cast<uint32_t>(row), {from + row * rowBytes, rowBytes});
+    });
   };
   if (handles_->mapped) return each(handles_->mapped + byteOffset, 0, rowCount);
   const Handles& staging = stagingOf(handles_->gpu);

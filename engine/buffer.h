@@ -25,8 +25,8 @@ class Buffer {
   /// Copies bytes out, after everything that was run.
   void download(uint64_t byteOffset, std::span<std::byte> bytes) const;
   /// The same for `rowCount` rows of `rowBytes` from byteOffset on, one after the other, without a copy of them all:
-  /// `write` and `read` get a row's number and its bytes, in the device's memory where that is shared. rowBytes: at
-  /// most 16 MiB.
+  /// `write` and `read` get a row's number and its bytes, in the device's memory where that is shared; they are called
+  /// from several threads at once, each for other rows. rowBytes: at most 16 MiB.
   void uploadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCount,
                   const std::function<void(uint32_t row, std::span<std::byte>)>& write);
   void downloadRows(uint64_t byteOffset, uint64_t rowBytes, uint32_t rowCount,

@@ -43,20 +43,20 @@ TEST_P(BufferCopies, GoRowByRow) {
   constexpr uint32_t kRows = 13;
   Buffer buffer(gpu_, 256 + kRowBytes * kRows + 4);
   buffer.fill(0x7F7F7F7F);
-  std::vector<uint32_t> written, read;
+  std::vector<uint32_t> written(kRows), read(kRows);  // how often
   buffer.uploadRows(256, kRowBytes, kRows, [&](uint32_t row, std::span<std::byte> bytes) {
     ASSERT_EQ(bytes.size(), kRowBytes);
-    written.push_back(row);
+    ++written[row];
     std::fill(bytes.begin(), bytes.end(), std::byte{static_cast<uint8_t>(row)});
   });
   buffer.downloadRows(256, kRowBytes, kRows, [&](uint32_t row, std::span<const std::byte> bytes) {
     ASSERT_EQ(bytes.size(), kRowBytes);
-    read.push_back(row);
+    ++read[row];
     for (const std::byte byte : bytes) ASSERT_EQ(byte, std::byte{static_cast<uint8_t>(row)});
   });
-  const std::vector<uint32_t> all{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
-  EXPECT_EQ(written, all);
-  EXPECT_EQ(read, all);
+  const std::vector<uint32_t> once(kRows, 1);
+  EXPECT_EQ(written, once);
+  EXPECT_EQ(read, once);
   std::byte around[8];
   buffer.download(252, std::span(around, 4));
   buffer.download(256 + kRowBytes * kRows, std::span(around).subspan(4));

@@ -3,8 +3,15 @@
 #include <cstring>
 
 #include "engine/half.h"
+#include "engine/parallel.h"
 
 namespace xrds {
+
+namespace {
+
+constexpr uint64_t kNumbersOfThread = 1 << 16;  // fewer are converted sooner than a thread starts
+
+}  // namespace
 
 std::vector<std::byte> encode(std::span<const float> numbers, DataType type) {
   if (type == DataType::f32) {
@@ -12,22 +19,28 @@ std::vector<std::byte> encode(std::span<const float> numbers, DataType type) {
     return {bytes.begin(), bytes.end()};
   }
   std::vector<std::byte> bytes(2 * numbers.size());
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    const uint16_t half = toHalf(numbers[i]);
-    std::memcpy(&bytes[2 * i], &half, 2);
-  }
+  inParallel(numbers.size(), kNumbersOfThread, [&](uint64_t i, uint64_t end) {
+    for (; i < end; ++i) {
+      const uint16_t half = toHalf(numbers[i]);
+      std::memcpy(&bytes[2 * i], &half, 2);
+    }
+  });
   return bytes;
 }
 
 std::vector<float> decode(std::span<const std::byte> bytes, DataType type) {
   std::vector<float> numbers(bytes.size() / byteSize(type));
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    uint16_t half = 0;
-    if (type == DataType::f32)
-      std::memcpy(&numbers[i], &bytes[4 * i], 4);
-    else
-      std::memcpy(&half, &bytes[2 * i], 2), numbers[i] = fromHalf(half);
+  if (type == DataType::f32) {
+    if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), 4 * numbers.size());
+    return numbers;
   }
+  inParallel(numbers.size(), kNumbersOfThread, [&](uint64_t i, uint64_t end) {
+    for (; i < end; ++i) {
+      uint16_t half = 0;
+      std::memcpy(&half, &bytes[2 * i], 2);
+      numbers[i] = fromHalf(half);
+    }
+  });
   return numbers;
 }
 

@@ -1,5 +1,7 @@
 #include "frames/denoised_runner.h"
 
+#include <algorithm>
+
 #include "xrds/auxiliary_input.h"
 
 namespace xrds {
@@ -47,6 +49,7 @@ bool DenoisedRunner::run(const FrameInput& frame, std::span<float> output,
   images_.download(output_, [&](uint32_t y, std::span<const float> row) {
     storeRow(row, uint64_t{y} * output_.width, output, lostPixels_);
   });
+  std::sort(lostPixels_.begin(), lostPixels_.end());
   return true;
 }
 

@@ -1,6 +1,7 @@
 #include "frames/frame_input.h"
 
 #include <algorithm>
+#include <mutex>
 
 namespace xrds {
 
@@ -16,10 +17,15 @@ void copyRow(const PixelView& image, int64_t x, uint32_t y, uint32_t width, floa
 }
 
 void storeRow(std::span<const float> row, uint64_t first, std::span<float> output, std::vector<uint64_t>& lost) {
+  static std::mutex access;
+  std::vector<uint64_t> found;
   for (size_t x = 0; x < row.size() / 4; ++x) {
     std::copy_n(&row[4 * x], 3, &output[3 * (first + x)]);
-    if (row[4 * x + 3] != 0) lost.push_back(first + x);
+    if (row[4 * x + 3] != 0) found.push_back(first + x);
   }
+  if (found.empty()) return;
+  const std::lock_guard lock(access);
+  lost.insert(lost.end(), found.begin(), found.end());
 }
 
 std::vector<float> packed(const PixelView& image) {

@@ -35,7 +35,7 @@ struct FrameInput {
 void copyRow(const PixelView& image, int64_t x, uint32_t y, uint32_t width, float* to, uint32_t stride);
 
 /// Copies three of the four floats of each pixel of a row to the output from pixel `first` on, and adds to `lost` the
-/// pixels whose fourth is not 0.
+/// pixels whose fourth is not 0. Safe to be called at once for other rows of the same output.
 void storeRow(std::span<const float> row, uint64_t first, std::span<float> output, std::vector<uint64_t>& lost);
 
 /// The image with three tightly packed floats a pixel.

@@ -245,6 +245,7 @@ void Session::download(std::span<float> output) const {
   downloadRows([&](uint32_t row, std::span<const float> pixels) {
     storeRow(pixels, uint64_t{row} * graph_.output.width, output, lostPixels_);
   });
+  std::sort(lostPixels_.begin(), lostPixels_.end());
 }
 
 std::vector<DispatchTime> timesOf(std::span<const PlacedDispatch> dispatches, std::span<const double> microseconds) {

@@ -83,7 +83,7 @@ class Session {
   bool replay(const std::function<bool(size_t, size_t)>& progress = {}) { return recording_->run(progress); }
   void download(std::span<float> output) const;
   /// Hands over the rows of the last run's output: four floats a pixel, the last one not 0 where the network's share
-  /// was not finite and is missing.
+  /// was not finite and is missing. Several threads at once, each for other rows, as in Buffer::downloadRows().
   void downloadRows(const std::function<void(uint32_t row, std::span<const float> pixels)>& read) const;
   /// Hands over the rows of what the kernels of the base made of a layer, four floats a pixel.
   void downloadLayerRows(size_t layer,

@@ -65,6 +65,7 @@ bool TileRunner::run(const FrameInput& frame, std::span<const Tile> tiles, std::
     addTimes(session);
     done += share;
   }
+  std::sort(lostPixels_.begin(), lostPixels_.end());
   return true;
 }
 
