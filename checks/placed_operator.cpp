@@ -153,9 +153,8 @@ PlacedOperator::Expected PlacedOperator::expected(RowRange rows) const {
   return expected;
 }
 
-OperatorError PlacedOperator::errorAgainst(const Expected& expected) const {
+OperatorError PlacedOperator::errorOf(const std::vector<float>& output, const Expected& expected) const {
   const TensorView view = outputOf(graph_.nodes.front());
-  const std::vector<float> found = read(view);
   OperatorError error;
   double squares = 0, power = 0;
   size_t next = 0;
@@ -163,7 +162,7 @@ OperatorError PlacedOperator::errorAgainst(const Expected& expected) const {
     for (uint32_t x = 0; x < view.width; ++x) {
       const uint64_t first = (view.storedRow(y) * view.width + x) * view.channelStride + view.channelOffset;
       for (uint32_t c = 0; c < view.channels; ++c) {
-        const double wanted = expected.values[next++], difference = std::abs(found[first + c] - wanted);
+        const double wanted = expected.values[next++], difference = std::abs(output[first + c] - wanted);
         error.finite = error.finite && std::isfinite(difference);
         squares += difference * difference;
         power += wanted * wanted;

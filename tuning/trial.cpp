@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 
+#include "engine/parallel.h"
 #include "shaders/common/tolerance.h"
 
 namespace xrds {
@@ -41,6 +43,24 @@ std::vector<RowRange> sampledRows(const Node& node) {
   return rows;
 }
 
+// Of the difference, over that of the others; where both hold NaN, neither writes.
+double relativeRms(std::span<const float> numbers, std::span<const float> others) {
+  std::mutex access;
+  double difference = 0, power = 0;
+  inParallel(numbers.size(), 1 << 16, [&](uint64_t i, uint64_t end) {
+    double squares = 0, otherSquares = 0;
+    for (; i < end; ++i) {
+      if (std::isnan(numbers[i]) && std::isnan(others[i])) continue;
+      squares += (double{numbers[i]} - others[i]) * (double{numbers[i]} - others[i]);
+      otherSquares += double{others[i]} * others[i];
+    }
+    const std::lock_guard lock(access);
+    difference += squares;
+    power += otherSquares;
+  });
+  return std::sqrt(difference / power);
+}
+
 Recording repeated(Gpu& gpu, const PlacedOperator::Launch& launch, uint32_t copies) {
   std::vector<PlacedDispatch> dispatches;
   for (uint32_t i = 0; i < copies; ++i)
@@ -69,23 +89,17 @@ Trial::Proof Trial::prove(const KernelChoice& kernel) {
   placed_.clearOutput();
   Recording once = repeated(gpu_, launch, 1);
   const double microseconds = run(once);
+  std::vector<float> made = placed_.output();
   for (const auto& expected : expected_)
-    if (const OperatorError error = placed_.errorAgainst(expected); !error.withinTolerance)
+    if (const OperatorError error = placed_.errorOf(made, expected); !error.withinTolerance)
       return {error.finite ? "its error is " + std::to_string(error.rms) + " of the result"
                            : "it gives no finite numbers"};
-  std::vector<float> made = placed_.output();
   if (firstRight_.empty()) {
     firstRight_ = std::move(made);
     return {"", microseconds};
   }
   const Tolerance tolerance = toleranceOf(stored_);
-  double difference = 0, power = 0;
-  for (size_t i = 0; i < made.size(); ++i) {
-    if (std::isnan(made[i]) && std::isnan(firstRight_[i])) continue;  // neither writes there
-    difference += (double{made[i]} - firstRight_[i]) * (double{made[i]} - firstRight_[i]);
-    power += double{firstRight_[i]} * firstRight_[i];
-  }
-  const double rms = std::sqrt(difference / power);
+  const double rms = relativeRms(made, firstRight_);
   if (rms <= 2 * tolerance.rms) return {"", microseconds};
   return {std::isnan(rms) ? "it leaves results out" : "its results differ by " + std::to_string(rms) + " from others'"};
 }
