@@ -4,6 +4,7 @@
 // tree: the order never changes. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "shaders/common/storage.glsl"
 #include "shaders/exposure/exposure.h"
 layout(local_size_x_id = 0) in;
@@ -21,14 +22,19 @@ void sumOver(bool roots, float darkest) {
   vec2 total = vec2(0);
   for (uint begin = 0; begin < p.pixelCount; begin += 64 * kGroup) {
     vec2 sum = vec2(0);
-    for (uint first = begin; first < min(begin + 64 * kGroup, p.pixelCount); first += kGroup) {
-      const uint pixel = first + lane;
-      if (pixel >= p.pixelCount) continue;
-      const vec3 value = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
-      const float luminance = dot(value, vec3(0.2126, 0.7152, 0.0722));
-      // The second comparison fails for infinity, both for NaN.
-      const bool counts = luminance > darkest && luminance < kExposureBrightest;
-      sum += counts ? vec2(roots ? sqrt(sqrt(sqrt(luminance))) : log(luminance), 1.0) : vec2(0);
+    for (uint first = begin; first < min(begin + 64 * kGroup, p.pixelCount); first += kExposureAtOnce * kGroup) {
+      vec3 value[kExposureAtOnce];
+      [[unroll]] for (uint i = 0; i < kExposureAtOnce; i++) {
+        const uint pixel = min(first + i * kGroup + lane, p.pixelCount - 1);
+        value[i] = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
+      }
+      [[unroll]] for (uint i = 0; i < kExposureAtOnce; i++) {
+        const float luminance = dot(value[i], vec3(0.2126, 0.7152, 0.0722));
+        // The last comparison fails for infinity, both for NaN.
+        const bool counts =
+            first + i * kGroup + lane < p.pixelCount && luminance > darkest && luminance < kExposureBrightest;
+        sum += counts ? vec2(roots ? sqrt(sqrt(sqrt(luminance))) : log(luminance), 1.0) : vec2(0);
+      }
     }
     total += sum;
   }

@@ -7,6 +7,15 @@
 #include "shaders/common/moments.h"
 
 namespace xrds {
+namespace {
+
+// Invocations, as many as the device takes: a GPU waits for memory, a CPU does not.
+uint32_t groupOf(const DeviceTraits& device) {
+  const uint32_t wanted = device.family == KernelFamily::lane ? 256 : 1024;
+  return std::bit_floor(std::min(wanted, device.maxGroupInvocations));
+}
+
+}  // namespace
 
 TensorShape outputShape(const Exposure& op) {
   checkView(op.colour, {op.colour.height, op.colour.width, 4});
@@ -21,7 +30,7 @@ Dispatch dispatch(const Exposure& op, const DeviceTraits& device) {
                                       .pixelCount = static_cast<uint32_t>(op.colour.pixelCount()),
                                       .target = sliceOf(op.output).offset};
   return {.program = programName("exposure", KernelFamily::plain, op.output.type),
-          .specialization = {std::bit_floor(std::min(shader::kExposureGroup, device.maxGroupInvocations))},
+          .specialization = {groupOf(device)},
           .bindings = {readTexels(op.colour), writeRows(op.output, {0, 1})},
           .pushConstants = pushBytes(params)};
 }

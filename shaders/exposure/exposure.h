@@ -9,7 +9,7 @@ struct ExposureParams {
   uint target;  // vec4 index of the result
 };
 
-const uint kExposureGroup = 256;  // invocations, or as many as the device takes
+const uint kExposureAtOnce = 4;  // pixels of an invocation, which fetches the next before it has the last
 const float kExposureKey = 0.18f;
 const float kExposureDarkest = 1e-8f;      // over the power mean: darker pixels do not count
 const float kExposureMin = 1e-37f;         // of which the reciprocal is a float too; also of luminances
