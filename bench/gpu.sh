@@ -4,7 +4,7 @@
 #     bench/gpu.sh OUT_FOLDER [SCENES]
 #
 # Devices, every kernel against double precision, pictures of each kernel family, paper size and compact by family in fp16 and fp32
-# beside PyTorch on the same GPU, the tests, tuning, bands beside one piece, all models and sizes, operators, and a page of it all.
+# beside PyTorch on the same GPU, tuning, the tests, bands beside one piece, all models and sizes, operators, and a page of it all.
 # Each part has a limit of its own, writes OUT_FOLDER/PART.txt, PART.log and its JSON as soon as it ends, and what fails or runs out
 # of time is named at the end; the others still run. Files over 16 MB are cut, and said so.
 #
@@ -81,7 +81,21 @@ peers() {
     --precision "$1" --peers "$3"
 }
 
-tests() { "$build/tests/xrds_tests" --gtest_brief=1; }
+# In eight processes at once, each with a file of its own. Without the validation layer, where there is none, they see results alone.
+tests() {
+  local folder found="" shard processes=() failed=0
+  for folder in ${VK_LAYER_PATH:-} /usr/share/vulkan/explicit_layer.d /usr/local/share/vulkan/explicit_layer.d /etc/vulkan/explicit_layer.d; do
+    [ ! -e "$folder/VkLayer_khronos_validation.json" ] || found=yes
+  done
+  [ -n "$found" ] || { export XRDS_TEST_NO_VALIDATION=1 && echo "no validation layer"; }
+  for shard in 1 2 3 4 5 6 7 8; do
+    GTEST_TOTAL_SHARDS=8 GTEST_SHARD_INDEX=$((shard - 1)) "$build/tests/xrds_tests" --gtest_brief=1 > "$out/tests_$shard.txt" 2>&1 &
+    processes+=($!)
+  done
+  for shard in "${processes[@]}"; do wait "$shard" || failed=1; done
+  grep -hE '^\[  (PASSED|SKIPPED) |^\[  FAILED  \] .* ms\)' "$out"/tests_?.txt
+  return $failed
+}
 
 tune() {
   "$build/cli/xrds" tune "${device[@]}" --size "${side}x$side" --precision fp16 --json "$out/tune.json" xrds-x4-compact
@@ -111,8 +125,8 @@ network() {
 
 # operators_of FAMILY
 operators_of() {
-  "$build/bench/xrds_bench_operators" "${device[@]}" --family "$1" --network paper,compact --size "$side" \
-    --benchmark_out="$out/operators_$1.json" --benchmark_out_format=json ||
+  "$build/bench/xrds_bench_operators" "${device[@]}" --family "$1" --network compact,paper --size "$side" \
+    --benchmark_min_time=0.02 --benchmark_out="$out/operators_$1.json" --benchmark_out_format=json ||
     grep 'needs matrix units' "$out/operators_$1.log"  # it cannot be compared here, which is no failure
 }
 
@@ -139,14 +153,15 @@ run 90 doctor doctor
 run 40 pictures pictures
 run 40 paper_fp16 family_times "$paper" fp16
 run 30 compact_fp16 family_times xrds-x4-compact fp16
-run 60 peers_fp16 peers fp16 paper,compact pytorch-cuda-fp16,pytorch-cuda-fp16-compile
+run 40 peers_fp16 peers fp16 compact,paper pytorch-cuda-fp16
 run 30 paper_fp32 family_times "$paper" fp32
 run 20 compact_fp32 family_times xrds-x4-compact fp32
+run 60 tune tune
 run 100 tests tests
-run 45 tune tune
 run 30 bands bands
 run 30 network_side network "$side" all
-run 30 peers_fp32 peers fp32 paper,compact pytorch-cuda,pytorch-cuda-compile
+run 30 peers_fp32 peers fp32 compact,paper pytorch-cuda
+run 90 peers_compiled peers fp16 compact pytorch-cuda-fp16-compile
 for family in ${families//,/ }; do
   run 20 "operators_$family" operators_of "$family"
 done

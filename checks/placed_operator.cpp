@@ -129,28 +129,31 @@ std::vector<float> PlacedOperator::read(const TensorView& view) const {
   return decode(bytes, view.type);
 }
 
-PlacedOperator::Expected PlacedOperator::expected(RowRange rows) const {
-  Node node = graph_.nodes.front();
+std::vector<PlacedOperator::Expected> PlacedOperator::expected(const std::vector<RowRange>& parts) const {
   HostMemory host;
   for (ValueId value = 0; value < inputs_.size(); ++value)
     if (const auto& numbers = inputs_[value]; !numbers.empty())
       std::copy(numbers.begin(), numbers.end(), host.storage(value, numbers.size()).begin());
-  std::visit(
-      [&](auto& op) {
-        if constexpr (requires { op.rows; }) {
-          const uint32_t factor = shuffleFactor(op);
-          op.rows = {rows.begin / factor, ceilDivide(rows.end, factor)};
-        }
-        reference(op, host);
-      },
-      node.op);
-  const TensorView view = outputOf(node);
-  Expected expected{rows};
-  expected.values.reserve(size_t{rows.end - rows.begin} * view.width * view.channels);
-  for (uint32_t y = rows.begin; y < rows.end; ++y)
-    for (uint32_t x = 0; x < view.width; ++x)
-      for (uint32_t c = 0; c < view.channels; ++c) expected.values.push_back(host.at(view, y, x, c));
-  return expected;
+  std::vector<Expected> all;
+  for (const RowRange rows : parts) {
+    Node node = graph_.nodes.front();
+    std::visit(
+        [&](auto& op) {
+          if constexpr (requires { op.rows; }) {
+            const uint32_t factor = shuffleFactor(op);
+            op.rows = {rows.begin / factor, ceilDivide(rows.end, factor)};
+          }
+          reference(op, host);
+        },
+        node.op);
+    const TensorView view = outputOf(node);
+    Expected& made = all.emplace_back(Expected{rows, {}});
+    made.values.reserve(size_t{rows.end - rows.begin} * view.width * view.channels);
+    for (uint32_t y = rows.begin; y < rows.end; ++y)
+      for (uint32_t x = 0; x < view.width; ++x)
+        for (uint32_t c = 0; c < view.channels; ++c) made.values.push_back(host.at(view, y, x, c));
+  }
+  return all;
 }
 
 OperatorError PlacedOperator::errorOf(const std::vector<float>& output, const Expected& expected) const {

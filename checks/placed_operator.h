@@ -51,13 +51,13 @@ class PlacedOperator {
   /// The output's elements after a run.
   std::vector<float> output() const { return read(outputOf(graph_.nodes.front())); }
   /// Of the last run, against the reference on the same inputs. Slow: for small graphs.
-  OperatorError error() const { return errorOf(output(), expected(outputRows(graph_.nodes.front()))); }
+  OperatorError error() const { return errorOf(output(), expected({outputRows(graph_.nodes.front())}).front()); }
   /// The same for some rows of the output alone, whose values in double precision are made once.
   struct Expected {
     RowRange rows;
     std::vector<double> values;
   };
-  Expected expected(RowRange rows) const;
+  std::vector<Expected> expected(const std::vector<RowRange>& parts) const;
   /// Of an output() against them.
   OperatorError errorOf(const std::vector<float>& output, const Expected& expected) const;
 

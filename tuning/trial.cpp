@@ -70,9 +70,11 @@ Recording repeated(Gpu& gpu, const PlacedOperator::Launch& launch, uint32_t copi
 
 }  // namespace
 
-Trial::Trial(Gpu& gpu, Graph graph) : gpu_(gpu), stored_(outputOf(graph.nodes.front()).type), placed_(gpu, graph) {
-  for (const RowRange rows : sampledRows(graph.nodes.front())) expected_.push_back(placed_.expected(rows));
-}
+Trial::Trial(Gpu& gpu, Graph graph)
+    : gpu_(gpu),
+      stored_(outputOf(graph.nodes.front()).type),
+      placed_(gpu, graph),
+      expected_(placed_.expected(sampledRows(graph.nodes.front()))) {}
 
 // By the device's clock where it has one that counts: that of a CPU starts before the work does.
 double Trial::run(Recording& recording) const {

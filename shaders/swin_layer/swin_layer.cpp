@@ -307,9 +307,13 @@ void reference(const SwinLayer& op, HostMemory& memory) {
   const TensorShape shape = outputShape(op);
   const RowRange rows = resolve(op.rows, shape.height);
   const uint32_t w = op.window;
-  for (uint32_t top = 0; top < shape.height; top += w)
+  for (uint32_t top = 0; top < shape.height; top += w) {
+    const auto yOf = [&](uint32_t token) { return (top + token / w + op.shift) % shape.height; };
+    const auto isAsked = [&](uint32_t token) { return yOf(token) >= rows.begin && yOf(token) < rows.end; };
+    bool meetsRows = false;
+    for (uint32_t token = 0; token < w * w; token += w) meetsRows = meetsRows || isAsked(token);
+    if (!meetsRows) continue;
     for (uint32_t left = 0; left < shape.width; left += w) {
-      const auto yOf = [&](uint32_t token) { return (top + token / w + op.shift) % shape.height; };
       const auto xOf = [&](uint32_t token) { return (left + token % w + op.shift) % shape.width; };
       Tokens tokens(w * w, std::vector<double>(channelsOf(op))), qkv;
       for (uint32_t token = 0; token < w * w; ++token) {
@@ -329,10 +333,11 @@ void reference(const SwinLayer& op, HostMemory& memory) {
         for (double& v : hidden) v = activate(Activation::gelu, v);
         add(mapped(op.fc2, hidden), u);
         const std::vector<double> y = grows(op) ? mapped(op.grow, u) : u;
-        if (yOf(token) < rows.begin || yOf(token) >= rows.end) continue;
+        if (!isAsked(token)) continue;
         for (uint32_t n = 0; n < y.size(); ++n) memory.at(op.output, yOf(token), xOf(token), n) = y[n];
       }
     }
+  }
 }
 
 OperatorFacts facts(const SwinLayer& op) {
