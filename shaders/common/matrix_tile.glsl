@@ -11,16 +11,17 @@ const uint kRowGroups = kMatrixRows / kFragmentRows;
 // Rows of the left operands, columns of the right ones; in their place, in the end, a sum of each subgroup, in rows of
 // four texels.
 const uint kSumTexels = 64, kRightAt = LEFT_TEXELS, kStaged = LEFT_TEXELS + RIGHT_TEXELS, kSums = kSubgroups * kSumTexels;
+const uint kQuadsOfLane = kLanes < kSumTexels ? kSumTexels / kLanes : 1;  // of a fragment
 shared uvec4 pool[kStaged > kSums ? kStaged : kSums];
 
-// Takes a fragment of sums of each subgroup apart: FINISH(row, quad, sum) for each four outputs of a row of 16. Only the
-// subgroup itself sees its place.
+// Takes a fragment of sums of each subgroup apart: FINISH(i, row, quad, sum) for each four outputs of a row of 16, i counting
+// those of the lane, whose quad is lane() % 4. Only the subgroup itself sees its place.
 #define EACH_QUAD(sums, FINISH)                                                          \
   STORE_SUM(sums, pool, subgroupIndex() * kSumTexels, 4);                                \
   SUBGROUP_BARRIER;                                                                      \
-  [[unroll]] for (uint i = 0; i < kSumTexels; i += kLanes) {                             \
-    const uint at = i + lane();                                                          \
-    FINISH(at / 4, at % 4, uintBitsToFloat(pool[subgroupIndex() * kSumTexels + at]));    \
+  [[unroll]] for (uint i = 0; i < kQuadsOfLane; i++) {                                   \
+    const uint at = i * kLanes + lane();                                                 \
+    FINISH(i, at / 4, at % 4, uintBitsToFloat(pool[subgroupIndex() * kSumTexels + at])); \
   }                                                                                      \
   SUBGROUP_BARRIER
 

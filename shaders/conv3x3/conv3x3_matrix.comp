@@ -67,14 +67,29 @@ vec4 biasOf(uint quad) {
   return vec4(unpackHalf2x16(four.x), unpackHalf2x16(four.y));
 }
 
-void finish(uvec2 position, uint quad, vec4 sum) {
-  if (position.x >= p.width || position.y >= p.rowEnd || quad >= p.outputChannels * p.shuffle * p.shuffle / 4) return;
-  const uint targetQuads = p.outputChannels / 4, part = quad / targetQuads, targetQuad = quad % targetQuads;
+bool isStored(uvec2 position, uint quad) {
+  return position.x < p.width && position.y < p.rowEnd && quad < p.outputChannels * p.shuffle * p.shuffle / 4;
+}
+
+// The pixel of the result, and its quad, that four outputs of a position become.
+uvec2 placeOf(uvec2 position, uint quad) {
+  const uint targetQuads = p.outputChannels / 4, part = quad / targetQuads;
   const uvec2 to = position * p.shuffle + uvec2(part % 2, part / 2);
-  const uint pixel = to.y * p.width * p.shuffle + to.x;
-  vec4 y = activate(kActivation, sum + biasOf(quad));
-  if (kHasResidual) y += texelFetch(residual, int(pixel * p.residual.stride + p.residual.offset + targetQuad));
-  target[pixel * p.target.stride + p.target.offset + targetQuad - p.storeOrigin] = stored4(y);
+  return uvec2(to.y * p.width * p.shuffle + to.x, quad % targetQuads);
+}
+
+vec4 residualOf(uvec2 position, uint quad) {
+  if (!isStored(position, quad)) return vec4(0);
+  const uvec2 place = placeOf(position, quad);
+  return texelFetch(residual, int(place.x * p.residual.stride + p.residual.offset + place.y));
+}
+
+void finish(uvec2 position, uint quad, vec4 sum, vec4 added) {
+  if (!isStored(position, quad)) return;
+  const uvec2 place = placeOf(position, quad);
+  vec4 y = activate(kActivation, sum);
+  if (kHasResidual) y += added;
+  target[place.x * p.target.stride + p.target.offset + place.y - p.storeOrigin] = stored4(y);
 }
 
 // An invocation fetches the same texel of a step for each of its pixels and outputs.
@@ -148,11 +163,22 @@ void main() {
     }
   }
 
+  // What is added to the sums is all on its way before the first of them is stored.
+#define POSITION(r, inRow) (corner() + uvec2(inRow, row + r))
+#define QUAD(c, inColumn) (gl_WorkGroupID.x * kOutputs / 4 + 4 * (column + c) + inColumn)
+  vec4 bias[kFragmentColumns], added[kFragmentRows][kFragmentColumns][kQuadsOfLane];
+  [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
+    bias[c] = biasOf(QUAD(c, lane() % 4));
+    if (kHasResidual)
+      [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
+        [[unroll]] for (uint i = 0; i < kQuadsOfLane; i++)
+          added[r][c][i] = residualOf(POSITION(r, (i * kLanes + lane()) / 4), QUAD(c, lane() % 4));
+  }
   barrier();
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
-#define FINISH(inRow, quad, value) \
-  finish(corner() + uvec2(inRow, row + r), gl_WorkGroupID.x * kOutputs / 4 + 4 * (column + c) + (quad), value)
+#define FINISH(i, inRow, inColumn, value) \
+  finish(POSITION(r, inRow), QUAD(c, inColumn), value + bias[c], added[r][c][i])
       EACH_QUAD(sum[r][c], FINISH);
     }
 }

@@ -48,10 +48,16 @@ vec4 biasOf(uint quad) {
   return vec4(unpackHalf2x16(four.x), unpackHalf2x16(four.y));
 }
 
-void finish(uint token, uint quad, vec4 sum) {
-  if (token >= p.tokenEnd || quad >= p.outputChannels / 4) return;
-  vec4 y = activate(kActivation, sum + biasOf(quad));
-  if (kHasResidual) y += texelFetch(residual, int(token * p.residual.stride + p.residual.offset + quad));
+bool isStored(uint token, uint quad) { return token < p.tokenEnd && quad < p.outputChannels / 4; }
+
+vec4 residualOf(uint token, uint quad) {
+  return isStored(token, quad) ? texelFetch(residual, int(token * p.residual.stride + p.residual.offset + quad)) : vec4(0);
+}
+
+void finish(uint token, uint quad, vec4 sum, vec4 added) {
+  if (!isStored(token, quad)) return;
+  vec4 y = activate(kActivation, sum);
+  if (kHasResidual) y += added;
   target[token * p.target.stride + p.target.offset + quad - p.storeOrigin] = stored4(y);
 }
 
@@ -97,11 +103,22 @@ void main() {
       }
     }
   }
+  // What is added to the sums is all on its way before the first of them is stored.
+#define TOKEN(r, inRow) (firstToken() + 16 * (row + r) + inRow)
+#define QUAD(c, inColumn) (firstQuad() + 4 * (column + c) + inColumn)
+  vec4 bias[kFragmentColumns], added[kFragmentRows][kFragmentColumns][kQuadsOfLane];
+  [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
+    bias[c] = biasOf(QUAD(c, lane() % 4));
+    if (kHasResidual)
+      [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
+        [[unroll]] for (uint i = 0; i < kQuadsOfLane; i++)
+          added[r][c][i] = residualOf(TOKEN(r, (i * kLanes + lane()) / 4), QUAD(c, lane() % 4));
+  }
   barrier();
   [[unroll]] for (uint r = 0; r < kFragmentRows; r++)
     [[unroll]] for (uint c = 0; c < kFragmentColumns; c++) {
-#define FINISH(inRow, quad, value) \
-  finish(firstToken() + 16 * (row + r) + (inRow), firstQuad() + 4 * (column + c) + (quad), value)
+#define FINISH(i, inRow, inColumn, value) \
+  finish(TOKEN(r, inRow), QUAD(c, inColumn), value + bias[c], added[r][c][i])
       EACH_QUAD(sum[r][c], FINISH);
     }
 }
