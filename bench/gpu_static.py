@@ -29,7 +29,7 @@ CHIPSETS = {"turing": "164", "ampere": "174"}  # of NVIDIA, by NVK
 COMPUTE_UNITS |= {"turing": 46, "ampere": 46}
 MEMORY_BYTES = {"gfx1150": 4 << 30}  # an integrated GPU; 8 GiB and more of the others
 FRAME = 256  # a side of the low-resolution frame
-MATRIX_KERNELS = ("conv3x3", "linear", "swin_layer")
+MATRIX_KERNELS = ("conv3x3", "linear", "swin_layer", "window_attention")
 WARP_SCHEDULERS = 4  # of a multiprocessor of NVIDIA, which share its warps
 MODELS = sorted(path.stem for path in (ROOT / "models").glob("*.safetensors"))
 

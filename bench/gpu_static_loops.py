@@ -58,9 +58,12 @@ def counted(operations):
 
 def inner_loop(assembly):
     """The counts of the loop that is densest in products, with `gathers16` and `productShare`, the share of vector time
-    that is spent on products; None if no loop has any."""
+    that is spent on products; None if no loop has any. Where the products of matrix units stand in no loop, for all are unrolled, of the whole."""
     best, best_density = None, 0
-    for operations in loops(assembly):
+    candidates, whole = list(loops(assembly)), [operation for _, block in blocks(assembly) for operation, _ in block]
+    if counted(whole)["products"] and not any(counted(operations)["products"] for operations in candidates):
+        candidates = [whole]
+    for operations in candidates:
         counts = counted(operations)
         useful = VECTORS_A_PRODUCT * counts["products"] + counts["multiplyAdds"]
         if useful / len(operations) <= best_density:

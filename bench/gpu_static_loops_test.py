@@ -51,6 +51,11 @@ class Loops(unittest.TestCase):
         self.assertNotIn("scratch", counts)
         self.assertIsNone(gpu_static_loops.whole_program(""))
 
+    def test_unrolled_products_are_those_of_the_whole(self):
+        unrolled = ASSEMBLY.replace("s_cbranch_scc1 BB2", "s_nop 0").replace("s_branch BB1", "s_nop 0")
+        counts = gpu_static_loops.inner_loop(unrolled)
+        self.assertEqual((counts["products"], counts["multiplyAdds"], counts["all"]), (1, 1, 12))
+
     def test_without_products_there_is_none(self):
         self.assertIsNone(gpu_static_loops.inner_loop("BB0:\n\ts_endpgm   ; bfb00000\n"))
 

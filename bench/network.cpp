@@ -1,5 +1,5 @@
 // Times whole networks: random weights of any configuration, or a model file, for one frame size. Prints the first run
-// (with compilation), the median of the steady ones, and time and rate of each kind of kernel.
+// (with compilation), the median of the steady ones with its parts, and time and rate of each kind of kernel.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -79,15 +79,23 @@ void run(const BenchOptions& options) {
         SessionOptions{.precision = precision, .timestamps = true, .bandRows = options.bandRows});
   });
   const double first = seconds([&] { session->run(input, output); });
-  std::vector<double> steady;
-  for (int i = 0; i < options.runs; ++i) steady.push_back(seconds([&] { session->run(input, output); }));
-  std::sort(steady.begin(), steady.end());
+  std::vector<double> steady, uploads, replays, downloads;
+  for (int i = 0; i < options.runs; ++i) {
+    uploads.push_back(seconds([&] { session->upload(input); }));
+    replays.push_back(seconds([&] { session->replay(); }));
+    downloads.push_back(seconds([&] { session->download(output); }));
+    steady.push_back(uploads.back() + replays.back() + downloads.back());
+  }
+  for (auto* times : {&steady, &uploads, &replays, &downloads}) std::sort(times->begin(), times->end());
+  const auto median = [](const std::vector<double>& times) { return times[times.size() / 2]; };
   std::printf("device %s (%s)\noutput %u x %u, %s, arena %.1f MB, weights %.1f MB\n", gpu.description().name.c_str(),
               gpu.description().driver.c_str(), options.size, options.size, options.precision.c_str(),
               static_cast<double>(session->plan().byteSize) / 1e6,
               static_cast<double>(session->weightByteSize()) / 1e6);
   std::printf("preparation %.3f s, first run %.3f s, steady median %.6f s (least %.6f, most %.6f, %d runs)\n",
-              preparation, first, steady[steady.size() / 2], steady.front(), steady.back(), options.runs);
+              preparation, first, median(steady), steady.front(), steady.back(), options.runs);
+  std::printf("of which upload %.6f s, run %.6f s, download %.6f s\n", median(uploads), median(replays),
+              median(downloads));
   printKernels(session->times());
 }
 

@@ -48,7 +48,16 @@ bool areRight(Gpu& gpu) {
                             .inputChannels = kChannels,
                             .outputChannels = kChannels,
                             .weightType = DataType::f16};
-  return isRight(gpu, linear) && isRight(gpu, convolution);
+  const TensorView tokens = viewOf(0, kLayerSide, kLayerChannels);
+  const std::vector<float> table = halves(15 * 15 * kLayerChannels / kHeadChannels);
+  const WindowAttention attention{.queries = tokens,
+                                  .keys = tokens,
+                                  .values = tokens,
+                                  .output = viewOf(1, kLayerSide, kLayerChannels),
+                                  .biasTable = table,
+                                  .headChannels = kHeadChannels,
+                                  .shift = 4};
+  return isRight(gpu, linear) && isRight(gpu, convolution) && isRight(gpu, attention);
 }
 
 bool isFusedLayerRight(Gpu& gpu) {

@@ -7,6 +7,7 @@
 #include "swin_layer_matrix_software_f16.h"
 #include "to_half.h"
 #include "twice_plus.h"
+#include "window_attention_matrix_software_f16.h"
 #include "writes_nothing.h"
 
 namespace xrds::test {
@@ -20,6 +21,7 @@ std::span<const uint32_t> engineProgram(std::string_view name) {
   if (name == "conv3x3_matrix_software_f32") return conv3x3_matrix_software_f32;
   if (name == "conv3x3_matrix_software_f16") return conv3x3_matrix_software_f16;
   if (name == "swin_layer_matrix_software_f16") return swin_layer_matrix_software_f16;
+  if (name == "window_attention_matrix_software_f16") return window_attention_matrix_software_f16;
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "shaders/common/example.h"
+#include "shaders/common/matrix.h"
 #include "shaders/common/moments.h"
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
@@ -57,6 +58,24 @@ uint32_t tileKeys(const WindowAttention& op, const DeviceTraits& device) {
   if (!takesTiles(device) || op.headChannels > kMaxHeadChannels || biasBytes > device.maxSharedBytes) return 0;
   const uint32_t roomFor = (device.maxSharedBytes - biasBytes) / keyBytes / kStep;
   return std::min({ceilDivide(tokens, kStep), roomFor, kMostSteps}) * kStep;
+}
+
+constexpr uint32_t kMatrixSubgroups = 4;  // of a workgroup of the matrix kernel, sixteen queries each
+
+/// Invocations of a workgroup of the matrix kernel; 0: it does not do that.
+uint32_t matrixInvocations(const WindowAttention& op, const DeviceTraits& device) {
+  constexpr uint32_t kLeastLanes = 16, kMostLanes = 64, kMostHeadChannels = 64, kTexelBytes = 16, kRelative = 15;
+  if (!usesMatrixUnits(device.family) || device.matrixUnits == MatrixUnits::none ||
+      op.window != shader::kAttentionMatrixWindow || op.headChannels % 16 != 0 || op.headChannels > kMostHeadChannels)
+    return 0;
+  for (const TensorView& view : {op.queries, op.keys, op.values, op.output})
+    if (view.type != DataType::f16) return 0;
+  const uint32_t lanes = matrixLanes(device), invocations = kMatrixSubgroups * lanes;
+  const uint32_t pool = ATTENTION_VALUES_AT(op.headChannels) + op.headChannels * shader::kAttentionValueStride;
+  const uint32_t words = kRelative * kRelative + op.window * op.window + 2 * invocations;
+  const bool fits = lanes >= kLeastLanes && lanes <= kMostLanes && invocations <= device.maxGroupInvocations &&
+                    pool * kTexelBytes + 4 * words <= device.maxSharedBytes;
+  return fits ? invocations : 0;
 }
 
 Windows windowsOf(const WindowAttention& op) { return {op.window, op.shift}; }
@@ -139,6 +158,15 @@ Dispatch dispatch(const WindowAttention& op, const DeviceTraits& device) {
                              shares.keys,         oneTensor, queriesApart,    allRows};
     result.pushConstants = pushBytesWithDigits(params);
     result.groupCount = {laneGroupColumns(op, shares), windowRows.count, 1};
+  } else if (const uint32_t invocations = matrixInvocations(op, device)) {
+    result.program = matrixProgramName("window_attention", device.matrixUnits, op.output.type);
+    result.specialization =
+        matrixConstants({kMatrixSubgroups, op.headChannels, 0, 0, invocations}, device.matrixSize, op.shift > 0, 0);
+    result.bindings[0] = readBits(op.queries);
+    result.bindings[1] = readBits(op.keys);
+    result.bindings[2] = readBits(op.values);
+    countSubgroups(result, device);
+    result.groupCount = {windowColumns, windowRows.count, headCount(op)};
   } else if (const uint32_t keys = tileKeys(op, device)) {
     result.program = programName("window_attention", KernelFamily::tile, op.output.type);
     result.specialization = {op.window * op.window, op.window, op.headChannels, keys, op.shift > 0};

@@ -12,8 +12,13 @@ struct WindowAttentionParams {
   uint headCount;
   uint storeOrigin;  // vec4 index at which the target binding starts
 };
-const uint kAttentionTileKeys = 8;  // whose scores the tile kernel takes together
+const uint kAttentionTileKeys = 8;      // whose scores the tile kernel takes together
+const uint kAttentionMatrixWindow = 8;  // of the matrix kernel, as are those below: texels of its pool's rows
+const uint kAttentionScoreStride = 17, kAttentionValueStride = 9;
 XRDS_SHARED_END
+// Of the pool of the matrix kernel, by the channels d of a head: texels of a row of q or k, and where v begins.
+#define ATTENTION_HEAD_STRIDE(d) ((d) / 8 + 1)
+#define ATTENTION_VALUES_AT(d) (64 * (2 * ATTENTION_HEAD_STRIDE(d) > 17 ? 2 * ATTENTION_HEAD_STRIDE(d) : 17))
 
 #ifdef __cplusplus
 #include "shaders/common/operator_facts.h"

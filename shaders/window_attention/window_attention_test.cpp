@@ -12,6 +12,7 @@ namespace xrds {
 namespace {
 
 using test::PrintTo;
+using test::traitsOf;
 using test::view;
 
 enum class Layout { oneTensor, keysWithValues, separate };
@@ -72,12 +73,6 @@ Attention attentionOf(const Shape& s, DataType inputType = DataType::f32, DataTy
   return attention;
 }
 
-DeviceTraits traitsOf(KernelFamily family) {
-  DeviceTraits traits = test::gpu().traits();
-  traits.family = family;
-  return traits;
-}
-
 bool canRun(KernelFamily family) {
   return family != KernelFamily::lane || test::gpu().description().kind == DeviceKind::cpu;
 }
@@ -94,6 +89,13 @@ TEST_P(WindowAttentionShapes, MatchesReference) {
 constexpr Shape kHalfShapes[] = {{4, 4, 2, 4, 2, 1, Layout::separate},
                                  {24, 16, 8, 16, 1, 4, Layout::oneTensor, {3, 20}}};
 const auto kFamilies = testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile);
+constexpr Shape kMatrixShapes[] = {{8, 8, 8, 16, 1},
+                                   {8, 8, 8, 32, 1, 4},
+                                   {24, 16, 8, 32, 2, 4, Layout::keysWithValues},
+                                   {24, 16, 8, 32, 2, 4, Layout::separate, {3, 6}},
+                                   {24, 16, 8, 16, 3, 0, Layout::oneTensor, {7, 9}},
+                                   {16, 24, 8, 48, 1, 4},
+                                   {16, 16, 8, 64, 2, 0}};
 const auto kTypes = testing::Values(DataType::f32, DataType::f16);
 
 INSTANTIATE_TEST_SUITE_P(All, WindowAttentionShapes,
@@ -101,6 +103,23 @@ INSTANTIATE_TEST_SUITE_P(All, WindowAttentionShapes,
                                           testing::Values(DataType::f32), kFamilies));
 INSTANTIATE_TEST_SUITE_P(Types, WindowAttentionShapes,
                          testing::Combine(testing::ValuesIn(kHalfShapes), kTypes, kTypes, kFamilies));
+
+INSTANTIATE_TEST_SUITE_P(Matrix, WindowAttentionShapes,
+                         testing::Combine(testing::ValuesIn(kMatrixShapes), testing::Values(DataType::f16),
+                                          testing::Values(DataType::f16), testing::Values(KernelFamily::matrix)));
+
+TEST(WindowAttention, TheMatrixKernelTakesHalvesInWindowsOfEightAlone) {
+  const auto programOf = [](uint32_t window, uint32_t headChannels, DataType input, DataType output = DataType::f16) {
+    const Attention attention = attentionOf({16, 16, window, headChannels, 2}, input, output);
+    return dispatch(attention.op, traitsOf(KernelFamily::matrix)).program;
+  };
+  EXPECT_TRUE(programOf(8, 32, DataType::f16).starts_with("window_attention_matrix_"));
+  EXPECT_TRUE(programOf(8, 16, DataType::f16).starts_with("window_attention_matrix_"));
+  EXPECT_EQ(programOf(8, 32, DataType::f32), "window_attention_tile_f16");
+  EXPECT_EQ(programOf(8, 32, DataType::f16, DataType::f32), "window_attention_tile_f32");
+  EXPECT_EQ(programOf(8, 24, DataType::f16), "window_attention_tile_f16");
+  EXPECT_EQ(programOf(4, 32, DataType::f16), "window_attention_tile_f16");
+}
 
 class WindowAttentionFamilies : public testing::TestWithParam<KernelFamily> {
   void SetUp() override {
