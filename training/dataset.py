@@ -1,4 +1,7 @@
 """Scenes in memory; crops.py cuts batches from them."""
+import concurrent.futures
+import multiprocessing
+import os
 import pathlib
 
 import torch
@@ -21,6 +24,9 @@ COLOUR_SHARES = {1: {1: 1, 2: 2, 4: 3, 8: 3, 16: 2}, 2: {16: 0.8, 4: 0.2}, 4: {6
 # At scale 1 colour and auxiliary images come from one render, so that their noise goes together; so often they do in training.
 SAME_RENDER_SHARE = 0.85
 IMITATED = (0.5, 2, 4)          # sample counts over that of a render that its noise, scaled, may stand for at scale 1
+
+SCENES_A_PROCESS = 16           # fewer are decoded sooner than a further process has started
+MOST_PROCESSES = 16
 
 
 class Scene:
@@ -147,26 +153,59 @@ def nearest_render(counts, spp):
     return have, min(2.0, (have / spp) ** 0.5)
 
 
+def usable_cores():
+    """Cores that this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+
+
+def converted(decoded, change):
+    """A decoded scene, each image of it changed."""
+    return {"target": change(decoded["target"]),
+            **{kind: {key: change(image) for key, image in decoded[kind].items()} for kind in ("colour", "aux")}}
+
+
+def decoded_arrays(path, name):
+    """A scene of a shard as numpy arrays, which another process can return (tensors would share memory, and a file descriptor each)."""
+    ((_, decoded),) = shards.read_shard(path, [name])
+    return converted(decoded, lambda image: image.numpy())
+
+
+def decoded_scenes(paths, processes):
+    """Yields ((path, scene name), decoded scene) of shards, in this order, whatever the number of processes. These decode ahead, a scene at
+    a time; few scenes are decoded in this process, as they are with one."""
+    origins = [(path, name) for path in paths for name in sorted(shards.scenes_in(path))]
+    processes = min(processes, MOST_PROCESSES, len(origins) // SCENES_A_PROCESS)
+    if processes < 2:
+        for origin in origins:
+            yield origin, converted(decoded_arrays(*origin), torch.from_numpy)
+        return
+    # A forked process would inherit the threads' locks and the device.
+    with concurrent.futures.ProcessPoolExecutor(processes, multiprocessing.get_context("spawn"), torch.set_num_threads, (1,)) as pool:
+        for origin, arrays in zip(origins, pool.map(decoded_arrays, *zip(*origins))):
+            yield origin, converted(arrays, torch.from_numpy)
+
+
 class Scenes:
     """The scenes of shard folders that have colour of the model's scale and its auxiliary images, the full-resolution colour too if the
-    model takes it; refresh() adds those of new shards."""
+    model takes it; refresh() adds those of new shards. Up to `processes` processes decode them, by default one a core: a script that
+    makes one needs the guard of its main module (`if __name__ == "__main__"`). Each scene's `origin` is (path of its shard, name)."""
 
-    def __init__(self, folders, config, device="cpu"):
+    def __init__(self, folders, config, device="cpu", processes=None):
         self.folders, self.config, self.device = [pathlib.Path(folder) for folder in folders], config, device
+        self.processes = processes or usable_cores()
         self.scenes, self.read = [], set()
         self.refresh()
 
     def refresh(self):
-        for path in sorted(path for folder in self.folders for path in folder.glob("*.npz")):
-            if path not in self.read:
-                self.read.add(path)
-                for _, decoded in shards.read_shard(path):
-                    if any(len(aux) < pipeline.channels_for(self.config) for aux in decoded["aux"].values()):
-                        continue
-                    scene = Scene(decoded, self.config, self.device)
-                    if scene.colours and (scene.full or not self.config.full):
-                        self.scenes.append(scene)
+        paths = [path for path in sorted(path for folder in self.folders for path in folder.glob("*.npz")) if path not in self.read]
+        self.read.update(paths)
+        for origin, decoded in decoded_scenes(paths, self.processes):
+            if any(len(aux) < pipeline.channels_for(self.config) for aux in decoded["aux"].values()):
+                continue
+            scene = Scene(decoded, self.config, self.device)
+            if scene.colours and (scene.full or not self.config.full):
+                scene.origin = origin
+                self.scenes.append(scene)
 
     def __len__(self):
         return len(self.scenes)
-

@@ -161,18 +161,18 @@ def decode(arrays):
     return scene
 
 
-def read_shard(path):
-    """Yields (scene name, decoded scene)."""
-    for name, arrays in read_packed(path):
+def read_shard(path, names=None):
+    """Yields (scene name, decoded scene), of the named scenes or of all."""
+    for name, arrays in read_packed(path, names):
         yield name, decode(arrays)
 
 
-def read_packed(path):
-    """Yields (scene name, {array name: uint8 array})."""
+def read_packed(path, names=None):
+    """Yields (scene name, {array name: uint8 array}), of the named scenes or of all."""
     with np.load(path) as shard:
         if shard.zip.comment != format_of_shards():
             raise ValueError(f"{path} was packed by another version of shards.py; pack its scenes again")
-        for name in sorted({entry.split("/")[0] for entry in shard.files}):
+        for name in sorted({entry.split("/")[0] for entry in shard.files} if names is None else names):
             prefix = name + "/"
             yield name, {entry[len(prefix):]: shard[entry] for entry in shard.files if entry.startswith(prefix)}
 

@@ -188,6 +188,30 @@ def test_shards_give_back_scenes(tmp_path, monkeypatch):
     assert "full" in Crops(full, 2, seed=1).batch(1)
 
 
+def test_processes_decode_the_same_scenes_in_the_same_order(tmp_path, monkeypatch):
+    for name in ("s0000", "s0001", "s0002"):
+        write_scene(tmp_path, name)
+    write(tmp_path / "scenes-000.npz", tmp_path, "s0001", 1)
+    shards.write_shard(tmp_path / "scenes-001.npz", encoded(tmp_path, "s0000", "s0002"), 1e6)
+    started = []
+    class Pool(dataset.concurrent.futures.ProcessPoolExecutor):
+        def __init__(self, processes, *arguments):
+            started.append(processes)
+            super().__init__(processes, *arguments)
+    monkeypatch.setattr(dataset.concurrent.futures, "ProcessPoolExecutor", Pool)
+    few = dataset.Scenes([tmp_path], SMALL, processes=8)
+    assert not started                                              # not worth a process
+    monkeypatch.setattr(dataset, "SCENES_A_PROCESS", 1)
+    one, many = (dataset.Scenes([tmp_path], SMALL, processes=count) for count in (1, 2))
+    assert started == [2]
+    for found in (few, one, many):
+        assert [(path.name, name) for path, name in (scene.origin for scene in found.scenes)] == [
+            ("scenes-000.npz", "s0001"), ("scenes-001.npz", "s0000"), ("scenes-001.npz", "s0002")]
+        for scene, other in zip(found.scenes, one.scenes):
+            assert list(scene.bordered) == list(other.bordered) and scene.base_error == other.base_error
+            assert all(torch.equal(image, other.bordered[key]) for key, image in scene.bordered.items())
+
+
 def test_packed_scenes_are_completed_by_renders(tmp_path, monkeypatch):
     """A scene packed with one noisy colour gets those of all its renders; its other arrays stay."""
     source, old, new = tmp_path / "scenes", tmp_path / "old", tmp_path / "new"
