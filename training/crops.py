@@ -52,13 +52,14 @@ class Variation:
             found[:, 3 * k:3 * k + 3, 3 * k:3 * k + 3] = own.get(kind, torch.eye(3))
         return found
 
-    def places(self, height, width):
-        """[n, height * width]: which pixel of a crop comes to each place of its varied one."""
-        y, x = torch.arange(height), torch.arange(width)
-        y = torch.where(self.upside_down[:, None], y.flip(0), y)
-        x = torch.where(self.mirrored[:, None], x.flip(0), x)
+    def places(self, height, width, device="cpu"):
+        """[n, height * width] on the device: which pixel of a crop comes to each place of its varied one."""
+        upside_down, mirrored, transposed = (coins.to(device)[:, None] for coins in (self.upside_down, self.mirrored, self.transposed))
+        y, x = torch.arange(height, device=device), torch.arange(width, device=device)
+        y = torch.where(upside_down, y.flip(0), y)
+        x = torch.where(mirrored, x.flip(0), x)
         plain = y[:, :, None] * width + x[:, None, :]
-        return torch.where(self.transposed[:, None, None], plain.transpose(1, 2), plain).flatten(1)
+        return torch.where(transposed[:, None], plain.transpose(1, 2), plain).flatten(1)
 
 
 class Crops:
@@ -148,7 +149,7 @@ class Crops:
                 images["clean"] = clean[:, :, inner, inner]
         if config.full:
             images["full"] = noisy(target, [draw.full for draw in draws]).clamp(min=0)
-        places = {shape: there(variation.places(*shape)) for shape in {image.shape[-2:] for image in images.values()}}
+        places = {shape: variation.places(*shape, device) for shape in {image.shape[-2:] for image in images.values()}}
         light, auxiliary = there(variation.light()), there(variation.auxiliary(config.guides)) if config.aux_inputs else None
         batch = {key: varied(image, places[image.shape[-2:]], light if len(image[0]) == 3 and key not in ("aux", "clean") else auxiliary)
                  for key, image in images.items()}
