@@ -50,6 +50,21 @@ def test_training_resumes_and_exports(folders, monkeypatch, tmp_path, capsys):
     assert "tensors of checkpoint" in (tmp_path / "scale1" / "log.txt").read_text()
 
 
+def test_gradients_that_are_not_finite_change_nothing(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["train.py", "shards", "--output", "run", *TINY])
+    options = train.arguments_of_command_line()
+    training = train.Training(train.config_of(options), options)
+    parameters = list(training.network.parameters())
+    def weights_after(value):
+        for parameter in parameters:
+            parameter.grad = torch.full_like(parameter, value)
+        training.take_step(torch.nn.utils.clip_grad_norm_(parameters, 1.0))
+        return [parameter.detach().clone() for parameter in parameters]
+    before, after, later = weights_after(1.0), weights_after(float("nan")), weights_after(1.0)
+    assert all(map(torch.equal, before, after)) and not any(map(torch.equal, after, later))
+    assert all(torch.isfinite(weight).all() for weight in [*later, *training.average.parameters()])
+
+
 def test_same_seed_same_weights(folders, monkeypatch, tmp_path):
     _, packed, _ = folders
     torch.set_num_threads(1)

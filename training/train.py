@@ -196,6 +196,13 @@ class Training:
         self.optimizer.load_state_dict(state["optimizer"])
         self.step, self.seconds = state["step"], state["seconds"]
 
+    def take_step(self, norm):
+        """A step of the optimizer and of the average. Gradients whose norm is not finite change nothing: the fused optimizer is told so on the
+        device, as a GradScaler tells it, since an `if` here would wait for the device in each step."""
+        self.optimizer.found_inf = (~torch.isfinite(norm)).float()
+        self.optimizer.step()
+        self.update_average()
+
     def update_average(self):
         follow(self.average, self.network, self.step)
 
@@ -235,9 +242,7 @@ def train(training, scenes, options, report):
         training.optimizer.zero_grad(set_to_none=True)
         loss.backward()
         norm = torch.nn.utils.clip_grad_norm_(training.network.parameters(), 1.0)
-        if torch.isfinite(norm):
-            training.optimizer.step()
-            training.update_average()
+        training.take_step(norm)
         training.step += 1
         sums, count = sums + torch.stack([robust.detach(), tone.detach(), ratio.detach()]), count + 1
         now = time.monotonic()
