@@ -1,4 +1,4 @@
-// In place of kernels that are to fail: binds and writes nothing.
+// In place of kernels for matrix units that are to fail: as many invocations, but binds and writes nothing.
 #version 450
-layout(local_size_x = 1) in;
+layout(local_size_x_id = 9) in;
 void main() {}
