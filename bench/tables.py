@@ -22,6 +22,7 @@ import sys
 import tempfile
 
 import budget_tables
+import gpu_tables
 import parts_tables
 import quality_tables
 import temporal_tables
@@ -113,7 +114,8 @@ def network_table(report):
 
 
 # By the name of the table: the file of bench/results, and what makes Markdown of it.
-TABLES = {"temporal": ("temporal", temporal_tables.sequences), "network": ("network", network_table), "quality_means": ("quality", quality_tables.means),
+TABLES = {"temporal": ("temporal", temporal_tables.sequences), "network": ("network", network_table), "network_gpu": ("gpu_network", gpu_tables.gpu_network),
+          "quality_means": ("quality", quality_tables.means),
           "quality_scenes": ("quality", quality_tables.scenes), "quality_others": ("quality", quality_tables.others),
           "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_merged": ("merged", quality_tables.merged),
           "quality_ensemble": ("quality", quality_tables.ensemble),

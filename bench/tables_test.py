@@ -34,6 +34,13 @@ class Tables(unittest.TestCase):
         row = tables.network_table(REPORT).splitlines()[-1]
         self.assertEqual(row, "| `m` | 10.0 | 0.50 | 0.75 | 100 | 100 | 2.0 | 1.2 | 4.0e-07 | - |")
 
+    def test_a_gpu_has_a_row_of_milliseconds(self):
+        of_gpu = {**REPORT, "devices": [{"name": "a GPU", "driver": "a driver"}],
+                  "networks": [{**REPORT["networks"][0], "deviceSeconds": {"median": 0.004}, "memory": {"deviceBytes": 5e6}}]}
+        table = tables.gpu_tables.gpu_network(of_gpu)
+        self.assertEqual(table.splitlines()[-1], "| `m` | 500.0 | 4.0 | 250 | 5 | 1.25 |")
+        self.assertIn("commit abc1234, a GPU, driver a driver, 2 cores of an a processor, lane kernels", table)
+
     def test_commit_and_machine_stand_above(self):
         self.assertIn("commit abc1234, 2 cores of a processor, a driver, lane kernels, medians of 5 frames", tables.network_table(REPORT))
 

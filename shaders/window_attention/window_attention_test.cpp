@@ -135,6 +135,12 @@ TEST_P(WindowAttentionFamilies, KeepsScoresWhoseExponentialOverflows) {
   test::expectMatchesReference(attention.op, traitsOf(GetParam()), test::toleranceOf(DataType::f32));
 }
 
+TEST(WindowAttention, TheMatrixKernelKeepsScoresWhoseExponentialOverflows) {
+  Attention attention = attentionOf({16, 16, 8, 16, 2, 4}, DataType::f16, DataType::f16);
+  for (float& bias : attention.biasTable) bias += 100;
+  test::expectMatchesReference(attention.op, traitsOf(KernelFamily::matrix), test::toleranceOf(DataType::f16));
+}
+
 TEST_P(WindowAttentionFamilies, KeepsValuesThatAreConstantWhereTokensSeeEachOther) {
   const Attention attention = attentionOf({16, 24, 8, 8, 1, 4, Layout::separate});
   const WindowAttention& op = attention.op;
