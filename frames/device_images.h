@@ -22,7 +22,7 @@ class DeviceImages {
   /// The dispatches of operators on these images, in their order.
   std::vector<PlacedDispatch> placed(std::vector<Operator> operators) const;
 
-  /// Row by row; blocks.
+  /// Row by row, several threads at once, as Buffer::uploadRows() has it; blocks.
   void upload(const TensorView& image, const std::function<void(uint32_t y, std::span<float> row)>& write);
   void download(const TensorView& image, const std::function<void(uint32_t y, std::span<const float> row)>& read) const;
 

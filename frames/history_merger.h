@@ -12,8 +12,8 @@
 
 namespace xrds {
 
-/// A frame of a sequence as the device takes it, row by row: functions that write row y of pixels as
-/// shaders/common/history.h has them, and of where each went.
+/// A frame of a sequence as the device takes it, row by row: functions that write row y of pixels, from several threads
+/// at once, as shaders/common/history.h has them, and of where each went.
 struct HistoryFrame {
   using WriteRow = std::function<void(uint32_t y, std::span<float> row)>;
   WriteRow low, full;               // [w, 12] with the radiance and count alone; [s w, 12]
@@ -30,7 +30,7 @@ class HistoryMerger {
   /// height; the results are the same bits. Throws OutOfMemory if the device has no room.
   HistoryMerger(Gpu& gpu, uint32_t height, uint32_t width, uint32_t scale, uint32_t bandRows = 0);
 
-  /// Takes row y of a result.
+  /// Takes row y of a result; several threads at once, each for other rows.
   using TakeRow = std::function<void(uint32_t y, std::span<const float> row)>;
 
   /// The frame merged with those `before`, the nearest first, as far as there is motion to follow, then with those
