@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -26,7 +25,7 @@ void inParallel(uint64_t count, uint64_t least, const std::function<void(uint64_
   try {
     threads.reserve(parts - 1);
     for (; started < parts; ++started) threads.emplace_back(run, started);
-  } catch (const std::system_error&) {  // no more threads are to be had
+  } catch (const std::exception&) {  // no more threads are to be had, or no memory for them
   }
   run(0);
   for (uint64_t part = started; part < parts; ++part) run(part);
