@@ -1,7 +1,6 @@
 #include "api/finite_image.h"
 
 #include <atomic>
-#include <cmath>
 
 #include "engine/parallel.h"
 #include "frames/frame_input.h"

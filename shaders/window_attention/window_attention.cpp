@@ -72,7 +72,7 @@ uint32_t matrixInvocations(const WindowAttention& op, const DeviceTraits& device
     if (view.type != DataType::f16) return 0;
   const uint32_t lanes = matrixLanes(device), invocations = kMatrixSubgroups * lanes;
   const uint32_t pool = ATTENTION_VALUES_AT(op.headChannels) + op.headChannels * shader::kAttentionValueStride;
-  const uint32_t words = kRelative * kRelative + op.window * op.window + 2 * invocations;
+  const uint32_t words = alignUp(kRelative * kRelative, 4) + op.window * op.window + 2 * invocations;
   const bool fits = lanes >= kLeastLanes && lanes <= kMostLanes && invocations <= device.maxGroupInvocations &&
                     pool * kTexelBytes + 4 * words <= device.maxSharedBytes;
   return fits ? invocations : 0;

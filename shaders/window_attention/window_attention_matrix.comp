@@ -17,43 +17,22 @@ layout(binding = 3) uniform samplerBuffer table;
 layout(binding = 4, std430) writeonly buffer Target { uvec2 target[]; };
 layout(push_constant) uniform Push { WindowAttentionParams p; };
 
-const uint kWindow = kAttentionMatrixWindow, kTokens = kWindow * kWindow, kRelative = 2 * kWindow - 1;
+const uint kWindow = kAttentionMatrixWindow, kTokens = kWindow * kWindow;
 const uint kRows = 16, kQuads = kHeadChannels / 4;  // queries of a subgroup; texels of a token's head
 const uint kHeadStride = ATTENTION_HEAD_STRIDE(kHeadChannels), kScoreStride = kAttentionScoreStride;
 const uint kKeysAt = kTokens * kHeadStride, kValueStride = kAttentionValueStride;
 const uint kValuesAt = ATTENTION_VALUES_AT(kHeadChannels), kPoolTexels = kValuesAt + kHeadChannels * kValueStride;
-const float kHidden = -2e30, kLowest = -1e30;  // what is hidden never is the highest
-const float kLog2E = 1.4426950408889634;         // scores are powers of two
 shared uvec4 pool[kPoolTexels];
-shared float biases[kRelative * kRelative];
 shared uint regions[kTokens];
 shared float highests[kInvocations], totals[kInvocations];  // of an invocation's part of a row of scores
+#include "shaders/window_attention/window.glsl"
 
 // A row of scores is shared by lanes that stand side by side.
 const uint kParts = kLanes / kRows, kPartQuads = kTokens / 4 / kParts;
 uint rowOf() { return subgroupIndex() * kRows + lane() / kParts; }
 uint firstOfRow(uint row) { return subgroupIndex() * kLanes + row % kRows * kParts; }  // of `highests` and `totals`
 
-uvec2 inWindow(uint token) { return uvec2(token % kWindow, token / kWindow); }
-
-uvec2 corner() {
-  return kWindow * uvec2(gl_WorkGroupID.x, (p.firstWindowRow + gl_WorkGroupID.y) % (p.height / kWindow));
-}
-
-// Which of the bands that the shift keeps apart a position of the shifted image lies in, as one number.
-uint regionOf(uvec2 position) {
-  const uvec2 size = uvec2(p.width, p.height);
-  const uvec2 band = uvec2(greaterThanEqual(position, size - kWindow)) + uvec2(greaterThanEqual(position, size - p.shift));
-  return band.y * 3 + band.x;
-}
-
-uint pixelOf(uint token) {
-  const uvec2 unshifted = (corner() + inWindow(token) + p.shift) % uvec2(p.width, p.height);
-  return unshifted.y * p.width + unshifted.x;
-}
-
-// First texel of the pixel's channels of this head.
-int texelOf(Slice slice, uint pixel) { return int(pixel * slice.stride + slice.offset + gl_WorkGroupID.z * kQuads); }
+uint pixelOf(uint token) { return pixelOf(corner() + inWindow(token)); }
 
 void loadHead() {
   for (uint i = gl_LocalInvocationIndex; i < kTokens * kQuads / 2; i += kInvocations) {
@@ -74,10 +53,7 @@ void loadHead() {
     pool[channel + 2 * kValueStride][pair % 4] = even.y;
     pool[channel + 3 * kValueStride][pair % 4] = odd.y;
   }
-  for (uint i = gl_LocalInvocationIndex; i < kRelative * kRelative; i += kInvocations) {
-    const uint entry = i * p.headCount + gl_WorkGroupID.z;
-    biases[i] = texelFetch(table, int(entry / 4))[entry % 4] * kLog2E;
-  }
+  stageBiases();
   if (kShifted)
     for (uint i = gl_LocalInvocationIndex; i < kTokens; i += kInvocations) regions[i] = regionOf(corner() + inWindow(i));
 }
@@ -103,12 +79,10 @@ void score() {
 // Scores to weights, of which the largest of a row is 1, and the sums of these.
 void takeSoftmax() {
   const uint row = rowOf(), part = lane() % kParts, at = row * kScoreStride;
-  const uvec2 query = inWindow(row);
-  const uint firstBias = (query.y + kWindow - 1) * kRelative + query.x + kWindow - 1;
   vec4 weights[kPartQuads];
   float highest = kLowest, total = 0;
   [[unroll]] for (uint i = 0; i < kPartQuads; i++) {
-    const uint key = 4 * (part * kPartQuads + i), bias = firstBias - (key / kWindow * kRelative + key % kWindow);
+    const uint key = 4 * (part * kPartQuads + i), bias = firstBias(inWindow(row)) - biasesBehind(inWindow(key));
     weights[i] = uintBitsToFloat(pool[at + key / 4]) * (inversesqrt(float(kHeadChannels)) * kLog2E) +
                  vec4(biases[bias], biases[bias - 1], biases[bias - 2], biases[bias - 3]);
     if (kShifted)
