@@ -33,9 +33,9 @@ except ImportError as error:
 import scenes  # noqa: E402
 import xrds_render  # noqa: E402
 from properties import differences, snapshot  # noqa: E402
-from xrds_render import checks, denoiser, exr, jobs, layers, operators, passes, recorder, settings, temporal, upscaler, worker  # noqa: E402
+from xrds_render import checks, denoiser, exr, frame, jobs, layers, operators, passes, recorder, settings, temporal, upscaler, worker  # noqa: E402
 
-MODEL = "xrds-x4-nano"
+MODEL, SINGLE_MODEL = "xrds-x4-nano", "xrds-x1-compact"
 GOLDEN = os.path.join(os.path.dirname(os.path.dirname(HERE)), "tests", "golden", "unet")
 
 
@@ -112,6 +112,15 @@ class WithBlender(unittest.TestCase):
             self.assertLess(numpy.abs(total - beauty).max(), 1e-3 * beauty.max())
             self.assertGreater(beauty.max(), 0)
 
+    def check_untouched(self, made, guide):
+        self.assertEqual(made.attributes, guide.attributes)
+        self.assertEqual(sum(name.startswith("cryptomatte/") for name in made.attributes), 12)
+        data = [name for name in guide.channels if not name.startswith("ViewLayer.Combined.") or name.endswith(".A")]
+        self.assertTrue(any("CryptoObject00" in name for name in data))
+        self.assertTrue(any("Denoising Albedo" in name for name in data), "the file asked for them")
+        for name in data:
+            self.assertEqual(made.channels[name].tobytes(), guide.channels[name].tobytes(), name)
+
     def kept_guides(self):
         """Within it, the guides' file is copied to guides.exr before it goes."""
         return before_upscaling(lambda step: shutil.copy(step.order["full"], os.path.join(self.folder, "guides.exr")))
@@ -133,15 +142,6 @@ class OneClick(WithBlender):
                 self.assertEqual((colour.shape, colour.dtype), ((48, 64), numpy.float16))
                 self.assertTrue(numpy.isfinite(colour).all() and colour.max() > 0)
                 self.assertFalse(numpy.array_equal(colour, guide.channels["ViewLayer.Combined.R"].astype(numpy.float16)))
-
-    def check_untouched(self, made, guide):
-        self.assertEqual(made.attributes, guide.attributes)
-        self.assertEqual(sum(name.startswith("cryptomatte/") for name in made.attributes), 12)
-        data = [name for name in guide.channels if not name.startswith("ViewLayer.Combined.") or name.endswith(".A")]
-        self.assertTrue(any("CryptoObject00" in name for name in data))
-        self.assertTrue(any("Denoising Albedo" in name for name in data), "the file asked for them")
-        for name in data:
-            self.assertEqual(made.channels[name].tobytes(), guide.channels[name].tobytes(), name)
 
     def test_light_adds_up(self):
         self.open("interior").render.image_settings.file_format = "OPEN_EXR"
@@ -213,6 +213,61 @@ class OneClick(WithBlender):
         self.assertEqual(self.result("cryptomatte_0001_xrds.exr").channels["ViewLayer.Combined.R"].shape, (48, 64))
 
 
+class SingleRender(WithBlender):
+    """Scale 1: one render is colour and guides."""
+
+    def open(self, name):
+        scene = super().open(name)
+        scene.xrds.scale, scene.xrds.model = "1", SINGLE_MODEL
+        return scene
+
+    def orders(self):
+        """Within it, the list of what the worker is asked for; the render is kept as guides.exr."""
+        found = []
+
+        def asked(step):
+            found.append((step.order, sorted(os.listdir(os.path.dirname(step.order["full"])))))
+            shutil.copy(step.order["full"], os.path.join(self.folder, "guides.exr"))
+        return found, before_upscaling(asked)
+
+    def test_a_saved_frame_with_everything_as_before(self):
+        scene = self.open("cryptomatte")
+        scene.xrds.guides = "CHEAP"  # of no matter
+        before = snapshot()
+        orders, listening = self.orders()
+        with listening:
+            self.render()
+        self.assertEqual(differences(before, snapshot()), [])
+        ((order, files),) = orders
+        self.assertEqual(files, ["full.exr"])
+        self.assertEqual(frame.Wish(*order["wish"]).samples, (2, 2))
+        made, guide = self.result("cryptomatte_0001_xrds.exr"), self.result("guides.exr")
+        self.check_untouched(made, guide)
+        colour = made.channels["ViewLayer.Combined.R"]
+        self.assertEqual(colour.shape, (48, 64))
+        self.assertTrue(numpy.isfinite(colour).all() and colour.max() > 0)
+        self.assertFalse(numpy.array_equal(colour, guide.channels["ViewLayer.Combined.R"].astype(numpy.float16)))
+
+    def test_light_adds_up(self):
+        scene = self.open("interior")
+        scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+        self.render()
+        self.check_sums(self.result("interior_0001_xrds.exr").channels)
+
+    def test_stable_over_time(self):
+        found = {}
+        for steady in (True, False):
+            scene = self.open("cryptomatte")
+            scene.render.use_motion_blur, scene.frame_start, scene.frame_end, scene.xrds.steady, scene.cycles.use_animated_seed = False, 1, 4, steady, True
+            self.render(animation=True)
+            names = [f"cryptomatte_000{number}_xrds.exr" for number in range(1, 5)]
+            self.assertEqual(self.exrs(), names)
+            found[steady] = numpy.std([self.result(name).channels["ViewLayer.Combined.G"].astype(numpy.float32) for name in names], 0).mean()
+            for name in names:
+                os.remove(os.path.join(self.folder, name))
+        self.assertLess(found[True], 0.8 * found[False])
+
+
 class Denoising(WithBlender):
     """With small networks of random weights in the place of Open Image Denoise's."""
 
@@ -238,6 +293,15 @@ class Denoising(WithBlender):
         self.assertFalse(numpy.array_equal(made[0], made[1]))
         self.assertTrue(numpy.array_equal(made[0], made[2]))
         self.assertEqual(list(checks.notes(scene)), [])
+
+    def test_a_single_render(self):
+        scene, made = self.open("cryptomatte"), []
+        scene.xrds.scale, scene.xrds.model = "1", SINGLE_MODEL
+        for wanted in (True, False):
+            scene.xrds.denoise = wanted
+            self.render()
+            made.append(self.result("cryptomatte_0001_xrds.exr").channels["ViewLayer.Combined.G"])
+        self.assertFalse(numpy.array_equal(*made))
 
     def test_not_with_passes_of_light(self):
         scene = self.open("interior")

@@ -104,7 +104,7 @@ def _choice_problem(settings):
         return "The chosen device is missing. Choose another one."
     if not settings.model:
         return "The chosen model is missing, or for another scale. Choose another one."
-    if settings.model != AUTO and settings.guides == "CHEAP" and needs_light(settings.model):
+    if settings.model != AUTO and not passes.has_light(settings) and needs_light(settings.model):
         return "The chosen model takes the light of the guides. Choose path-traced guides, or another model."
     return None
 
@@ -161,7 +161,7 @@ def notes(scene):
     if scene.xrds.denoise and _lit(scene) and package_problem() is None and denoiser.ready():
         yield "Layers with passes of light are not denoised first: the lights add up to what Cycles rendered."
     if _animated(scene):
-        yield "Render settings are animated or driven: both renders take them as they are, samples and passes, too."
+        yield "Render settings are animated or driven: the renders take them as they are, samples and passes, too."
     if render.use_freestyle:
         yield "Freestyle's lines are left out: render them by themselves."
     if render.use_border:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the files of the two renders to that of the result. Runs in the process of worker.py, without Blender."""
+"""From the files of the renders to that of the result. Runs in the process of worker.py, without Blender."""
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -22,6 +22,7 @@ class Wish(NamedTuple):
     half: bool  # 16 bits for light; data keep theirs
     denoise: bool  # both renders first, where there are no lights
     drops: frozenset = frozenset()  # (view layer, pass) that nobody asked for
+    single: bool = False  # one render is both: scale 1
 
 
 def _lights(low, full, low_layer, full_layer):
@@ -70,7 +71,8 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
     """
     import xrds
 
-    low, full = load(low_file), load(full_file)
+    full = load(full_file)
+    low = full if wish.single else load(low_file)
     channels = dict(full.channels)
     low_layers = layers_of(low, wish.layers)
     for place, low_layer in enumerate(low_layers):

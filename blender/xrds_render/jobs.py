@@ -112,9 +112,10 @@ class Job:
                 renders.forget(None)
 
     def _row(self, renders, wish, missing, needed):
-        steps, step = 2 * len(needed) + len(missing), 0
+        kinds, step = passes.renders(self.settings), 0
+        steps = len(kinds) * len(needed) + len(missing)
         for number in needed:
-            for kind, configure, text in (("low", passes.configure_low, "Colour"), ("full", passes.configure_full, "Guides")):
+            for kind, configure, text in kinds:
                 if not renders.has(number, kind):
                     self.scene.frame_set(number)
                     yield from self._kept(functools.partial(configure, merges=True), renders.file(number, kind), f"{text} of frame {number}", step / steps)
@@ -160,9 +161,10 @@ class Job:
         wish = self._wish()
         with tempfile.TemporaryDirectory(dir=bpy.app.tempdir or None, prefix="xrds_") as folder:
             low, full = (os.path.join(folder, f"{name}.exr") for name in ("low", "full"))
-            yield from self._render(passes.configure_low, low, f"Colour{of}", place / count)
-            yield from self._render(passes.configure_full, full, f"Guides{of}", (place + 1 / 3) / count)
-            yield from self._upscale(low, full, result, wish, f"Upscaling{of}", ((place + 2 / 3) / count, (place + 1) / count))
+            kinds = passes.renders(self.settings)
+            for done, (kind, configure, text) in enumerate(kinds):
+                yield from self._render(configure, os.path.join(folder, f"{kind}.exr"), f"{text}{of}", (place + done / (len(kinds) + 1)) / count)
+            yield from self._upscale(low, full, result, wish, f"Upscaling{of}", ((place + len(kinds) / (len(kinds) + 1)) / count, (place + 1) / count))
 
     def _wish(self, steady=False):
         settings, layers = self.settings, self.scene.view_layers
@@ -170,9 +172,10 @@ class Job:
         output = self.scene.render.image_settings
         return frame.Wish(
             layers=tuple(layer.name for layer in layers), keeps_guides=frozenset(layer.name for layer in layers if layer.cycles.denoising_store_passes),
-            samples=(settings.samples, settings.guide_samples), model=None if settings.model == AUTO else settings.model,
-            device=None if settings.device == AUTO else settings.device, has_light=settings.guides != "CHEAP",
-            denoise=settings.denoise and denoiser.ready(), half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops))
+            samples=passes.samples(settings), model=None if settings.model == AUTO else settings.model,
+            device=None if settings.device == AUTO else settings.device, has_light=passes.has_light(settings),
+            denoise=settings.denoise and denoiser.ready(), half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops),
+            single=settings.scale == "1")
 
     def _upscale(self, low, full, result, wish, text, shares, around=None):
         """shares: of the whole job, at the begin and at the end. around: (number, folder of renders, frames) where it is merged with those around it."""

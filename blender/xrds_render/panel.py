@@ -23,11 +23,13 @@ class XRDS_PT_panel(bpy.types.Panel):
         scale = int(settings.scale)
         width, height = passes.size(scene, scale)
         column.row().prop(settings, "scale", expand=True)
-        _value(column, "Colour", f"{width} x {height}")
+        if scale > 1:
+            _value(column, "Colour", f"{width} x {height}")
         column.prop(settings, "samples")
         _value(column, "Result", f"{scale * width} x {scale * height}")
-        column.prop(settings, "guides")
-        column.prop(settings, "guide_samples", text="Samples")
+        if scale > 1:
+            column.prop(settings, "guides")
+            column.prop(settings, "guide_samples", text="Samples")
         row = column.row(heading="Animation")
         row.active = checks.unsteady(scene) is None
         row.prop(settings, "steady")

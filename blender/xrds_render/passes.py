@@ -1,11 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the two renders of a frame are asked for."""
+"""What the renders of a frame are asked for: two, or at scale 1 a single one."""
 from . import guides
 
 # Flags of a view layer whose passes hold light: they come from the low-resolution render.
 LIGHT_FLAGS = tuple(f"use_pass_{kind}_{part}" for kind in ("diffuse", "glossy", "transmission", "subsurface", "volume") for part in ("direct", "indirect")) + (
     "use_pass_emit", "use_pass_environment")
 MOTION_FLAGS = {"Vector": "use_pass_vector", "Depth": "use_pass_z"}  # by what frames are merged
+
+
+def renders(settings):
+    """[(kind, function that configures it, what the artist reads)] of a frame."""
+    full = "full", configure_full
+    return [(*full, "Render")] if settings.scale == "1" else [("low", configure_low, "Colour"), (*full, "Guides")]
+
+
+def samples(settings):
+    """(of the colour, of the guides)"""
+    return settings.samples, settings.samples if settings.scale == "1" else settings.guide_samples
+
+
+def has_light(settings):
+    """Whether the guides bring light of their own, to be merged into the colour."""
+    return settings.scale != "1" and settings.guides != "CHEAP"
 
 
 def size(scene, scale):
@@ -61,20 +77,21 @@ def configure_low(scene, settings, path, recorder, merges=False):
 
 
 def configure_full(scene, settings, path, recorder, merges=False):
-    """The guides: every pass but light, which a path-traced one has in its Combined alone; to merge frames, those that tell how they move, too."""
+    """The guides: every pass but light, which a path-traced one has in its Combined alone; to merge frames, those that tell how they move, too. At scale 1
+    the only render, with its light."""
     if merges:
         recorder.put(scene.cycles, "use_animated_seed", True)
     scale = int(settings.scale)
     width, height = size(scene, scale)
-    if settings.guides == "CHEAP":
+    if scale > 1 and settings.guides == "CHEAP":
         guides.apply("mirrors", scene, recorder.put)
-    _configure(scene, scale * width, scale * height, settings.guide_samples, path, recorder.put, recorder.keep)
+    _configure(scene, scale * width, scale * height, samples(settings)[1], path, recorder.put, recorder.keep)
     for layer in scene.view_layers:
         recorder.put(layer.cycles, "denoising_store_passes", True)
         recorder.put(layer, "use_pass_combined", True)
         _with_colours(layer, recorder.put)
         for owner, flag in flags(layer):
-            if flag in LIGHT_FLAGS:
+            if scale > 1 and flag in LIGHT_FLAGS:
                 recorder.put(owner, flag, False)
         for flag in MOTION_FLAGS.values() if merges else ():
             recorder.put(layer, flag, True)

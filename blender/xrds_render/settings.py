@@ -65,8 +65,9 @@ def _number(text):
 class XRDS_Settings(bpy.types.PropertyGroup):
     scale: bpy.props.EnumProperty(
         name="Scale", description="Sides of the result over those of the low-resolution render", default="4",
-        items=[("2", "2x", "Most detail"), ("4", "4x", "The usual choice"), ("8", "8x", "Fastest, least detail")])
-    samples: bpy.props.IntProperty(name="Samples", description="Of a pixel of the low-resolution render, which brings the light", default=64, min=1, max=65536)
+        items=[("1", "1x", "A single render of the full resolution, whose noise is taken out"), ("2", "2x", "Most detail"), ("4", "4x", "The usual choice"),
+               ("8", "8x", "Fastest, least detail")])
+    samples: bpy.props.IntProperty(name="Samples", description="Of a pixel of the render that brings the light: that of low resolution, or the only one", default=64, min=1, max=65536)
     guides: bpy.props.EnumProperty(
         name="Guides", description="How albedo and normals of the full resolution are rendered", default="CYCLES",
         items=[("CYCLES", "Path Traced", "With all light: its colour is merged into the result, which is better"),
@@ -75,6 +76,6 @@ class XRDS_Settings(bpy.types.PropertyGroup):
     steady: bpy.props.BoolProperty(
         name="Stable over Time", description="Animations: merge each frame with up to five before and five after it, along the motion of the Vector pass", default=True)
     denoise: bpy.props.BoolProperty(
-        name="Denoise First", description="Open Image Denoise takes the noise out of both renders before they are upscaled. Not with light passes", default=True)
+        name="Denoise First", description="Open Image Denoise takes the noise out of the renders before the network does its work. Not with light passes", default=True)
     model: bpy.props.EnumProperty(name="Model", description="The network that upscales", items=lambda settings, context: _models(int(settings.scale)))
     device: bpy.props.EnumProperty(name="Device", description="The Vulkan device that upscales", items=lambda settings, context: _devices())

@@ -104,7 +104,8 @@ class Surroundings:
 
     def _of(self, number):
         if number not in self._read:
-            low, full = (load(file_of(self._folder, number, kind)) for kind in ("low", "full"))
+            full = load(file_of(self._folder, number, "full"))
+            low = full if self._wish.single else load(file_of(self._folder, number, "low"))
             whole = {layer.name: layer for layer in layers_of(full, self._wish.layers)}
             self._read[number] = {layer.name: self._images(low, layer, full, whole[layer.name]) for layer in layers_of(low, self._wish.layers)}
         return self._read[number]
