@@ -98,9 +98,10 @@ class Crops:
 
     def draw(self):
         scene, count = self.scene_and_render()
-        shares = {spp: share for spp, share in self.colour_shares.items() if spp in scene.colours}
-        spp = self.drawn(shares) if shares else max(scene.colours)
         denoised = self.number() < self.denoised_share
+        counts = scene.rendered if denoised else scene.colours      # a denoiser would see that the noise was scaled
+        shares = {spp: share for spp, share in self.colour_shares.items() if spp in counts}
+        spp = self.drawn(shares) if shares else max(counts)
         if self.config.full:
             if denoised and count in scene.full:
                 return Draw(scene, scene.denoised_colour(spp, count), scene.denoised_aux(count), scene.denoised_full(spp, count))
@@ -110,7 +111,7 @@ class Crops:
             return Draw(scene, ("colour", spp))
         same = self.config.scale == 1 and self.number() < dataset.SAME_RENDER_SHARE
         count = spp if same else self.drawn(self.aux_shares)
-        if denoised and count in scene.aux:
+        if denoised and count in scene.rendered_aux:
             return Draw(scene, scene.denoised_colour(spp, count), scene.denoised_aux(count))
         have, share = scene.nearest_aux(count)
         return Draw(scene, ("colour", spp), ("aux", have), share=share)

@@ -22,7 +22,7 @@ COLOUR_SHARES = {1: {1: 1, 2: 2, 4: 3, 8: 3, 16: 2}, 2: {16: 0.8, 4: 0.2}, 4: {6
 
 
 # At scale 1 colour and auxiliary images come from one render, so that their noise goes together; so often they do in training.
-SAME_RENDER_SHARE = 0.85
+SAME_RENDER_SHARE = 0.75
 IMITATED = (0.5, 2, 4)          # sample counts over that of a render that its noise, scaled, may stand for at scale 1
 
 SCENES_A_PROCESS = 16           # fewer are decoded sooner than a further process has started
@@ -33,7 +33,7 @@ class Scene:
     """One scene at one scale, half precision: colours {spp: [3, h, w]}, aux {spp, 0 converged: [A, H, W]} without the colour,
     full {spp: [3, H, W]} the full-resolution noisy colour of the same renders, for models that take it, target [3, H, W];
     base_error: mean square sRGB error of the untrained base. At scale 1 the noise of the one colour is scaled to imitate more
-    counts, and `aux` has every count of the colour.
+    counts than were `rendered`, and `aux` has every count of the colour, not those of `rendered_aux` alone.
 
     They are the insides of `bordered` {("colour", spp), ("aux", spp), ("full", spp), ("target",): image}, whose images have
     BORDER low-resolution pixels around them, the outermost ones again, so that a crop of any place is a plain part of one.
@@ -49,6 +49,7 @@ class Scene:
         self.target = self.put(("target",), decoded["target"].to(device))
         self.colours, self.full = put("colour", colours), put("full", full)
         self.aux = put("aux", {spp: pipeline.own_aux(image, config) for spp, image in decoded["aux"].items()})
+        self.rendered, self.rendered_aux = set(self.colours), set(self.aux)
         if self.scale == 1 and self.colours:
             self.imitate_renders()
         if self.colours:
