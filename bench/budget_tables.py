@@ -29,7 +29,7 @@ def table(rows):
         cells = []
         for name in names:
             own = max((row for row in here if name_of(row) == name), key=lambda row: row["psnr"], default=None)
-            text = "" if own is None else f"{own['psnr']:.2f}" + ("" if own["model"] == "OIDN" else f" ({own['colour']}-{own['aux']})".replace("-converged", ""))
+            text = "" if own is None else f"{own['psnr']:.2f}" + ("" if own["scale"] == 1 else f" ({own['colour']}-{own['aux']})".replace("-converged", ""))
             cells.append(f"**{text}**" if own is top else text)
         lines.append(f"| {average:g} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"

@@ -25,7 +25,7 @@ HERE = ROOT / "bench"
 PATH_TRACED = ((4, 64, 16), (4, 64, 4), (4, 64, 1), (4, 16, 4), (4, 16, 1), (2, 16, 4), (2, 8, 2), (2, 4, 1))
 # Renders whose guides are clean and cost nothing: scale, samples of the colour.
 FREE = ((4, 1), (4, 4), (4, 16), (4, 64), (2, 1), (2, 2), (2, 4), (2, 16))
-DENOISED_SPP = (1, 2, 4, 8, 16)
+FULL_SPP = (1, 2, 4, 8, 16)      # of a full-resolution render alone, for the denoiser and for models of scale 1
 FOLDERS = ("val", "live", "large")
 PART_NAMES = ("path-traced", "free", "denoised")
 KEPT = tables.RESULTS / "budgets.json"
@@ -44,7 +44,7 @@ class Measurement:
         self.program, self.work, self.asked, self.rows = program, work, asked, []
         self.environment = {**os.environ, "XRDS_OIDN": str(library())}
         listed = subprocess.run([program, "info"], capture_output=True, text=True, check=True).stdout.split()
-        self.models = {scale: [name for name in listed if name.startswith(f"xrds-x{scale}-")] for scale in (2, 4)}
+        self.models = {scale: [name for name in listed if name.startswith(f"xrds-x{scale}-")] for scale in (1, 2, 4)}
 
     def quality(self, data, folder, scale, colour, aux, way, models, *options):
         """One setting; the rows of the models and, of denoised images, of those. No row where the folder lacks the renders."""
@@ -73,7 +73,14 @@ class Measurement:
     def of_scale(self, scale, *kinds):
         return [model for model in self.models[scale] if model.split("-", 2)[2] in kinds]
 
+    def full_resolution(self, data, folder, aux_of):
+        for spp in FULL_SPP:
+            here = (data, folder, 1, spp, aux_of(spp))
+            self.quality(*here, "network", self.of_scale(1, "compact"))
+            self.quality(*here, "denoised first", self.of_scale(1, "compact", "live"), "--denoise-first")
+
     def path_traced(self, data, folder):
+        self.full_resolution(data, folder, lambda spp: spp)
         for scale, colour, aux in PATH_TRACED:
             here = (data, folder, scale, colour, aux)
             self.quality(*here, "network", self.of_scale(scale, "compact"))
@@ -81,6 +88,7 @@ class Measurement:
             self.quality(*here, "merged, denoised first", self.of_scale(scale, "compact", "full"), "--merge", "--denoise-first")
 
     def free_guides(self, data, folder):
+        self.full_resolution(data, folder, lambda spp: "converged")
         for scale, colour in FREE:
             here = (data, folder, scale, colour, "converged")
             self.quality(*here, "network", self.of_scale(scale, "compact", "live"))
@@ -90,7 +98,7 @@ class Measurement:
         if self.asked and "OIDN" not in self.asked:
             return
         for free in (True,) if data == "live" else (False, True):
-            for spp in DENOISED_SPP:
+            for spp in FULL_SPP:
                 images = self.work / f"{data}-{spp}{'-free' * free}"
                 run = subprocess.run([sys.executable, HERE / "oidn.py", folder, images, "--spp", str(spp), "--prefilter", *["--free-guides"] * free], capture_output=True, text=True)
                 if run.returncode == 0:

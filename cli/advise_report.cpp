@@ -43,10 +43,11 @@ std::string upscaleCommand(const Way& way) {
   if (way.model.empty())
     return std::string("denoise it with Open Image Denoise and ") +
            (way.guides == Guides::free ? "the albedo and normal of guides.exr" : "its albedo and normal");
-  std::string command = "xrds upscale low.exr full.exr -o out.exr --model " + way.model;
-  if (way.scale == 1) command = "xrds upscale full.exr -o out.exr --model " + way.model;
-  if (way.denoisesFirst) command += way.guides == Guides::free ? " --denoise-first --clean-guides" : " --denoise-first";
-  if (way.scale > 1 && !way.merges && way.guides == Guides::rendered) command += " --aux-colour never";
+  const bool ownGuides = way.guides == Guides::rendered;
+  const char* files = way.scale > 1 ? "low.exr full.exr" : ownGuides ? "full.exr" : "full.exr guides.exr";
+  std::string command = std::string("xrds upscale ") + files + " -o out.exr --model " + way.model;
+  if (way.denoisesFirst) command += ownGuides ? " --denoise-first" : " --denoise-first --clean-guides";
+  if (way.scale > 1 && !way.merges && ownGuides) command += " --aux-colour never";
   return command;
 }
 
