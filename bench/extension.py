@@ -6,7 +6,7 @@
     python3 bench/extension.py --report WORK --xrds build/release/cli/xrds
 
 The first part needs Blender 3.4 or newer with the settings of samples/render.py, whose samples/*_gt.exr are the references. For each scene it renders, in
-their size: by the extension, with path-traced and with cheap guides, without and with the networks that `xrds import oidn` has put into NETWORKS; and plainly, with as many samples as take the processor time of each, upscaling
+their size: by the extension, with path-traced and with cheap guides, without and with the networks that `xrds import oidn` has put into NETWORKS, and at scale 1 with them; and plainly, with as many samples as take the processor time of each, upscaling
 included. Times are of the processor, of all threads, which neighbours on the machine hardly change. The second part denoises the plain renders by
 Open Image Denoise, which is Blender's denoiser and needs bench/oidn-requirements.txt (albedo and normals denoised first, its time not counted), and prints Markdown.
 """
@@ -22,7 +22,11 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIZES = {"interior": (512, 384), "glossy": (512, 384), "outdoor": (320, 240)}   # of samples/*_gt.exr
 SCALE, SAMPLES, GUIDE_SAMPLES = 4, 64, 16
-WAYS = {"cycles": ("CYCLES", False), "cycles, denoised first": ("CYCLES", True), "cheap": ("CHEAP", False), "cheap, denoised first": ("CHEAP", True)}
+PAIR = {"scale": "4", "samples": SAMPLES, "guide_samples": GUIDE_SAMPLES, "model": "AUTO"}
+SINGLE = {"scale": "1", "samples": GUIDE_SAMPLES, "denoise": True}
+WAYS = {"cycles": {**PAIR, "guides": "CYCLES", "denoise": False}, "cycles, denoised first": {**PAIR, "guides": "CYCLES", "denoise": True},
+        "cheap": {**PAIR, "guides": "CHEAP", "denoise": False}, "cheap, denoised first": {**PAIR, "guides": "CHEAP", "denoise": True},
+        "1x, mini, denoised first": {**SINGLE, "model": "xrds-x1-mini"}, "1x, compact, denoised first": {**SINGLE, "model": "xrds-x1-compact"}}
 
 
 def arguments():
@@ -53,8 +57,8 @@ def processor(function):
     return spent() - begin, result
 
 
-def extended(scene, way, out):
-    """Renders by the extension; {step: seconds of the processor}."""
+def extended(scene, choices, out):
+    """Renders by the extension, with {name: value} of its settings; {step: seconds of the processor}."""
     from unittest import mock
 
     from xrds_render import jobs, upscaler
@@ -67,7 +71,8 @@ def extended(scene, way, out):
         return mock.patch.object(step, "wait", wait)
 
     upscaler.ready()
-    scene.xrds.guides, scene.xrds.denoise = WAYS[way]
+    for name, value in choices.items():
+        setattr(scene.xrds, name, value)
     scene.render.filepath = str(out)
     with timed("renders", jobs.Render), timed("upscaling", upscaler.Upscaling):
         seconds["all"], _ = processor(lambda: jobs.run(jobs.Job(scene)))
@@ -107,8 +112,7 @@ def render(ask):
     if not xrds_render.denoiser.ready():
         sys.exit("The denoiser's networks are missing: xrds import oidn LIBRARY -o NETWORKS")
     warm(scene, ask.out / "warm_")
-    scene.xrds.samples, scene.xrds.guide_samples = SAMPLES, GUIDE_SAMPLES
-    found = {way: extended(scene, way, ask.out / stem_of(ask.scene, way)) for way in WAYS}
+    found = {way: extended(scene, choices, ask.out / stem_of(ask.scene, way)) for way, choices in WAYS.items()}
     first = plain(scene, GUIDE_SAMPLES, ask.out / f"{ask.scene}_plain.exr")
     for way, spent in found.items():
         samples = max(1, round(GUIDE_SAMPLES * spent["all"] / first))
@@ -123,9 +127,8 @@ def stem_of(scene, way):
 
 def warm(scene, out):
     """Compiles the kernels of all models, which a machine does once, and opens the device, which is kept from frame to frame."""
-    scene.xrds.samples, scene.xrds.guide_samples = 8, 1
-    for way in WAYS:
-        extended(scene, way, out)
+    for choices in WAYS.values():
+        extended(scene, {**choices, "samples": 8, "guide_samples": 1}, out)
 
 
 def error(ask, path, scene):
@@ -160,7 +163,8 @@ def report(ask):
         for way, spent in json.loads(path.read_text()).items():
             stem = stem_of(scene, way)
             bare = ask.report / f"{stem}plain.exr"
-            rows = [("xrds", f"{SAMPLES}-{GUIDE_SAMPLES}", spent["all"], ask.report / f"{stem}0001_xrds.exr"),
+            samples = f"{SAMPLES}-{GUIDE_SAMPLES}" if WAYS[way]["scale"] == "4" else GUIDE_SAMPLES
+            rows = [("xrds", samples, spent["all"], ask.report / f"{stem}0001_xrds.exr"),
                     ("full render", spent["plain_samples"], spent["plain_seconds"], bare), ("full render, OIDN", spent["plain_samples"], spent["plain_seconds"], denoised(bare))]
             for made, samples, seconds, file in rows:
                 psnr, rel_mse, flip = error(ask, file, scene)

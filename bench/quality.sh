@@ -1,17 +1,18 @@
 #!/usr/bin/env bash
 # Measures every shipped model on a folder of validation scenes, beside its rivals, and writes Markdown and JSON:
 #
-#     bench/quality.sh VAL_FOLDER OUT_FOLDER [merged]
+#     bench/quality.sh VAL_FOLDER OUT_FOLDER [single | merged]
 #
+# With "single" scale 1 alone, of which one render is all: beside Open Image Denoise, as they are and denoised first.
 # With "merged" not that, but the compact and the full models on merged colours, as they are and denoised first.
 # A table a setting (x4_64_aux16.md: scale 4, colour at 64 spp, albedo and normal at 16), and two that gather the means:
 # auxiliary.md (scale 4 with albedo and normal of growing quality) and equal.md (equal average samples, Open Image
 # Denoise included); beside each table its LPIPS (x4_64_aux16.lpips.md). `python3 bench/tables.py gather OUT_FOLDER
-# [merged]` takes all of it over for docs/quality.md. XRDS is the program (default build/release/cli/xrds). PEERS is a Python with
+# [single | merged]` takes all of it over for docs/quality.md. XRDS is the program (default build/release/cli/xrds). PEERS is a Python with
 # bench/oidn-requirements.txt and bench/lpips-requirements.txt (default python3). A model that is not there, a setting
 # without renders, and OIDN and LPIPS, if they cannot run, are named and left out.
 set -euo pipefail
-[ $# -eq 2 ] || [ "${3:-}" = merged ] || { sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -eq 2 ] || [ "${3:-}" = merged ] || [ "${3:-}" = single ] || { sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 val=$1 out=$2
 here=$(cd "$(dirname "$0")" && pwd)
 xrds=${XRDS:-$here/../build/release/cli/xrds}
@@ -45,13 +46,21 @@ merging_model_options() {
   done
 }
 
+# Those of scale 1 that are measured on denoised colours.
+single_model_options() {
+  for name in xrds-x1-mini xrds-x1-compact; do
+    if is_shipped "$name"; then echo "--model $name"; fi
+  done
+}
+
 # table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged, with
-# --denoise-first after it ..._merged_denoised, with --ensemble N ..._ensembleN; false if it cannot.
+# --denoise-first (after it ..._merged_denoised) ..._denoised, with --ensemble N ..._ensembleN; false if it cannot.
 table() {
   local models=model_options
   fragment=$out/x$1_$2_aux$3
   case ${4:-} in
     --merge) fragment+=_merged models=merging_model_options ;;
+    --denoise-first) fragment+=_denoised models=single_model_options ;;
     --ensemble) fragment+=_ensemble$5 ;;
   esac
   [ "${5:-}" != --denoise-first ] || fragment+=_denoised
@@ -98,6 +107,25 @@ denoise() {
   also=(--also "OIDN=$folder/plain/*_oidn$1.exr" --also "OIDN, prefiltered=$folder/prefiltered/*_oidn$1.exr")
 }
 
+# Of one render of full resolution, and what Open Image Denoise makes of it.
+single() {
+  for spp in 1 2 4 8 16; do
+    denoise "$spp"
+    if table 1 "$spp" "$spp" "${also[@]}"; then table 1 "$spp" "$spp" --denoise-first || true; fi
+  done
+  table 1 8 8 --ensemble 2 || true
+  for kind in "$out"/oidn_images/*; do
+    [ ! -e "$kind" ] || lpips "$kind" "$out/oidn_$(basename "$kind")"
+  done
+}
+
+if [ "${3:-}" = single ]; then
+  touch "$out/started"
+  single
+  rm "$out/started"
+  exit
+fi
+
 if [ "${3:-}" = merged ]; then
   touch "$out/started"
   for setting in "4 64 16" "4 64 4" "4 16 1" "2 16 4" "2 4 1"; do
@@ -121,21 +149,19 @@ for aux in 1 4 16 converged; do
 done
 
 # The mean of several passes over the frame and its mirror images.
-for setting in "4 64 16 2" "4 64 16 4" "2 16 16 2" "8 64 16 2" "1 8 8 2"; do
+for setting in "4 64 16 2" "4 64 16 4" "2 16 16 2" "8 64 16 2"; do
   read -r scale colour aux passes <<< "$setting"
   table "$scale" "$colour" "$aux" --ensemble "$passes" || true
 done
 
 # Equal average samples: OIDN's full-resolution render of K spp; at scale s K = colour / s^2 + aux.
+single
 for setting in "2 16 4 1" "4 32 8 2" "8 64 16 4"; do
   read -r average colour4 colour2 aux <<< "$setting"
-  denoise "$average"
-  table 1 "$average" "$average" "${also[@]}" && gather "$out/equal.md" "$average: x1, $average spp"
+  fragment=$out/x1_${average}_aux$average
+  [ ! -e "$fragment.md" ] || gather "$out/equal.md" "$average: x1, $average spp"
   table 2 "$colour2" "$aux" && gather "$out/equal.md" "$average: x2, $colour2 spp, aux $aux"
   table 4 "$colour4" "$aux" && gather "$out/equal.md" "$average: x4, $colour4 spp, aux $aux"
-done
-for kind in "$out"/oidn_images/*; do
-  [ ! -e "$kind" ] || lpips "$kind" "$out/oidn_$(basename "$kind")"
 done
 rm "$out/started"
 echo "$out: auxiliary.md, equal.md and a .md and .json for every setting" >&2

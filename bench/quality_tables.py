@@ -10,6 +10,7 @@ MERGED = (("scale 4, 64 and 16 spp", "x4_64_aux16"), ("scale 4, 64 and 4 spp", "
           ("scale 2, 16 and 4 spp", "x2_16_aux4"), ("scale 2, 4 and 1 spp", "x2_4_aux1"))
 ENSEMBLE = ((64, "x4_64_aux16"), (16, "x2_16_aux16"), (64, "x8_64_aux16"), (8, "x1_8_aux8"))
 PASSES = (2, 4)
+SINGLE = (1, 2, 4, 8, 16)
 EQUAL = (("2", "x1_2_aux2", "x2_4_aux1", "x4_16_aux1"), ("4", "x1_4_aux4", "x2_8_aux2", "x4_32_aux2"),
          ("8", "x1_8_aux8", "x2_16_aux4", "x4_64_aux4"))
 
@@ -54,8 +55,14 @@ def method(found, with_scenes, distances):
     return kept
 
 
+def with_single(report, single):
+    """The report of all settings with those of scale 1 from a later one, of the part `single`."""
+    return {**report, "single": single["commit"], "settings": {**report["settings"], **single["settings"]}}
+
+
 def caption(report):
-    return (f"`{report['command']}`, commit {report['commit']}, {report['device']}, {report['machine']['processors']} cores of "
+    later = f" (scale 1: {report['single']})" if "single" in report else ""
+    return (f"`{report['command']}`, commit {report['commit']}{later}, {report['device']}, {report['machine']['processors']} cores of "
             f"{report['machine']['processor']}.")
 
 
@@ -111,6 +118,18 @@ def matrix(report, columns):
                 name = found["name"] + (scale if found["name"] == "guided" else "")
                 rows.setdefault((key.split("_")[0], name), ["-"] * len(columns))[at] = cell(found)
     return [[name, *cells] for (_, name), cells in sorted(rows.items(), key=lambda item: item[0][0])]
+
+
+def single(report):
+    """One render of full resolution: what the denoiser makes of it and what models of scale 1 do, as it is and denoised first."""
+    rows = {}
+    for at, spp in enumerate(SINGLE):
+        for end, suffix in (("", ""), ("_denoised", ", denoised first")):
+            for found in report["settings"].get(f"x1_{spp}_aux{spp}{end}", []):
+                if found["name"].startswith(("OIDN", "xrds")):
+                    rows.setdefault(found["name"] + suffix, ["-"] * len(SINGLE))[at] = cell(found)
+    header = ["PSNR dB / RelMSE / LPIPS", *(f"{spp} sample{'s' * (spp > 1)}" for spp in SINGLE)]
+    return markdown(report, header, [[name, *cells] for name, cells in sorted(rows.items())])
 
 
 def auxiliary(report):

@@ -3,7 +3,7 @@
     python3 bench/tables.py measure network [--xrds build/release/cli/xrds]  # times every shipped model, minutes
     python3 bench/tables.py measure skip FRAMES                       # times skipping on frames of bench/skip_scenes.py
     python3 bench/tables.py measure tiles VAL_FOLDER                  # the error of tiles on scenes
-    python3 bench/tables.py gather OUT_FOLDER [merged]                # takes over what bench/quality.sh has measured
+    python3 bench/tables.py gather OUT_FOLDER [single | merged]       # takes over what bench/quality.sh has measured
     python3 bench/tables.py write                                     # writes the tables into the documents
     python3 bench/tables.py check                                     # exit code 1 if a document differs
     python3 bench/tables.py origin                                    # commit and machine, for scripts that measure
@@ -80,6 +80,14 @@ def measure_tiles(program, scenes):
 MEASUREMENTS = {"network": measure_network, "skip": measure_skip, "tiles": measure_tiles}
 
 
+def gather(folder, part=""):
+    """bench/results/quality.json, or merged.json, of what quality.sh left; of its part "single" the settings alone."""
+    found = quality_tables.gather(folder, part)
+    if part == "single":
+        found = quality_tables.with_single(json.loads((RESULTS / "quality.json").read_text()), found)
+    keep("merged" if part == "merged" else "quality", found)
+
+
 def origin():
     return {"commit": commit(), "machine": {"processor": processor(), "processors": os.cpu_count()}}
 
@@ -119,7 +127,7 @@ TABLES = {"temporal": ("temporal", temporal_tables.sequences), "network": ("netw
           "quality_scenes": ("quality", quality_tables.scenes), "quality_others": ("quality", quality_tables.others),
           "quality_auxiliary": ("quality", quality_tables.auxiliary), "quality_merged": ("merged", quality_tables.merged),
           "quality_ensemble": ("quality", quality_tables.ensemble),
-          "quality_equal": ("quality", quality_tables.equal), "skip": ("skip", parts_tables.skip_table),
+          "quality_equal": ("quality", quality_tables.equal), "quality_single": ("quality", quality_tables.single), "skip": ("skip", parts_tables.skip_table),
           "tiles": ("tiles", parts_tables.tiles_table), "front_page": ("budgets", budget_tables.front_page)}
 
 
@@ -144,10 +152,10 @@ def main():
             parser.error("measure takes network, skip FRAMES or tiles VAL_FOLDER")
         return MEASUREMENTS[name](options.xrds, *folder)
     if options.what == "gather":
-        if len(options.of) not in (1, 2) or options.of[1:] not in ([], ["merged"]):
+        if len(options.of) not in (1, 2) or options.of[1:] not in ([], ["single"], ["merged"]):
             parser.error("gather takes the OUT_FOLDER of bench/quality.sh, and what it made if that is not all")
         folder, *part = options.of
-        return keep(part[0] if part else "quality", quality_tables.gather(pathlib.Path(folder), *part))
+        return gather(pathlib.Path(folder), *part)
     if options.what == "origin":
         return print(json.dumps(origin()))
     for name in DOCUMENTS:

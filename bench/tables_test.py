@@ -98,6 +98,19 @@ class Tables(unittest.TestCase):
                          ["| scale 4, 64 and 16 spp | xrds-x4-compact | 22.50 / 0.2500 | 23.50 / 0.2500 | 23.75 / 0.2500 |"])
         self.assertIn("| OIDN, prefiltered | 30.00 / 0.5000 / 0.3000 | - | - |", quality_tables.equal(report))
 
+    def test_scale_1_of_a_later_run_stands_beside_the_rest(self):
+        row = lambda name, psnr: {"name": name, "psnr": psnr, "relMse": 0.5}
+        origin = {"machine": {"processor": "a processor", "processors": 2}, "command": "quality.sh", "device": "a device"}
+        whole = {**origin, "commit": "abc1234", "settings": {"x1_2_aux2": [row("xrds-x1-compact", 28)], "x2_4_aux1": [row("xrds-x2-compact", 26)]}}
+        later = {**origin, "commit": "def5678", "settings": {
+            "x1_2_aux2": [row("guided", 20), row("OIDN", 29), row("xrds-x1-compact", 28.5)], "x1_2_aux2_denoised": [row("input", 29), row("xrds-x1-compact", 30)]}}
+        report = quality_tables.with_single(whole, later)
+        self.assertIn("commit abc1234 (scale 1: def5678)", quality_tables.single(report))
+        self.assertEqual(quality_tables.single(report).splitlines()[4:], [
+            "| OIDN | - | 29.00 / 0.5000 | - | - | - |", "| xrds-x1-compact | - | 28.50 / 0.5000 | - | - | - |",
+            "| xrds-x1-compact, denoised first | - | 30.00 / 0.5000 | - | - | - |"])
+        self.assertIn("| xrds-x2-compact | 26.00 / 0.5000 | - | - |", quality_tables.equal(report))
+
     def test_the_documents_are_those_of_the_measurements(self):
         self.assertEqual(subprocess.run([sys.executable, tables.__file__, "check"], capture_output=True, text=True).stderr, "")
 

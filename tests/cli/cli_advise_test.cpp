@@ -35,20 +35,23 @@ struct CliAdvise : testing::Test {
   CliAdvise() {
     writeRenders({}, {});
     Json all;
-    for (const bool merges : {false, true})
-      all["ways"].push_back(
-          {{"name", merges ? "merging" : "plain"},
-           {"model", "xrds-x4-nano"},
-           {"scale", 4},
-           {"guides", "rendered"},
-           {"merges", merges},
-           {"denoisesFirst", false},
-           {"takesFullColour", false},
-           {"ratios", {4}},
-           {"noise", {-20, 0}},
-           {"spread", 0.5},
-           {"coefficients", {{"constant", 20}, {"noise", merges ? -2 : -1}, {"detail", 0}, {"guideNoise", 0}}}});
+    for (const bool merges : {false, true}) all["ways"].push_back(way(merges ? "merging" : "plain", merges ? -2 : -1));
+    for (Json& one : all["ways"]) one["merges"] = one["name"] == "merging";
     std::ofstream(ways) << all;
+  }
+
+  static Json way(const char* name, double perNoise) {
+    return {{"name", name},
+            {"model", "xrds-x4-nano"},
+            {"scale", 4},
+            {"guides", "rendered"},
+            {"merges", false},
+            {"denoisesFirst", false},
+            {"takesFullColour", false},
+            {"ratios", {4}},
+            {"noise", {-20, 0}},
+            {"spread", 0.5},
+            {"coefficients", {{"constant", 20}, {"noise", perNoise}, {"detail", 0}, {"guideNoise", 0}}}};
   }
 
   void writeRenders(const std::map<std::string, std::string>& lowTexts,
@@ -109,6 +112,24 @@ TEST_F(CliAdvise, PlansWithinATime) {
     EXPECT_GT(plan["psnr"], psnr);
     seconds = plan["renderSeconds"].get<double>() + plan["afterSeconds"].get<double>();
     psnr = plan["psnr"];
+  }
+}
+
+TEST_F(CliAdvise, OneRenderWithItsOwnGuidesOrCleanOnes) {
+  for (const bool free : {false, true}) {
+    Json all, one = way("alone", -1);
+    one.update(
+        {{"model", "xrds-x1-mini"}, {"scale", 1}, {"guides", free ? "free" : "rendered"}, {"ratios", Json::array()}});
+    all["ways"].push_back(one);
+    std::ofstream(ways) << all;
+    const Ended ended = advise({"--render-seconds", "4,16", "--within", "30", "--guide-seconds", "3"});
+    ASSERT_EQ(ended.exitCode, 0) << ended.error;
+    const Json advised = written()["advised"];
+    EXPECT_EQ(advised["samples"], Json({{"low", 0.0}, {"full", 16.0}})) << "16 s; the next ones would take 32";
+    EXPECT_NEAR(advised["renderSeconds"], free ? 19 : 16, 1e-9);
+    EXPECT_EQ(advised["steps"].size(), free ? 3U : 2U);
+    EXPECT_EQ(advised["steps"].back(),
+              std::string("xrds upscale full.exr ") + (free ? "guides.exr " : "") + "-o out.exr --model xrds-x1-mini");
   }
 }
 
