@@ -2,6 +2,7 @@
 import pytest
 import torch
 
+import dataset
 import denoise
 import evaluate
 import pipeline
@@ -85,3 +86,18 @@ def test_crops_of_models_without_the_full_colour_are_denoised_too(monkeypatch):
 def test_colours_are_denoised_with_albedo_and_normal():
     with pytest.raises(ValueError, match="albedo and normal"):
         Crops(FakeScenes(NetworkConfig(base="guided", aux_inputs=("albedo",)), side=16), 8, seed=1, denoised_share=1)
+
+
+def test_what_is_denoised_at_scale_1_was_rendered(monkeypatch):
+    config = NetworkConfig(scale=1, base="guided")
+    image = lambda channels: torch.rand(channels, 32, 32).half()
+    decoded = {"colour": {(1, spp): image(3) for spp in (1, 8)}, "target": image(3), "aux": {spp: image(6) for spp in (0, 1, 8)}}
+    scenes = FakeScenes(config)
+    scenes.scenes, seen = [dataset.Scene(decoded, config, "cpu")], set()
+    assert set(scenes.scenes[0].colours) > {1, 8}               # noise of others is scaled
+    monkeypatch.setattr(dataset.Scene, "denoised_colour", lambda self, spp, count: seen.add((spp, count)) or ("colour", spp))
+    monkeypatch.setattr(dataset.Scene, "denoised_aux", lambda self, count: ("aux", count))
+    crops = Crops(scenes, 8, seed=1, aux_shares={0: 1}, denoised_share=1)
+    for _ in range(60):
+        crops.draw()
+    assert seen == {(1, 1), (8, 8), (1, 0), (8, 0)}             # of one render, or with converged guides
