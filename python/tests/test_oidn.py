@@ -6,8 +6,8 @@ import struct
 
 import numpy
 import pytest
-from frames import MODEL, ROOT, frame, noise
-from test_command import files, picture, same
+from frames import MODEL, ROOT, frame, layers, noise, write
+from test_command import command, files, picture, same
 
 import xrds
 
@@ -66,6 +66,65 @@ def test_networks_that_are_missing_are_named(networks, monkeypatch):
     assert numpy.isfinite(xrds.upscale(colour, model=MODEL, denoise_first=True, clean_guides=True, **images)).all()
     with pytest.raises(xrds.ArgumentError, match="ensemble"):
         xrds.upscale(colour, model=MODEL, denoise_first=True, clean_guides=True, ensemble=2, **images)
+
+
+def denoised(tmp_path, networks, colour, images, *words):
+    """What `xrds denoise` makes."""
+    write(tmp_path / "render.exr", colour=colour, **images)
+    command("denoise", tmp_path / "render.exr", "-o", tmp_path / "out.exr", "--denoisers", networks, "--quiet", *words)
+    return layers(tmp_path / "out.exr")["RGB"]
+
+
+@pytest.mark.parametrize("words, options", [
+    ([], {}), (["--guides", "clean"], {"guides": "clean"}), (["--precision", "fp16"], {"precision": "fp16"}), (["--exposure", "2"], {"exposure": 2.0}),
+    (["--guides", "noisy", "--quality", "fast"], {"guides": "noisy", "quality": "fast"}),
+])
+def test_a_render_is_denoised_as_by_the_command(networks, tmp_path, words, options):
+    (networks / "rt_hdr_alb_nrm_small.safetensors").write_bytes((networks / "rt_hdr_calb_cnrm_large.safetensors").read_bytes())
+    colour = noise(20, 28)
+    images = {"albedo": noise(20, 28, seed=2), "normal": noise(20, 28, seed=3)}
+    wanted = denoised(tmp_path, networks, colour, images, *words)
+    same(xrds.denoise(colour, denoisers=networks, **images, **options), wanted)
+    with xrds.Denoiser(28, 20, denoisers=networks, **options) as denoiser:
+        out = numpy.empty_like(colour)
+        assert denoiser(colour, out=out, **images) is out
+        same(out, wanted)
+        assert denoiser.device_bytes > 0
+
+
+def test_a_render_without_guides(networks, tmp_path):
+    (networks / "rt_hdr_small.safetensors").write_bytes((ROOT / "tests/golden/unet/hdr_small.model.safetensors").read_bytes())
+    colour = noise(20, 28, channels=4)
+    found = xrds.denoise(colour, quality="fast", denoisers=networks)
+    same(found[..., :3], denoised(tmp_path, networks, colour[..., :3], {}, "--quality", "fast"))
+    numpy.testing.assert_array_equal(found[..., 3], colour[..., 3])
+
+
+def test_a_denoiser_refuses_what_cannot_be(networks):
+    colour, albedo = noise(20, 28), noise(20, 28, seed=2)
+    for options, sentence in (
+        ({"normal": albedo}, "takes albedo and normal, albedo, or nothing"),
+        ({"albedo": noise(40, 56), "normal": albedo}, "The albedo is 56 x 40 pixels, expected 28 x 20"),
+        ({"guides": "wrong"}, "guides is 'wrong'"),
+        ({"quality": "wrong"}, "quality is 'wrong'"),
+    ):
+        with pytest.raises(xrds.ArgumentError, match=sentence):
+            xrds.denoise(colour, denoisers=networks, **options)
+    with pytest.raises(xrds.Error, match="no network rt_hdr_alb of"):
+        xrds.denoise(colour, albedo=albedo, denoisers=networks)
+    with pytest.raises(TypeError, match="The albedo"):
+        xrds.denoise(colour, albedo=3, normal=albedo, denoisers=networks)
+    with pytest.raises(xrds.ArgumentError, match="This denoiser takes albedo and normal, and got albedo"):
+        xrds.Denoiser(28, 20, denoisers=networks)(colour, albedo=albedo)
+
+
+def test_progress_of_a_denoiser_rises_and_can_end_it(networks):
+    images = {"albedo": noise(20, 28, seed=2), "normal": noise(20, 28, seed=3)}
+    shares = []
+    xrds.denoise(noise(20, 28), denoisers=networks, **images, progress=lambda stage, share: shares.append(share) if stage == "upscaling" else None)
+    assert shares == sorted(shares) and shares[-1] == 1 and len(set(shares)) >= 3
+    with pytest.raises(xrds.Cancelled):
+        xrds.denoise(noise(20, 28), denoisers=networks, **images, progress=lambda stage, share: stage != "upscaling" or share < 0.5)
 
 
 def archive():

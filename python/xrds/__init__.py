@@ -3,16 +3,17 @@
     import xrds
     picture = xrds.upscale(colour, albedo=albedo, normal=normal)
 
-Arrays in and out are numpy's, or of any library with DLPack. See upscale(); Upscaler and
-TemporalFilter for sequences; devices().
+Arrays in and out are numpy's, or of any library with DLPack. See upscale() and denoise(); Upscaler,
+Denoiser and TemporalFilter for sequences; devices().
 """
 
 from . import _native
 from ._arrays import Array, SupportsDlpack
 from ._colour import Samples, merge_colour
+from ._denoiser import Denoiser
 from ._devices import Device, DeviceDescription, devices
 from ._errors import ArgumentError, Cancelled, DeviceLost, Error, OutOfMemory
-from ._frame import release, upscale
+from ._frame import denoise, release, upscale
 from ._layers import Layers
 from ._models import Model, models
 from ._oidn import can_denoise, denoiser_folder, import_oidn
@@ -25,6 +26,7 @@ __all__ = [
     "ArgumentError",
     "Array",
     "Cancelled",
+    "Denoiser",
     "Device",
     "DeviceDescription",
     "DeviceLost",
@@ -40,6 +42,7 @@ __all__ = [
     "Upscaler",
     "can_denoise",
     "cycles_motion",
+    "denoise",
     "denoiser_folder",
     "devices",
     "import_oidn",

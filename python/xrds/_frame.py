@@ -1,15 +1,17 @@
-"""upscale(): one call, which keeps what it made ready for the next."""
+"""upscale() and denoise(): one call, which keeps what it made ready for the next."""
 
 from __future__ import annotations
 
 import atexit
 import os
 import threading
-from typing import Any, Optional, Union, overload
+from collections.abc import Callable
+from typing import Any, Optional, TypeVar, Union, overload
 
 from . import _native
 from ._arrays import Array, Result, readable
 from ._colour import Samples, merged_or_none
+from ._denoiser import Denoiser
 from ._devices import Device
 from ._errors import ArgumentError, DeviceLost
 from ._layers import LayerRun, Layers
@@ -19,7 +21,8 @@ from ._progress import Progress
 from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given
 
 _lock = threading.Lock()
-_last: Optional[tuple[tuple[Any, ...], Upscaler]] = None
+_last: Optional[tuple[tuple[Any, ...], AnyDevice, Union[Upscaler, Denoiser]]] = None  # its key, the device asked for, itself
+Kept = TypeVar("Kept", Upscaler, Denoiser)
 
 
 @overload
@@ -114,7 +117,11 @@ def upscale(
         "clean_guides": clean_guides,
     }
     chosen = model if model is not None else _suitable(scale, given, both is not None, samples)
-    upscaler = _kept(low, chosen, device, options, progress)
+    model_key = chosen if isinstance(chosen, Model) else os.fspath(chosen)
+    upscaler = _kept(
+        (Upscaler, low.width, low.height, model_key, *options.values()), device, progress,
+        lambda opened: Upscaler(low.width, low.height, chosen, device=opened, progress=progress, **options),  # type: ignore[arg-type]
+    )
     try:
         run = LayerRun(layers, low, upscaler.scale) if layers is not None else None
         picture = upscaler._run(low, both, given, run, out, progress)
@@ -124,8 +131,58 @@ def upscale(
         raise
 
 
+def denoise(
+    colour: Array,
+    *,
+    albedo: Optional[Array] = None,
+    normal: Optional[Array] = None,
+    guides: str = "prefilter",
+    quality: str = "high",
+    denoisers: Optional[Path] = None,
+    device: AnyDevice = None,
+    precision: str = "fp32",
+    exposure: Optional[float] = None,
+    memory: Optional[int] = None,
+    out: Optional[Array] = None,
+    progress: Optional[Progress] = None,
+) -> Result:
+    """Takes the noise out of a render by Open Image Denoise's networks, once import_oidn() has read them.
+
+    colour: [height, width, 3, or 4 with alpha] linear radiance. albedo, normal: [height, width, 3] of the same render, or clean ones; a normal
+    needs an albedo. Arrays as upscale() takes them.
+    out: an array for the result, of which no byte is the inputs'; None: a new one.
+    progress: hears how far it is, and can end it, see Progress. So does KeyboardInterrupt.
+    The others are those of Denoiser.
+
+    Returns `out`, or a numpy array of the colour's shape and type: linear radiance, finite whatever the inputs.
+
+    What is made ready for a size is kept for the next call with the same size and options, until release() or a call of upscale(). Safe in any
+    thread; threads wait for each other. Raises what upscale() does.
+    """
+    low = readable(colour, "colour")
+    inputs = tuple(name for name, array in (("albedo", albedo), ("normal", normal)) if array is not None)
+    options = {
+        "inputs": inputs,
+        "guides": guides,
+        "quality": quality,
+        "denoisers": None if denoisers is None else os.fspath(denoisers),
+        "precision": precision,
+        "exposure": exposure,
+        "memory": memory,
+    }
+    denoiser = _kept(
+        (Denoiser, low.width, low.height, *options.values(), os.environ.get("XRDS_DENOISERS")), device, progress,
+        lambda opened: Denoiser(low.width, low.height, device=opened, progress=progress, **options),  # type: ignore[arg-type]
+    )
+    try:
+        return denoiser(colour, albedo=albedo, normal=normal, out=out, progress=progress)
+    except DeviceLost:
+        release()
+        raise
+
+
 def release() -> None:
-    """Gives back what upscale() keeps for the next call: an upscaler with its device. Safe in any thread."""
+    """Gives back what upscale() and denoise() keep for the next call, with its device. Safe in any thread."""
     global _last
     with _lock:
         _last = None
@@ -159,22 +216,18 @@ def _suitable(scale: int, given: dict[str, _native.Image], merged: bool, samples
     return _native.choose_model(scale, inputs, float(samples[0]) if samples else 0)
 
 
-def _kept(
-    low: _native.Image, model: AnyModel, device: AnyDevice, options: dict[str, Any], progress: Optional[Progress]
-) -> Upscaler:
-    """The upscaler of the last call if it fits, or a new one on the same device."""
+def _kept(key: tuple[Any, ...], device: AnyDevice, progress: Optional[Progress], make: Callable[[Device], Kept]) -> Kept:
+    """What the last call made if it fits, or something new on the same device."""
     global _last
-    model_key = model if isinstance(model, Model) else os.fspath(model)
-    key = (low.width, low.height, model_key, device, *options.values())
+    key = (*key, device)
     with _lock:
         if _last is not None and _last[0] == key:
-            return _last[1]
-        same = _last is not None and _last[0][3] == device
-        opened: AnyDevice = _last[1].device if _last is not None and same else device
+            return _last[2]  # type: ignore[return-value]  # the key tells the class
+        opened: AnyDevice = _last[2].device if _last is not None and _last[1] == device else device
         _last = None  # its memory first
     if not isinstance(opened, Device):
         opened = Device(opened, progress=progress)
-    upscaler = Upscaler(low.width, low.height, model, device=opened, progress=progress, **options)
+    made = make(opened)
     with _lock:
-        _last = (key, upscaler)
-    return upscaler
+        _last = (key, device, made)
+    return made

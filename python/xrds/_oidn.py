@@ -12,6 +12,8 @@ from ._models import Model
 
 Path = Union[str, "os.PathLike[str]"]
 
+_SIZES = {"high": ("_large", ""), "balanced": ("",), "fast": ("_small", "")}  # ends of the files' names, by quality
+
 
 def import_oidn(library: Path, folder: Optional[Path] = None) -> list[pathlib.Path]:
     """Reads the networks of Open Image Denoise out of its library, and writes each as a model file.
@@ -47,6 +49,20 @@ def networks_in_front(inputs: tuple[str, ...], folder: Optional[Path], clean_gui
     return [_network(home, kind) if kind else None for kind in _kinds(inputs, clean_guides)]
 
 
+def networks_alone(
+    inputs: tuple[str, ...], guides: str, quality: str, folder: Optional[Path]
+) -> tuple[Model, dict[str, Model]]:
+    """The network of a colour with these images, and those that take the noise out of them before.
+
+    guides, quality: those of Denoiser. Raises Error if one is missing.
+    """
+    home, sizes = _home(folder), _SIZES[quality]
+    prefilters = {"albedo": "rt_alb", "normal": "rt_nrm"} if guides == "prefilter" and len(inputs) == 2 else {}
+    noisy = len(inputs) == 2 and guides == "noisy"
+    colour = "rt_hdr_alb_nrm" if noisy else _kinds(inputs, True)[0]
+    return _network(home, colour, sizes), {name: _network(home, kind, sizes) for name, kind in prefilters.items()}
+
+
 def _kinds(inputs: tuple[str, ...], clean_guides: bool) -> list[str]:
     """Of the colour, the albedo and the normal; empty: none."""
     guides = 0 if "albedo" not in inputs else 1 if "normal" not in inputs else 2
@@ -61,14 +77,14 @@ def _home(folder: Optional[Path]) -> pathlib.Path:
     return denoiser_folder() if folder is None else pathlib.Path(folder)
 
 
-def _file(folder: pathlib.Path, kind: str) -> Optional[pathlib.Path]:
-    """Of its sizes the largest; None: there is none."""
-    files = (folder / f"{name}.safetensors" for name in (f"{kind}_large", kind))
+def _file(folder: pathlib.Path, kind: str, sizes: tuple[str, ...] = _SIZES["high"]) -> Optional[pathlib.Path]:
+    """Of its sizes the first that is there; None: there is none."""
+    files = (folder / f"{kind}{size}.safetensors" for size in sizes)
     return next((file for file in files if file.exists()), None)
 
 
-def _network(folder: pathlib.Path, kind: str) -> Model:
-    file = _file(folder, kind)
+def _network(folder: pathlib.Path, kind: str, sizes: tuple[str, ...] = _SIZES["high"]) -> Model:
+    file = _file(folder, kind, sizes)
     if file is None:
         raise Error(
             f"There is no network {kind} of Open Image Denoise in '{folder}': read them once out of your own copy with "
