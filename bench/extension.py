@@ -26,7 +26,7 @@ PAIR = {"scale": "4", "samples": SAMPLES, "guide_samples": GUIDE_SAMPLES, "model
 SINGLE = {"scale": "1", "samples": GUIDE_SAMPLES, "denoise": True}
 WAYS = {"cycles": {**PAIR, "guides": "CYCLES", "denoise": False}, "cycles, denoised first": {**PAIR, "guides": "CYCLES", "denoise": True},
         "cheap": {**PAIR, "guides": "CHEAP", "denoise": False}, "cheap, denoised first": {**PAIR, "guides": "CHEAP", "denoise": True},
-        "1x, mini, denoised first": {**SINGLE, "model": "xrds-x1-mini"}, "1x, compact, denoised first": {**SINGLE, "model": "xrds-x1-compact"}}
+        "1x, denoised": {**SINGLE, "model": "AUTO"}, "1x, compact, denoised first": {**SINGLE, "model": "xrds-x1-compact"}}
 
 
 def arguments():

@@ -296,12 +296,19 @@ class Denoising(WithBlender):
 
     def test_a_single_render(self):
         scene, made = self.open("cryptomatte"), []
-        scene.xrds.scale, scene.xrds.model = "1", SINGLE_MODEL
-        for wanted in (True, False):
-            scene.xrds.denoise = wanted
-            self.render()
-            made.append(self.result("cryptomatte_0001_xrds.exr").channels["ViewLayer.Combined.G"])
-        self.assertFalse(numpy.array_equal(*made))
+        scene.xrds.scale = "1"
+        scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+        for scene.xrds.denoise, scene.xrds.model in ((True, settings.AUTO), (True, SINGLE_MODEL), (False, SINGLE_MODEL)):
+            with before_upscaling(lambda step: shutil.copy(step.order["full"], os.path.join(self.folder, "render.exr"))):
+                self.render()
+            made.append(self.result("cryptomatte_0001_xrds.exr").channels)
+        for one, other in ((0, 1), (0, 2), (1, 2)):
+            self.assertFalse(numpy.array_equal(*(made[place]["ViewLayer.Combined.G"] for place in (one, other))))
+        render = self.result("render.exr")
+        colour, albedo, normal = (numpy.stack([render.channels[f"ViewLayer.{name}.{one}"] for one in ends], -1) for name, ends in (
+            ("Combined", "RGB"), ("Denoising Albedo", "RGB"), ("Denoising Normal", "XYZ")))
+        alone = xrds.denoise(colour, albedo=albedo, normal=normal)
+        self.assertTrue(numpy.array_equal(alone[..., 1].clip(0, 65504), made[0]["ViewLayer.Combined.G"]), "Automatic is the denoiser alone")
 
     def test_not_with_passes_of_light(self):
         scene = self.open("interior")

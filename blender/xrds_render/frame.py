@@ -16,7 +16,7 @@ class Wish(NamedTuple):
     layers: tuple  # names of the view layers
     keeps_guides: frozenset  # those whose denoising data the user asked for
     samples: tuple  # of the colour and of the guides
-    model: Optional[str]  # None: what suits
+    model: Optional[str]  # None: what suits; of a single render that is denoised, none after the denoiser
     device: Optional[str]  # UUID; None: the best
     has_light: bool  # the guides' colour is of the same light, and is merged
     half: bool  # 16 bits for light; data keep theirs
@@ -84,9 +84,13 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
         colour, images = _colours(wish, low, low_layer, full, layer, around)
         if "layers" in options and around:
             lights["Combined"] = stack(low, low_layer.passes["Combined"], "RGB")  # what they are the sum of, which the merged colour is not
-        made = xrds.upscale(
-            colour, **images, samples=wish.samples, model=wish.model,
-            progress=lambda stage, share, place=place: progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers)), **options)
+        def heard(stage, share, place=place):
+            return progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers))
+
+        if wish.single and wish.model is None and "denoise_first" in options:  # a network after it is the artist's choice
+            made = xrds.denoise(colour, albedo=images["albedo"], normal=images["normal"], device=images["device"], progress=heard)
+        else:
+            made = xrds.upscale(colour, **images, samples=wish.samples, model=wish.model, progress=heard, **options)
         picture, lights = made if "layers" in options else (made, {})
         _put(channels, layer.name, "Combined", picture, wish.half)
         _drop(channels, layer, lambda name: is_light(name) and name not in lights)
