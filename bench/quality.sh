@@ -48,9 +48,7 @@ merging_model_options() {
 
 # Those of scale 1 that are measured on denoised colours.
 single_model_options() {
-  for name in xrds-x1-mini xrds-x1-compact; do
-    if is_shipped "$name"; then echo "--model $name"; fi
-  done
+  if is_shipped xrds-x1-compact; then echo "--model xrds-x1-compact"; fi
 }
 
 # table SCALE COLOUR AUX [OPTION...]: writes xSCALE_COLOUR_auxAUX.md and .json, with --merge ..._merged, with

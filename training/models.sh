@@ -46,7 +46,6 @@ few="--prefilter 2 --rate 1e-3 --aux-shares 0:0.6,1:0.25,4:0.15 --denoised-share
     model xrds-x2-full 60 xrds-x4-full --scale 2 $full --rate 5e-4 --colour-shares 16:0.5,4:0.4,1:0.05,2:0.05 --aux-shares 1:0.33,2:0.12,4:0.33,8:0.1,16:0.12 $filter
     model xrds-x8-compact 25 xrds-x4-compact --scale 8 --output-side 1 --crop 16 --rate 4e-4 $filter
     model xrds-x1-compact 120 xrds-x4-compact $single --batch 2 --rate 4e-4 --denoised-share 0.75 $filter
-    model xrds-x1-mini 80 "" $mini $single --block rstb --prefilter 2 --rate 1e-3 --denoised-share 0.9 $filter
     model xrds-x4-compact-albedo 50 xrds-x4-compact --aux albedo --output-side 1 $filter
     model xrds-x4-compact-plain 50 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
     case "$only" in *" xrds-x4 "*) model xrds-x4 100 "" --channels 64 --aux-channels 32 --blocks 5 --batch 16 --rate 3e-4 $filter ;; esac
