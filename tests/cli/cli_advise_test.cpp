@@ -66,10 +66,12 @@ struct CliAdvise : testing::Test {
                        fullTexts}});
   }
 
-  Ended advise(const std::vector<std::string>& more) const {
+  // The plain kernels start at once.
+  Ended advise(const std::vector<std::string>& more,
+               const std::map<std::string, std::string>& environment = {{"XRDS_KERNEL_FAMILY", "plain"}}) const {
     std::vector<std::string> all{"advise", low, full, "--samples", "64,16", "--ways", ways, "--json", json};
     all.insert(all.end(), more.begin(), more.end());
-    return runXrds(all, {.environment = {{"XRDS_KERNEL_FAMILY", "plain"}}});  // starts at once
+    return runXrds(all, {.environment = environment});
   }
   Json written() const { return Json::parse(readBytes(json)); }
 };
@@ -116,21 +118,24 @@ TEST_F(CliAdvise, PlansWithinATime) {
 }
 
 TEST_F(CliAdvise, OneRenderWithItsOwnGuidesOrCleanOnes) {
-  for (const bool free : {false, true}) {
-    Json all, one = way("alone", -1);
-    one.update(
-        {{"model", "xrds-x1-mini"}, {"scale", 1}, {"guides", free ? "free" : "rendered"}, {"ratios", Json::array()}});
+  Json all;
+  for (const char* guides : {"rendered", "free"}) {
+    Json one = way(guides, -1);
+    one.update({{"model", "xrds-x1-compact"}, {"scale", 1}, {"guides", guides}, {"ratios", Json::array()}});
     all["ways"].push_back(one);
-    std::ofstream(ways) << all;
-    const Ended ended = advise({"--render-seconds", "4,16", "--within", "30", "--guide-seconds", "3"});
-    ASSERT_EQ(ended.exitCode, 0) << ended.error;
-    const Json advised = written()["advised"];
-    EXPECT_EQ(advised["samples"], Json({{"low", 0.0}, {"full", 16.0}})) << "16 s; the next ones would take 32";
-    EXPECT_NEAR(advised["renderSeconds"], free ? 19 : 16, 1e-9);
-    EXPECT_EQ(advised["steps"].size(), free ? 3U : 2U);
-    EXPECT_EQ(advised["steps"].back(),
-              std::string("xrds upscale full.exr ") + (free ? "guides.exr " : "") + "-o out.exr --model xrds-x1-mini");
   }
+  all["ways"][1]["coefficients"]["constant"] = 20.5;
+  std::ofstream(ways) << all;
+  const std::vector<std::string> more{"--render-seconds", "4,16", "--guide-seconds", "0.25"};
+  const Ended ended = advise(more, {});  // not by plain kernels, with which this model takes a minute
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  const Json advice = written();
+  std::map<std::string, Json> last;
+  for (const Json& plan : advice["plans"]) last[plan["way"]] = plan;
+  ASSERT_EQ(last.size(), 2U);
+  EXPECT_EQ(last["rendered"]["samples"]["low"], 0.0);
+  EXPECT_EQ(last["rendered"]["steps"][1], "xrds upscale full.exr -o out.exr --model xrds-x1-compact");
+  EXPECT_EQ(last["free"]["steps"][2], "xrds upscale full.exr guides.exr -o out.exr --model xrds-x1-compact");
 }
 
 TEST_F(CliAdvise, PlansForAnErrorAndSaysWhereThereIsNone) {
