@@ -1,13 +1,13 @@
 """What the extension's "Stable over Time" costs and gains: an animation of bench/temporal_scenes.py by the extension, with and without it.
 
     blender -b --factory-startup -noaudio -P bench/temporal_scenes.py -- --out WORK --hdri HDRI --sequences orbit
-    for way in alone steady; do
-      blender -b --factory-startup -noaudio -P bench/extension_animation.py -- --out WORK --hdri HDRI --sequences orbit --way $way --package build/release/python
+    for way in alone steady steady_denoised single single_steady; do
+      XRDS_DENOISERS=NETWORKS blender -b --factory-startup -noaudio -P bench/extension_animation.py -- --out WORK --hdri HDRI --sequences orbit --way $way --package build/release/python
     done
     python3 bench/extension_animation.py --report WORK --sequences orbit
 
-The first renders the references, the second by the extension, 16 samples of a quarter of the resolution and 4 of the guides, and takes the processor's time. The
-third prints Markdown: PSNR, RelMSE and flicker as bench/temporal.py has them. Needs training/requirements.txt and OpenEXR.
+The first renders the references, the second by the extension, 16 samples of a quarter of the resolution and 4 of the guides, or as many of scale 1 alone, some denoised by the
+networks that `xrds import oidn` has put into NETWORKS, and takes the processor's time. The third prints Markdown: PSNR, RelMSE and flicker as bench/temporal.py has them. Needs training/requirements.txt and OpenEXR.
 """
 import argparse
 import json
@@ -15,8 +15,11 @@ import pathlib
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-WAYS = {"alone": "each frame by itself", "steady": "Stable over Time"}
-SAMPLES, GUIDE_SAMPLES, SCALE = 16, 4, 4
+PAIR = {"scale": "4", "samples": 16, "guide_samples": 4, "denoise": False}
+SINGLE = {"scale": "1", "samples": 5, "denoise": True}     # as many for a pixel of the result
+WAYS = {"alone": ("each frame by itself", {**PAIR, "steady": False}), "steady": ("*Stable over Time*", {**PAIR, "steady": True}),
+        "steady_denoised": ("the same, denoised first", {**PAIR, "steady": True, "denoise": True}),
+        "single": ("1x, denoised, each frame by itself", {**SINGLE, "steady": False}), "single_steady": ("1x, denoised, *Stable over Time*", {**SINGLE, "steady": True})}
 
 
 def arguments():
@@ -40,10 +43,12 @@ def render(ask):
     import extension
     import temporal_scenes
     import xrds_render
-    from xrds_render import jobs, upscaler
+    from xrds_render import denoiser, jobs, upscaler
 
     xrds_render.register()
     way = ask.way
+    if WAYS[way][1]["denoise"] and not denoiser.ready():
+        sys.exit("The denoiser's networks are missing: xrds import oidn LIBRARY -o NETWORKS")
     for name in ask.sequences:
         family, seed, animate = temporal_scenes.SEQUENCES[name]
         frames = len(list((ask.out / name).glob("reference.*.exr")))
@@ -56,7 +61,8 @@ def render(ask):
         scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
         scene.frame_start, scene.frame_end, scene.cycles.use_animated_seed = 1, frames, True
         scene.render.filepath = str(ask.out / name / f"{way}_")
-        scene.xrds.samples, scene.xrds.guide_samples, scene.xrds.steady = SAMPLES, GUIDE_SAMPLES, way == "steady"
+        for setting, value in WAYS[way][1].items():
+            setattr(scene.xrds, setting, value)
         job = jobs.Job(scene, range(1, frames + 1))
         upscaler.ready()
         with mock.patch.object(upscaler, "end"):  # its time is asked for before it goes
@@ -74,7 +80,7 @@ def report(ask):
     for name in ask.sequences:
         sequence = temporal.Sequence(ask.report, name)
         sequence.read()
-        for way, title in WAYS.items():
+        for way, (title, _) in WAYS.items():
             results = [temporal.layers(ask.report / name / f"{way}_{frame + 1:04d}_xrds.exr", "Combined")[0] for frame in range(sequence.length)]
             seconds = json.loads((ask.report / name / f"extension_{way}.json").read_text())["processor"]
             pairs = list(zip(results, sequence.references))
