@@ -36,6 +36,12 @@ bool NetworkDenoiser::has(size_t guides, bool clean, bool prefiltered) const {
   return std::all_of(kinds.begin(), kinds.end(), [&](const std::string& kind) { return !fileOf(kind).empty(); });
 }
 
+fs::path NetworkDenoiser::colourFile(size_t guides, bool clean) {
+  const std::string kind = kindOf(options_.ldr, guides, clean);
+  networkOf(kind);  // throws if it is not there
+  return fileOf(kind);
+}
+
 Upscaler::Denoisers NetworkDenoiser::inFront(bool hasAlbedo, bool hasNormal, bool clean) {
   Upscaler::Denoisers found{.colour = &colourNetwork(!hasAlbedo ? 0 : !hasNormal ? 1 : 2, true)};
   if (hasAlbedo && !clean) found.albedo = &networkOf("rt_alb");

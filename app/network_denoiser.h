@@ -40,6 +40,9 @@ class NetworkDenoiser {
   /// Whether load() would find its networks.
   bool has(size_t guides, bool clean, bool prefiltered) const;
 
+  /// The file of the network of such a colour. Throws Error, as load() does.
+  std::filesystem::path colourFile(size_t guides, bool clean);
+
   /// Networks to stand in front of an upscaler of frames with these images: of HDR colour, with clean guides, and of
   /// albedo and normal unless these are clean. They live as long as this. Throws Error, as load() does.
   Upscaler::Denoisers inFront(bool hasAlbedo, bool hasNormal, bool clean);

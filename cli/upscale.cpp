@@ -10,6 +10,7 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "cli/sequence_run.h"
 #include "cli/timer.h"
 #include "cli/upscale_frame.h"
 #include "cli/upscale_report.h"

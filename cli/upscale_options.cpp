@@ -127,16 +127,14 @@ void addReports(CLI::App& verb, UpscaleOptions& options) {
   verb.add_flag("--check", options.check, "First compare each operator with its double-precision reference, on a crop");
 }
 
-void addSequence(CLI::App& verb, UpscaleOptions& options) {
+}  // namespace
+
+void addSequenceOptions(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("--frames", options.frames,
                   "Of a sequence: 1-240, 1-240:2 or 1-3,7,10-20:5 (default: those whose COLOR is there)")
       ->type_name("FRAMES");
   verb.add_flag("--skip-existing", options.skipExisting,
                 "Leave frames out whose output is there: goes on where a run ended");
-  verb.add_flag(
-      "--keep-unchanged", options.keepUnchanged,
-      "Compute only windows that differ from the frame before. Needs --exposure E, so that the result does not "
-      "depend on\nwhich frame was before");
   verb.add_flag(
       "--temporal", options.temporal,
       "Merge each frame with those around it, along the motion that Cycles' pass Vector tells: less flicker,\n"
@@ -162,8 +160,6 @@ void addSequence(CLI::App& verb, UpscaleOptions& options) {
       ->type_name("JSON");
 }
 
-}  // namespace
-
 Upscaler::Options UpscaleOptions::upscaler() const {
   Upscaler::Options options{.fp16 = precision == kFp16, .profile = profile};
   if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
@@ -180,7 +176,11 @@ void addUpscaleOptions(CLI::App& verb, UpscaleOptions& options) {
   addParts(verb, options);
   addLayers(verb, options);
   addReports(verb, options);
-  addSequence(verb, options);
+  addSequenceOptions(verb, options);
+  verb.add_flag(
+      "--keep-unchanged", options.keepUnchanged,
+      "Of a sequence: compute only windows that differ from the frame before. Needs --exposure E, so that the result "
+      "does not\ndepend on which frame was before");
   verb.footer(
       "The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
       "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"

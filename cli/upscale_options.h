@@ -29,6 +29,9 @@ struct UpscaleOptions {
 /// Declares the options on the command.
 void addUpscaleOptions(CLI::App& verb, UpscaleOptions& options);
 
+/// Those of sequences, of other commands too.
+void addSequenceOptions(CLI::App& verb, UpscaleOptions& options);
+
 /// Asks before a long computation for everything about the files to write that can be known to fail. Throws Failure.
 void requireOutputs(const UpscaleOptions& options);
 

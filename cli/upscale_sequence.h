@@ -4,11 +4,7 @@
 
 namespace xrds {
 
-/// Whether the options name many frames. Throws Failure where options of sequences are given without one.
-bool isSequence(const UpscaleOptions& options);
-
-/// Upscales all frames: reading, computing and writing of different frames at once, each output whole or not at all.
-/// Throws Failure: with ExitCode::frames if some could not be made and all others were.
+/// Upscales all frames that the options name (runSequence()). Throws Failure.
 void upscaleSequence(const UpscaleOptions& options);
 
 }  // namespace xrds

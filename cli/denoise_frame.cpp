@@ -1,0 +1,64 @@
+#include "cli/denoise_frame.h"
+
+#include <cstdlib>
+
+#include "app/byte_count.h"
+#include "cli/progress.h"
+#include "image/aov.h"
+
+namespace xrds {
+
+std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::string& color, const std::string& aux) {
+  if (options.guides == "none") return {};
+  const ExrFile file = readExrHeader(aux.empty() ? color : aux);
+  const auto isThere = [&](AovRole role) { return !options.common.layers.nameOf(role).empty() || hasAov(file, role); };
+  std::vector<std::string> inputs;
+  if (isThere(AovRole::kAlbedo)) inputs.emplace_back(kAlbedo.name);
+  if (!inputs.empty() && isThere(AovRole::kNormal)) inputs.emplace_back(kNormal.name);
+  if (inputs.empty() && !aux.empty())
+    throw Error("'" + aux + "' holds no albedo: name its layer with --albedo, or denoise the colour alone.");
+  return inputs;
+}
+
+NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::function<bool(double)>& progress) {
+  using Quality = NetworkDenoiser::Quality;
+  NetworkDenoiser::Options result{.folder = options.common.denoisers,
+                                  .quality = options.quality == "high"   ? Quality::high
+                                             : options.quality == "fast" ? Quality::fast
+                                                                         : Quality::balanced,
+                                  .ldr = options.ldr,
+                                  .fp16 = options.common.precision == kFp16,
+                                  .memoryBytes = parseBytes(options.common.memory),
+                                  .progress = progress};
+  if (options.common.exposure != "auto") result.exposure = std::strtof(options.common.exposure.c_str(), nullptr);
+  return result;
+}
+
+bool areClean(const DenoiseOptions& options) { return options.guides == "clean"; }
+
+bool arePrefiltered(const DenoiseOptions& options, size_t guides) {
+  return options.guides == "prefilter" && guides == 2;
+}
+
+Image denoised(NetworkDenoiser& networks, Device& device, const Frame& frame, const DenoiseOptions& options) {
+  const auto& images = frame.auxiliary();
+  const Image *albedo = images.empty() ? nullptr : &images[0], *normal = images.size() < 2 ? nullptr : &images[1];
+  try {
+    if (options.guides == "prefilter") return networks.prefiltered(device, frame.colour(), albedo, normal);
+    return networks.denoised(device, frame.colour(), albedo, normal, areClean(options));
+  } catch (const Cancelled&) {
+    stopIfInterrupted();
+    throw;
+  }
+}
+
+ExrOutput outputOf(const DenoiseOptions& options, const Frame& frame, const std::string& denoiser) {
+  ExrOutput output = frame.output(1);
+  output.texts["xrds:version"] = XRDS_VERSION;
+  output.texts["xrds:denoiser"] = denoiser;
+  output.texts["xrds:options"] = "guides=" + options.guides + " precision=" + options.common.precision;
+  output.pixelType = options.common.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
+  return output;
+}
+
+}  // namespace xrds

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/frame.h"
+#include "app/network_denoiser.h"
+#include "cli/upscale_options.h"
+
+namespace xrds {
+
+/// What `xrds denoise` was asked for.
+struct DenoiseOptions {
+  UpscaleOptions common{.tiles = "exact", .auxColour = "never", .tune = "never"};  // what it has in common with upscale
+  std::string guides = "prefilter", quality = "high";
+  bool ldr = false;
+};
+
+/// The images beside the colour that the files of a frame have, and that are wanted. Throws Error.
+std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::string& color, const std::string& aux);
+
+NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::function<bool(double)>& progress);
+
+/// Whether the guides have no noise, and whether so many of them are denoised before.
+bool areClean(const DenoiseOptions& options);
+bool arePrefiltered(const DenoiseOptions& options, size_t guides);
+
+/// The picture of a frame that was read. Throws Error, and Failure when interrupted.
+Image denoised(NetworkDenoiser& networks, Device& device, const Frame& frame, const DenoiseOptions& options);
+
+/// What the file of a result says beside its pixels.
+ExrOutput outputOf(const DenoiseOptions& options, const Frame& frame, const std::string& denoiser);
+
+}  // namespace xrds
