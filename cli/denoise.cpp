@@ -22,16 +22,6 @@
 namespace xrds {
 namespace {
 
-Frame openFrame(const DenoiseOptions& options) {
-  const auto& [color, aux, layers] = std::tie(options.common.color, options.common.aux, options.common.layers);
-  Frame frame(color, aux, layers, inputsOf(options, color, aux), {.never = true});
-  if (frame.scale() > 1)
-    throw Error("Albedo and normal have " + std::to_string(frame.scale()) +
-                " times the colour's size: a denoiser takes images of one size; xrds upscale is for these.");
-  frame.load();
-  return frame;
-}
-
 void write(const DenoiseOptions& options, const Frame& frame, const Image& picture, const std::string& denoiser) {
   const auto& [output, preview] = std::tie(options.common.output, options.common.preview);
   failingWith(ExitCode::output, [&] {
@@ -47,7 +37,11 @@ void denoiseOne(const DenoiseOptions& options) {
   if (!common.preview.empty()) requireExtension(common.preview, ".png", "--preview");
   for (const std::string& path : {common.output, common.preview})
     if (!path.empty()) requireWritable(path);
-  const Frame frame = failingWith(ExitCode::input, [&] { return openFrame(options); });
+  const Frame frame = failingWith(ExitCode::input, [&] {
+    Frame opened = openFrame(options, common.color, common.aux);
+    opened.load();
+    return opened;
+  });
   printWarnings(frame.warnings());
   stopIfInterrupted();
   std::optional<ProgressBar> bar;

@@ -7,6 +7,7 @@
 #include "image/aov.h"
 
 namespace xrds {
+namespace {
 
 std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::string& color, const std::string& aux) {
   if (options.guides == "none") return {};
@@ -18,6 +19,16 @@ std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::stri
   if (inputs.empty() && !aux.empty())
     throw Error("'" + aux + "' holds no albedo: name its layer with --albedo, or denoise the colour alone.");
   return inputs;
+}
+
+}  // namespace
+
+Frame openFrame(const DenoiseOptions& options, const std::string& color, const std::string& aux) {
+  Frame frame(color, aux, options.common.layers, inputsOf(options, color, aux), {.never = true});
+  if (frame.scale() > 1)
+    throw Error("Albedo and normal have " + std::to_string(frame.scale()) +
+                " times the colour's size: a denoiser takes images of one size; xrds upscale is for these.");
+  return frame;
 }
 
 NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::function<bool(double)>& progress) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "app/frame.h"
 #include "app/network_denoiser.h"
@@ -16,8 +15,9 @@ struct DenoiseOptions {
   bool ldr = false;
 };
 
-/// The images beside the colour that the files of a frame have, and that are wanted. Throws Error.
-std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::string& color, const std::string& aux);
+/// The headers of a frame, with the images beside the colour that its files have and that are wanted. Throws Error, as
+/// where they are of another size.
+Frame openFrame(const DenoiseOptions& options, const std::string& color, const std::string& aux);
 
 NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::function<bool(double)>& progress);
 

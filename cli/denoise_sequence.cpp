@@ -48,8 +48,9 @@ class DenoisedFrames : public FrameMaker {
 std::string networkOf(const DenoiseOptions& options, const SequencePlan& plan) {
   std::optional<Failure> first;
   for (const SequenceFrame& frame : plan.frames) try {
-      const size_t guides = failingWith(
-          ExitCode::input, [&] { return inputsOf(options, frame.colour.string(), frame.auxiliary.string()).size(); });
+      const size_t guides = failingWith(ExitCode::input, [&] {
+        return openFrame(options, frame.colour.string(), frame.auxiliary.string()).inputs().size();
+      });
       NetworkDenoiser networks(networksOf(options, {}));
       return failingWith(ExitCode::model, [&] {
         const bool isPrefiltered = arePrefiltered(options, guides);

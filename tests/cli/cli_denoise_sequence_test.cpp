@@ -120,6 +120,13 @@ TEST(CliDenoiseSequence, OptionsOfOneFrameAndOfManyAreToldApart) {
   const Ended many = sequence.denoiseAll("out", {"--preview", (sequence.folder / "out.png").string()});
   EXPECT_EQ(many.exitCode, 2);
   EXPECT_NE(many.error.find("--preview is for one frame"), std::string::npos) << many.error;
+  writeParts(sequence.at("large", 1),
+             {{boxOf(80, 48), boxOf(80, 48), {albedoLayer("albedo", 80), normalLayer("normal", 80)}}});
+  const std::string renders = (sequence.folder / "render.####.exr").string();
+  const Ended larger = runXrds(
+      {"denoise", renders, sequence.at("large", 1), "-o", (sequence.folder / "out.####.exr").string(), "--quiet"});
+  EXPECT_EQ(larger.exitCode, 3);
+  EXPECT_NE(larger.error.find("2 times the colour's size"), std::string::npos) << larger.error;
   fs::remove(sequence.folder / "networks" / "rt_nrm.safetensors");
   const Ended missing = sequence.denoiseAll("out");
   EXPECT_EQ(missing.exitCode, 4);
