@@ -60,15 +60,16 @@ def with_single(report, single):
     return {**report, "single": single["commit"], "settings": {**report["settings"], **single["settings"]}}
 
 
-def caption(report):
-    later = f" (scale 1: {report['single']})" if "single" in report else ""
+def caption(report, has_single):
+    later = f" (scale 1: {report['single']})" if has_single and "single" in report else ""
     return (f"`{report['command']}`, commit {report['commit']}{later}, {report['device']}, {report['machine']['processors']} cores of "
             f"{report['machine']['processor']}.")
 
 
-def markdown(report, header, rows):
+def markdown(report, header, rows, has_single=False):
+    """A table under its caption; has_single: with settings of scale 1, which may be of a later run."""
     line = lambda row: "| " + " | ".join(row) + " |"
-    return "\n".join([caption(report), "", line(header), "|" + "---|" * len(header), *map(line, rows)]) + "\n"
+    return "\n".join([caption(report, has_single), "", line(header), "|" + "---|" * len(header), *map(line, rows)]) + "\n"
 
 
 def cell(found):
@@ -129,7 +130,7 @@ def single(report):
                 if found["name"].startswith(("OIDN", "xrds")):
                     rows.setdefault(found["name"] + suffix, ["-"] * len(SINGLE))[at] = cell(found)
     header = ["PSNR dB / RelMSE / LPIPS", *(f"{spp} sample{'s' * (spp > 1)}" for spp in SINGLE)]
-    return markdown(report, header, [[name, *cells] for name, cells in sorted(rows.items())])
+    return markdown(report, header, [[name, *cells] for name, cells in sorted(rows.items())], True)
 
 
 def auxiliary(report):
@@ -159,9 +160,9 @@ def ensemble(report):
         cells = lambda name: [exact(several.get(f"{name} ensemble {passes}")) for passes in PASSES]
         rows += [[f"`{found['name']}`, {samples} spp", exact(found), *cells(found["name"])]
                  for found in report["settings"].get(key, []) if any(cells(found["name"]))]
-    return markdown(report, ["PSNR dB / RelMSE", "one pass", "2: also turned by half a turn", "4: mirrored both ways"], rows)
+    return markdown(report, ["PSNR dB / RelMSE", "one pass", "2: also turned by half a turn", "4: mirrored both ways"], rows, True)
 
 
 def equal(report):
     """Equal average samples."""
-    return markdown(report, ["PSNR dB / RelMSE / LPIPS", *(f"{column[0]} average samples" for column in EQUAL)], matrix(report, EQUAL))
+    return markdown(report, ["PSNR dB / RelMSE / LPIPS", *(f"{column[0]} average samples" for column in EQUAL)], matrix(report, EQUAL), True)
