@@ -22,7 +22,7 @@ COLOUR_SHARES = {1: {1: 1, 2: 2, 4: 3, 8: 3, 16: 2}, 2: {16: 0.8, 4: 0.2}, 4: {6
 
 
 # At scale 1 colour and auxiliary images come from one render, so that their noise goes together; so often they do in training.
-SAME_RENDER_SHARE = 0.75
+SAME_RENDER_SHARE = 0.85
 IMITATED = (0.5, 2, 4)          # sample counts over that of a render that its noise, scaled, may stand for at scale 1
 
 SCENES_A_PROCESS = 16           # fewer are decoded sooner than a further process has started

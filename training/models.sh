@@ -5,7 +5,7 @@
 # The paper-size xrds-x4 wants a CUDA device and is trained only when named: models.sh SHARDS VAL RUNS 25 xrds-x4
 # SHARD_FOLDERS in quotes, MINUTES those of x4 compact (the others take a share of them); MODEL: only these.
 # x1 and the full models learn from the noisy colour that shards hold: pack them with shards.py --noisy-every 1, for full models
-# --noisy-every 0 --noisy-bits 6. They and live models need pyoidn (bench/oidn-requirements.txt) as well.
+# --noisy-every 0 --noisy-bits 6. Full and live models need pyoidn (bench/oidn-requirements.txt) as well.
 # It may be stopped and started again: finished models are skipped, the others resumed. PYTHON chooses the interpreter.
 set -eu
 here=$(dirname "$0")
@@ -35,7 +35,6 @@ card=
 filter="--aux-kernels 5"
 mini="--channels 16 --aux-channels 8 --head-channels 16 --groups 1 --output-side 1"
 full="--aux albedo,normal,colour --colour-kernels 5 --prefilter 2 --output-side 1 --denoised-share 0.65"
-single="--scale 1 --crop 64 --tone 0.4 --colour-shares 1:0.18,2:0.18,4:0.26,8:0.2,16:0.18 --aux-shares 0:0.85,1:0.05,4:0.05,16:0.05"
 few="--prefilter 2 --rate 1e-3 --aux-shares 0:0.6,1:0.25,4:0.15 --denoised-share 0.6"
 # shellcheck disable=SC2086
 {
@@ -45,7 +44,7 @@ few="--prefilter 2 --rate 1e-3 --aux-shares 0:0.6,1:0.25,4:0.15 --denoised-share
     model xrds-x4-full 70 xrds-x4-compact $full --rate 4e-4 --colour-shares 64:0.45,16:0.55 --aux-shares 1:0.35,2:0.15,4:0.25,8:0.1,16:0.15 $filter
     model xrds-x2-full 60 xrds-x4-full --scale 2 $full --rate 5e-4 --colour-shares 16:0.5,4:0.4,1:0.05,2:0.05 --aux-shares 1:0.33,2:0.12,4:0.33,8:0.1,16:0.12 $filter
     model xrds-x8-compact 25 xrds-x4-compact --scale 8 --output-side 1 --crop 16 --rate 4e-4 $filter
-    model xrds-x1-compact 120 xrds-x4-compact $single --batch 2 --rate 4e-4 --denoised-share 0.75 $filter
+    model xrds-x1-compact 120 xrds-x4-compact --scale 1 --crop 64 --batch 2 --rate 4e-4 --tone 0.4 $filter
     model xrds-x4-compact-albedo 50 xrds-x4-compact --aux albedo --output-side 1 $filter
     model xrds-x4-compact-plain 50 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
     case "$only" in *" xrds-x4 "*) model xrds-x4 100 "" --channels 64 --aux-channels 32 --blocks 5 --batch 16 --rate 3e-4 $filter ;; esac
