@@ -74,10 +74,11 @@ class Measurement:
         return [model for model in self.models[scale] if model.split("-", 2)[2] in kinds]
 
     def full_resolution(self, data, folder, aux_of):
+        """Models of scale 1; aux_of: the guides of a render of so many samples."""
         for spp in FULL_SPP:
             here = (data, folder, 1, spp, aux_of(spp))
             self.quality(*here, "network", self.of_scale(1, "compact"))
-            self.quality(*here, "denoised first", self.of_scale(1, "compact", "live"), "--denoise-first")
+            self.quality(*here, "denoised first", self.of_scale(1, "compact"), "--denoise-first")
 
     def path_traced(self, data, folder):
         self.full_resolution(data, folder, lambda spp: spp)

@@ -1,7 +1,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <tuple>
 
 #include "app/byte_count.h"
 #include "app/failing_with.h"
@@ -23,10 +22,11 @@ namespace xrds {
 namespace {
 
 void write(const DenoiseOptions& options, const Frame& frame, const Image& picture, const std::string& denoiser) {
-  const auto& [output, preview] = std::tie(options.common.output, options.common.preview);
   failingWith(ExitCode::output, [&] {
-    writeExr(output, frame.alpha() ? withAlpha(picture, *frame.alpha()) : picture, outputOf(options, frame, denoiser));
-    if (!preview.empty()) writePng(preview, picture);
+    const UpscaleOptions& common = options.common;
+    const Image whole = frame.alpha() ? withAlpha(picture, *frame.alpha()) : picture;
+    writeExr(common.output, whole, outputOf(options, frame, denoiser));
+    if (!common.preview.empty()) writePng(common.preview, picture);
   });
 }
 

@@ -67,7 +67,7 @@ std::string networkOf(const DenoiseOptions& options, const SequencePlan& plan) {
 }  // namespace
 
 void denoiseSequence(const DenoiseOptions& asked) {
-  if (!asked.common.preview.empty()) throw Failure{ExitCode::usage, "--preview is for one frame, not for sequences."};
+  refuse(!asked.common.preview.empty(), "--preview", kForOneFrame);
   const std::optional<SequencePlan> plan = planMissing(asked.common);
   if (!plan) return;
   DenoiseOptions options = asked;

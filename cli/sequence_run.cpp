@@ -90,20 +90,21 @@ std::vector<std::string> workersOf(const UpscaleOptions& options) {
 
 }  // namespace
 
+void refuse(bool given, const char* option, const char* why) {
+  if (given) throw Failure{ExitCode::usage, std::string(option) + " " + why};
+}
+
 bool isSequence(const UpscaleOptions& options) {
   if (FilePattern::mayBeMany(options.color) || (!options.aux.empty() && FilePattern::mayBeMany(options.aux)))
     return true;
   constexpr const char* kWhy = "is for sequences: put #### in the names of the files.";
-  const auto refuse = [&](bool given, const char* option) {
-    if (given) throw Failure{ExitCode::usage, std::string(option) + " " + kWhy};
-  };
-  refuse(!options.frames.empty(), "--frames");
-  refuse(options.skipExisting, "--skip-existing");
-  refuse(options.keepUnchanged, "--keep-unchanged");
-  refuse(options.temporal, "--temporal");
-  refuse(!options.devices.empty(), "--devices");
-  refuse(options.jobsPerDevice > 1, "--jobs-per-device");
-  refuse(!options.log.empty(), "--log");
+  refuse(!options.frames.empty(), "--frames", kWhy);
+  refuse(options.skipExisting, "--skip-existing", kWhy);
+  refuse(options.keepUnchanged, "--keep-unchanged", kWhy);
+  refuse(options.temporal, "--temporal", kWhy);
+  refuse(!options.devices.empty(), "--devices", kWhy);
+  refuse(options.jobsPerDevice > 1, "--jobs-per-device", kWhy);
+  refuse(!options.log.empty(), "--log", kWhy);
   return false;
 }
 

@@ -39,6 +39,10 @@ class FrameMaker {
   virtual void release() = 0;
 };
 
+/// Throws Failure with `why` if the option is given.
+void refuse(bool given, const char* option, const char* why);
+inline constexpr const char* kForOneFrame = "is for one frame, not for sequences.";
+
 /// Whether the names are of many frames; of one, no options of sequences may be given. Throws Failure.
 bool isSequence(const UpscaleOptions& options);
 

@@ -86,21 +86,16 @@ class UpscaledFrames : public FrameMaker {
   uint32_t width_ = 0, height_ = 0;
 };
 
-void refuse(bool given, const char* option, const char* why) {
-  if (given) throw Failure{ExitCode::usage, std::string(option) + " " + why};
-}
-
 }  // namespace
 
 void upscaleSequence(const UpscaleOptions& options) {
-  constexpr const char* kWhy = "is for one frame, not for sequences.";
-  refuse(!options.reference.empty(), "--reference", kWhy);
-  refuse(!options.preview.empty(), "--preview", kWhy);
-  refuse(!options.sideBySide.empty(), "--side-by-side", kWhy);
-  refuse(!options.skipMap.empty(), "--skip-map", kWhy);
+  refuse(!options.reference.empty(), "--reference", kForOneFrame);
+  refuse(!options.preview.empty(), "--preview", kForOneFrame);
+  refuse(!options.sideBySide.empty(), "--side-by-side", kForOneFrame);
+  refuse(!options.skipMap.empty(), "--skip-map", kForOneFrame);
   refuse(!options.json.empty(), "--json", "is for one frame; --log is for sequences.");
-  refuse(options.profile, "--profile", kWhy);
-  refuse(options.check, "--check", kWhy);
+  refuse(options.profile, "--profile", kForOneFrame);
+  refuse(options.check, "--check", kForOneFrame);
   refuse(options.keepUnchanged && options.exposure == "auto", "--keep-unchanged",
          "needs --exposure E: an automatic one would make results depend on the frames before.");
   refuse(options.keepUnchanged && options.ensemble > 1, "--keep-unchanged", "and --ensemble exclude each other.");

@@ -175,7 +175,7 @@ class Job:
             samples=passes.samples(settings), model=None if settings.model == AUTO else settings.model,
             device=None if settings.device == AUTO else settings.device, has_light=passes.has_light(settings),
             denoise=settings.denoise and denoiser.ready(), half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops),
-            single=settings.scale == "1")
+            single=passes.single(settings))
 
     def _upscale(self, low, full, result, wish, text, shares, around=None):
         """shares: of the whole job, at the begin and at the end. around: (number, folder of renders, frames) where it is merged with those around it."""

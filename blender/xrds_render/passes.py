@@ -8,20 +8,24 @@ LIGHT_FLAGS = tuple(f"use_pass_{kind}_{part}" for kind in ("diffuse", "glossy", 
 MOTION_FLAGS = {"Vector": "use_pass_vector", "Depth": "use_pass_z"}  # by what frames are merged
 
 
+def single(settings):
+    """Whether one render is all: colour and guides."""
+    return settings.scale == "1"
+
+
 def renders(settings):
     """[(kind, function that configures it, what the artist reads)] of a frame."""
-    full = "full", configure_full
-    return [(*full, "Render")] if settings.scale == "1" else [("low", configure_low, "Colour"), (*full, "Guides")]
+    return [("full", configure_full, "Render")] if single(settings) else [("low", configure_low, "Colour"), ("full", configure_full, "Guides")]
 
 
 def samples(settings):
     """(of the colour, of the guides)"""
-    return settings.samples, settings.samples if settings.scale == "1" else settings.guide_samples
+    return settings.samples, settings.samples if single(settings) else settings.guide_samples
 
 
 def has_light(settings):
     """Whether the guides bring light of their own, to be merged into the colour."""
-    return settings.scale != "1" and settings.guides != "CHEAP"
+    return not single(settings) and settings.guides != "CHEAP"
 
 
 def size(scene, scale):
@@ -83,7 +87,7 @@ def configure_full(scene, settings, path, recorder, merges=False):
         recorder.put(scene.cycles, "use_animated_seed", True)
     scale = int(settings.scale)
     width, height = size(scene, scale)
-    if scale > 1 and settings.guides == "CHEAP":
+    if not single(settings) and settings.guides == "CHEAP":
         guides.apply("mirrors", scene, recorder.put)
     _configure(scene, scale * width, scale * height, samples(settings)[1], path, recorder.put, recorder.keep)
     for layer in scene.view_layers:
@@ -91,7 +95,7 @@ def configure_full(scene, settings, path, recorder, merges=False):
         recorder.put(layer, "use_pass_combined", True)
         _with_colours(layer, recorder.put)
         for owner, flag in flags(layer):
-            if scale > 1 and flag in LIGHT_FLAGS:
+            if not single(settings) and flag in LIGHT_FLAGS:
                 recorder.put(owner, flag, False)
         for flag in MOTION_FLAGS.values() if merges else ():
             recorder.put(layer, flag, True)

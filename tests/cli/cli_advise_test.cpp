@@ -35,8 +35,11 @@ struct CliAdvise : testing::Test {
   CliAdvise() {
     writeRenders({}, {});
     Json all;
-    for (const bool merges : {false, true}) all["ways"].push_back(way(merges ? "merging" : "plain", merges ? -2 : -1));
-    for (Json& one : all["ways"]) one["merges"] = one["name"] == "merging";
+    for (const bool merges : {false, true}) {
+      Json one = way(merges ? "merging" : "plain", merges ? -2 : -1);
+      one["merges"] = merges;
+      all["ways"].push_back(one);
+    }
     std::ofstream(ways) << all;
   }
 
