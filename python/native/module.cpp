@@ -52,7 +52,7 @@ using LayerColour = std::tuple<const Image*, const Image*, const Image*>;  // lo
 using LayerSet = std::pair<std::vector<Layer>, std::vector<LayerColour>>;
 
 struct UpscalerOptions {
-  bool fp16 = false, keepUnchanged = false;
+  bool fp16 = false, keepUnchanged = false, exactTiles = false;
   float exposure = 0, skip = 0;
   uint32_t ensemble = 1;
   uint64_t memory = 0;
@@ -65,6 +65,7 @@ XrdsUpscalerOptions optionsOf(const UpscalerOptions& given) {
   options.exposure = given.exposure;
   options.ensemble = given.ensemble;
   options.memoryBytes = given.memory;
+  options.exactTiles = given.exactTiles;
   options.skipBound = given.skip;
   options.keepUnchanged = given.keepUnchanged;
   options.tune = static_cast<XrdsTune>(given.tune);
@@ -234,6 +235,7 @@ NB_MODULE(_native, module) {
       .def_rw("skip", &UpscalerOptions::skip)
       .def_rw("ensemble", &UpscalerOptions::ensemble)
       .def_rw("memory", &UpscalerOptions::memory)
+      .def_rw("exact_tiles", &UpscalerOptions::exactTiles)
       .def_rw("tune", &UpscalerOptions::tune);
   nb::class_<Upscaler>(module, "Upscaler")
       .def(nb::init<Device&, const Model&, uint32_t, uint32_t, const UpscalerOptions&, const std::vector<const Model*>&,

@@ -100,6 +100,15 @@ def test_a_render_without_guides(networks, tmp_path):
     numpy.testing.assert_array_equal(found[..., 3], colour[..., 3])
 
 
+def test_tiles_have_the_bits_of_the_whole(networks):
+    (networks / "rt_hdr_small.safetensors").write_bytes((ROOT / "tests/golden/unet/hdr_small.model.safetensors").read_bytes())
+    colour = noise(128, 1024)
+    options = {"inputs": (), "quality": "fast", "denoisers": networks, "exposure": 1.0}
+    with xrds.Denoiser(1024, 128, **options) as whole, xrds.Denoiser(1024, 128, memory=whole.device_bytes * 3 // 4, **options) as tiled:
+        assert tiled.device_bytes < whole.device_bytes
+        same(tiled(colour), whole(colour))
+
+
 def test_a_denoiser_refuses_what_cannot_be(networks):
     colour, albedo = noise(20, 28), noise(20, 28, seed=2)
     for options, sentence in (

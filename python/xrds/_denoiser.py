@@ -67,7 +67,7 @@ class Denoiser(Held[_Networks]):
         _one_of(quality, "quality", ("high", "balanced", "fast"))
         colour, prefilters = networks_alone(self.inputs, guides, quality, denoisers)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
-        options = {"device": self.device, "precision": precision, "memory": memory, "tune": "never"}
+        options = {"device": self.device, "precision": precision, "memory": memory, "tiles": "exact", "tune": "never"}
         self._prefilters = {
             name: Upscaler(width, height, model, progress=progress, **options)  # type: ignore[arg-type]
             for name, model in prefilters.items()

@@ -40,6 +40,7 @@ class UpscalerOptions:
     skip: float
     ensemble: int
     memory: int
+    exact_tiles: bool
     tune: int
 
 class Upscaler:

@@ -35,6 +35,7 @@ class Upscaler(Held[_native.Upscaler]):
     keep_unchanged: windows whose inputs did not change since the last run keep their result, for sequences.
     ensemble: passes over mirrored images, 1, 2, 4 or 8.
     memory: bytes of the device at most; a larger frame is cut into tiles. None: three quarters.
+    tiles: "bounded", or "exact": with the bits of the whole frame, for more work.
     tune: "auto", "never" or "now": whether the device's fastest kernels are found before, minutes on a CPU.
     denoise_first: Open Image Denoise's networks take the noise out of all images first, on the same device: True: those of
     denoiser_folder(), where import_oidn() puts them; or a folder. Not with ensemble, skip, keep_unchanged or layers.
@@ -58,12 +59,14 @@ class Upscaler(Held[_native.Upscaler]):
         keep_unchanged: bool = False,
         ensemble: int = 1,
         memory: Optional[int] = None,
+        tiles: str = "bounded",
         tune: str = "auto",
         denoise_first: Union[bool, Path] = False,
         clean_guides: bool = False,
         progress: Optional[Progress] = None,
     ) -> None:
         options = _options(precision, exposure, skip, ensemble, memory, tune)
+        options.exact_tiles = _one_of(tiles, "tiles", ("bounded", "exact")) == "exact"
         options.keep_unchanged = keep_unchanged
         self.width, self.height = _size(width, "width"), _size(height, "height")
         self.model = model if isinstance(model, Model) else Model(model)
