@@ -132,7 +132,8 @@ def chart(rows, title, path):
     matplotlib.use("svg")
     matplotlib.rcParams["svg.hashsalt"] = "xrds"
     import matplotlib.pyplot as plt
-    figure, axes = plt.subplots(figsize=(8, 5))
+    figure, axes = plt.subplots(figsize=(10, 5), layout="constrained")
+    axes.set_prop_cycle(color=plt.get_cmap("tab20").colors)      # more lines than the usual ten colours
     for name in sorted({name_of(row) for row in rows}, key=lambda name: (not name.startswith("OIDN"), name)):
         line = front([row for row in rows if name_of(row) == name])
         axes.plot([row["average"] for row in line], [row["psnr"] for row in line], marker="o", linewidth=2.5 if name.startswith("OIDN") else 1.3,
@@ -142,7 +143,7 @@ def chart(rows, title, path):
     axes.set_ylabel("PSNR, dB")
     axes.set_title(title)
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8)
+    figure.legend(loc="outside right center", fontsize=8)
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
 
