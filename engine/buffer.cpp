@@ -46,6 +46,7 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   info.size = buffer.byteSize;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  if (gpu.traits.bufferAddresses) info.usage |= VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   if (buffer.byteSize > gpu.maxAllocationBytes)
     throw OutOfMemory("A buffer of " + mebibytes(buffer.askedByteSize) + " is needed, but " + gpu.description.name +
                       " allows at most " + mebibytes(gpu.maxAllocationBytes) +
@@ -56,7 +57,10 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
   gpu.vk.vkGetBufferMemoryRequirements(gpu.device, buffer.buffer, &needs);
   const uint32_t type = chooseMemoryType(gpu, needs.memoryTypeBits, forStaging);
   const uint64_t heapBytes = gpu.memory.memoryHeaps[gpu.memory.memoryTypes[type].heapIndex].size;
+  VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  if (gpu.traits.bufferAddresses) allocation.pNext = &flags;
   allocation.allocationSize = needs.size;
   allocation.memoryTypeIndex = type;
   const VkResult result = needs.size > heapBytes
@@ -68,6 +72,11 @@ void allocate(Buffer::Handles& buffer, bool forStaging) {
                       "; use smaller tiles or images, or close other programs.");
   checkResult(result, "vkAllocateMemory");
   checkResult(gpu.vk.vkBindBufferMemory(gpu.device, buffer.buffer, buffer.memory, 0), "vkBindBufferMemory");
+  if (gpu.traits.bufferAddresses) {
+    VkBufferDeviceAddressInfo asked{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
+    asked.buffer = buffer.buffer;
+    buffer.address = gpu.vk.vkGetBufferDeviceAddress(gpu.device, &asked);
+  }
 
   const VkMemoryPropertyFlags has = gpu.memory.memoryTypes[type].propertyFlags;
   const bool hostReadsIt = (has & kHostAccess) == kHostAccess && (has & VK_MEMORY_PROPERTY_HOST_CACHED_BIT);

@@ -52,6 +52,7 @@ void probe(Gpu::Handles& gpu) {
   gpu.limits = properties.properties.limits;
   gpu.maxAllocationBytes = version11.maxMemoryAllocationSize;
   gpu.traits = traitsOf(gpu.physicalDevice, gpu.description, chosenFamily(gpu.description, gpu.options.kernelFamily));
+  if (gpu.isShared) gpu.traits.bufferAddresses = false;  // the other program may not have enabled them
   gpu.pipelineCacheKey = hexadecimal(properties.properties.pipelineCacheUUID) + "-" +
                          hexadecimal(version11.driverUUID) + "-" + std::to_string(properties.properties.driverVersion);
   if (!gpu.options.cacheFolder.empty())
@@ -67,6 +68,7 @@ void openDevice(Gpu::Handles& gpu) {
   VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
+  features12.bufferDeviceAddress = gpu.traits.bufferAddresses;
   MatrixFeatures matrixFeatures;
   gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
   matrixFeatures.enable(gpu.traits.matrixUnits, gpu.choosesSubgroups, features12);

@@ -61,6 +61,13 @@ struct KernelChoice {
   auto operator<=>(const KernelChoice&) const = default;
 };
 
+/// How a CPU device hands the value of one lane to all in few instructions.
+enum class LaneCode : uint8_t {
+  shuffles,    // by a shuffle with a constant lane
+  broadcasts,  // of 64 bits by a broadcast, outside of control flow: its shuffles of them are loops
+  scalars      // by a broadcast: what is equal in all lanes is a scalar to the compiler
+};
+
 /// The properties of a device that decide how work is dispatched: plain numbers, testable without a device.
 struct DeviceTraits {
   KernelFamily family = KernelFamily::plain;
@@ -77,9 +84,10 @@ struct DeviceTraits {
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
   bool shaderInt64 = false;  // also in subgroup operations
-  /// Of a CPU device: what is equal in all lanes is a scalar to its compiler (engine/llvmpipe.h). Kernels read it as
-  /// the constant kKnowsUniformsConstant, beside those of their dispatch.
-  bool knowsUniforms = false;
+  /// Of a CPU device (engine/llvmpipe.h). Kernels read it as the constant kLaneCodeConstant, beside those of their
+  /// dispatch.
+  LaneCode laneCode = LaneCode::shuffles;
+  bool bufferAddresses = false;  // of a CPU device: kernels may read buffers by address
 };
 
 /// The sizes of subgroups, beside the device's own, that a pipeline of any workgroup may ask for.
@@ -106,7 +114,7 @@ struct Binding {
 /// Every offset that is bound is a multiple of this, which satisfies any Vulkan device.
 inline constexpr uint64_t kBindingAlignment = 256;
 inline constexpr uint32_t kMaxPushConstantBytes = 128;
-inline constexpr uint32_t kKnowsUniformsConstant = 32;  // constant_id, behind those of any dispatch
+inline constexpr uint32_t kLaneCodeConstant = 32;  // constant_id, behind those of any dispatch
 
 /// One kernel launch as plain data. Descriptor i of set 0 is bindings[i]; constant_id i is specialization[i]. Or a copy
 /// of the bytes of bindings[0] to as many of bindings[1], both `copied`; its program only names it.
@@ -115,6 +123,7 @@ struct Dispatch {
   std::vector<uint32_t> specialization;
   std::vector<Binding> bindings;
   std::vector<std::byte> pushConstants;
+  bool weightsByAddress = false;  // their address is written over the last 8 bytes of the push constants
   std::array<uint32_t, 3> groupCount{1, 1, 1};
   uint32_t subgroupSize = 0;   // invocations of its subgroups; 0: as many as the driver likes
   bool fullSubgroups = false;  // no subgroup may have fewer

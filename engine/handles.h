@@ -102,6 +102,7 @@ struct Buffer::Handles {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   std::byte* mapped = nullptr;  // null if the host cannot see the memory
+  uint64_t address = 0;         // for kernels, with DeviceTraits::bufferAddresses
 };
 
 /// Makes a program's device the one of these handles. Throws InvalidArgument if what was given does not belong

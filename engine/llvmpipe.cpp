@@ -9,8 +9,10 @@ namespace xrds {
 LlvmpipeTraits llvmpipeTraits(std::string_view driver) {
   std::pair<int, int> mesa;
   if (std::sscanf(std::string(driver).c_str(), "llvmpipe Mesa %d.%d", &mesa.first, &mesa.second) != 2) return {};
-  const bool recent = mesa >= std::pair(25, 1);
-  return {.wideVectors = recent || mesa <= std::pair(22, 3), .knowsUniforms = recent, .comparesSharedLoads = true};
+  LlvmpipeTraits traits{.comparesSharedLoads = true};
+  if (mesa > std::pair(22, 3)) traits.laneCode = mesa < std::pair(25, 1) ? LaneCode::broadcasts : LaneCode::scalars;
+  traits.wideVectors = traits.laneCode != LaneCode::broadcasts;
+  return traits;
 }
 
 bool llvmpipeMultiplies(std::string_view driver, uint32_t subgroupSize) {

@@ -57,9 +57,9 @@ VkPipeline makePipeline(const Gpu::Handles& gpu, const PipelineKey& key, VkPipel
 
   std::vector<VkSpecializationMapEntry> entries;
   std::vector<uint32_t> constants = key.specialization;
-  constants.push_back(gpu.traits.knowsUniforms);
+  constants.push_back(static_cast<uint32_t>(gpu.traits.laneCode));
   for (uint32_t id = 0; id < constants.size(); ++id) entries.push_back({id, id * 4, 4});
-  entries.back().constantID = kKnowsUniformsConstant;
+  entries.back().constantID = kLaneCodeConstant;
   const VkSpecializationInfo specialization{static_cast<uint32_t>(entries.size()), entries.data(), constants.size() * 4,
                                             constants.data()};
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};

@@ -1,6 +1,7 @@
 #include "engine/recorder.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "engine/hazards.h"
 #include "engine/host_device.h"
@@ -80,6 +81,18 @@ std::vector<RangeAccess> accessesOf(const PlacedDispatch& placed) {
   return accesses;
 }
 
+void pushWeightsAddress(PlacedDispatch& placed) {
+  if (!placed.dispatch.weightsByAddress) return;
+  const auto weights = std::ranges::find(placed.dispatch.bindings, kWeights, &Binding::value);
+  XRDS_CHECK(weights != placed.dispatch.bindings.end());
+  const ByteRange& range = placed.ranges[weights - placed.dispatch.bindings.begin()];
+  const uint64_t begin = range.buffer->handles().address, address = begin + range.byteOffset;
+  XRDS_CHECK_LT(0u, begin);
+  auto& bytes = placed.dispatch.pushConstants;
+  XRDS_CHECK_LE(sizeof address, bytes.size());
+  std::memcpy(bytes.data() + bytes.size() - sizeof address, &address, sizeof address);
+}
+
 uint64_t workOf(const PlacedDispatch& placed) {
   uint64_t written = 0;
   for (size_t i = 0; i < placed.ranges.size(); ++i)
@@ -114,6 +127,7 @@ Recorder::Recorder(Gpu& gpu, std::span<const PlacedDispatch> asked)
     for (size_t i = 0; i < placed.ranges.size(); ++i)
       placed.ranges[i] = resolve(placed.ranges[i], placed.dispatch.bindings[i].kind);
     checkLimits(gpu_, placed);
+    pushWeightsAddress(placed);
     if (gpu.description().kind == DeviceKind::cpu) keepToOneVariant(gpu_, placed);
     accesses.push_back(accessesOf(placed));
   }

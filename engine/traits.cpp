@@ -28,7 +28,8 @@ DeviceTraits traitsOf(VkPhysicalDevice device, const DeviceDescription& descript
           .maxSharedBytes = limits.maxComputeSharedMemorySize,
           .maxGroupInvocations = limits.maxComputeWorkGroupInvocations,
           .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes,
-          .knowsUniforms = llvmpipeTraits(description.driver).knowsUniforms};
+          .laneCode = llvmpipeTraits(description.driver).laneCode,
+          .bufferAddresses = description.kind == DeviceKind::cpu && features12.bufferDeviceAddress};
 }
 
 }  // namespace xrds

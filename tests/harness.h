@@ -7,6 +7,7 @@
 #include "engine/device.h"
 #include "engine/tensor.h"
 #include "shaders/common/tolerance.h"
+#include "shaders/common/uniform_store.h"
 
 namespace xrds::test {
 
@@ -52,18 +53,38 @@ struct KernelCase {
 
 void expectMatchesReference(const KernelCase& kernel, Tolerance tolerance, const Contents& contents);
 
-/// Runs the operator on the device and by its reference() on the same values and compares the output. What is read
-/// holds random numbers or `contents`; all else holds NaN. Nothing but the output's rows and channels may change.
+/// The operator must outlive it.
 template <class Op>
-void expectMatchesReference(const Op& op, const DeviceTraits& traits, Tolerance tolerance,
-                            const Contents& contents = {}) {
+KernelCase kernelCaseOf(const Op& op, const DeviceTraits& traits) {
   KernelCase kernel{.dispatch = dispatch(op, traits), .output = op.output};
   if constexpr (requires { packedWeights(op, traits); }) kernel.weights = packedWeights(op, traits);
   if constexpr (requires { op.rows; }) kernel.rows = op.rows;
   if constexpr (requires { op.shuffleOutput; })
     if (op.shuffleOutput) kernel.rows = {2 * op.rows.begin, 2 * op.rows.end};
   kernel.reference = [&op](HostMemory& memory) { reference(op, memory); };
-  expectMatchesReference(kernel, tolerance, contents);
+  return kernel;
+}
+
+/// Runs the operator on the device and by its reference() on the same values and compares the output. What is read
+/// holds random numbers or `contents`; all else holds NaN. Nothing but the output's rows and channels may change.
+template <class Op>
+void expectMatchesReference(const Op& op, const DeviceTraits& traits, Tolerance tolerance,
+                            const Contents& contents = {}) {
+  expectMatchesReference(kernelCaseOf(op, traits), tolerance, contents);
+}
+
+/// The same of the form of its lane kernel that reads weights by address. A device that would not take it compiles it
+/// for seconds and does so only if it `isShort`. Nothing, if buffers have no addresses or the operator takes no lane
+/// kernel.
+template <class Op>
+void expectMatchesReferenceByAddress(const Op& op, bool isShort) {
+  DeviceTraits traits = traitsOf(KernelFamily::lane);
+  if (!traits.bufferAddresses || (traits.laneCode != LaneCode::scalars && !isShort)) return;
+  traits.laneCode = LaneCode::scalars;
+  KernelCase kernel = kernelCaseOf(op, traits);
+  if (kernel.dispatch.program.find("_lane") == std::string::npos) return;
+  if (!kernel.dispatch.weightsByAddress) readWeightsByAddress(kernel.dispatch);
+  expectMatchesReference(kernel, toleranceOf(DataType::f32), {});
 }
 
 /// With the traits of the device and the tolerance of the output's type.

@@ -20,20 +20,25 @@ const uint kDigitBits = 2;
 const uint kDigitBits = 4;
 #endif
 layout(push_constant) uniform Push { PARAMS p; uint digit[1 << kDigitBits]; };  // digit[i] = i
-layout(constant_id = 32) const bool kKnowsUniforms = false;  // engine/dispatch.h: kKnowsUniformsConstant
+layout(constant_id = 32) const uint kLaneCode = 0;  // engine/dispatch.h: kLaneCodeConstant and LaneCode
+#ifdef XRDS_ADDRESSED
+const bool kBroadcastsWords = true, kKnowsUniforms = true;  // the digits are not all there
+#else
+const bool kBroadcastsWords = kLaneCode >= 1, kKnowsUniforms = kLaneCode == 2;
+#endif
 
 // The value of the lane, in all lanes. The lane is constant.
-#define HAND_OUT(type)                                   \
+#define HAND_OUT(type, broadcasts)                       \
   type handedOut(type value, const uint lane) {          \
-    if (kKnowsUniforms)                                  \
+    if (broadcasts)                                      \
       return subgroupBroadcast(value, lane);             \
     else                                                 \
       return subgroupShuffle(value, lane);               \
   }
-HAND_OUT(float)
-HAND_OUT(vec4)
-HAND_OUT(WIDE4)
-HAND_OUT(WIDE8)
+HAND_OUT(float, kKnowsUniforms)
+HAND_OUT(vec4, kKnowsUniforms)
+HAND_OUT(WIDE4, kBroadcastsWords)
+HAND_OUT(WIDE8, kBroadcastsWords)
 
 // sum + x * w. Where kKnowsUniforms, fma() is one instruction; of the other drivers it only makes compiling slower.
 #define PLUS_PRODUCT(type)                                 \

@@ -20,6 +20,19 @@ std::vector<std::byte> pushBytesWithDigits(const T& parameters) {
   return pushBytes(push);
 }
 
+/// Whether a lane kernel reads its weights by address (shaders/common/lane_weights.glsl), by the types of its output
+/// and of the weights.
+inline bool readsWeightsByAddress(const DeviceTraits& device, DataType output, DataType weights) {
+  return device.bufferAddresses && device.laneCode == LaneCode::scalars && output == DataType::f32 &&
+         weights == DataType::f32;
+}
+
+/// Makes the launch of a lane kernel one of its form that does.
+inline void readWeightsByAddress(Dispatch& launch) {
+  launch.program += "_addressed";
+  launch.weightsByAddress = true;
+}
+
 /// Subgroups of a workgroup when `count` of them are shared out evenly: the largest power of two up to `limit` that
 /// divides it. Other divisors would be programs of their own, which every other frame size would compile.
 inline uint32_t subgroupShare(uint64_t count, uint32_t limit) {

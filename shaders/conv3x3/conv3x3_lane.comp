@@ -12,6 +12,7 @@ layout(local_size_x_id = 0, local_size_y_id = 5) in;  // x = subgroup size; y: s
 #define PARAMS Conv3x3Params
 #define TARGET_BINDING 3
 #include "shaders/common/uniform_store.glsl"
+#include "shaders/common/lane_weights.glsl"
 layout(constant_id = 1) const uint kRows = 4;
 layout(constant_id = 2) const uint kTile = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
@@ -58,9 +59,13 @@ void main() {
       [[unroll]] for (uint e = 0; e < kElements; e++) product[i][n][e] = vec4(0);
   uint inputQuad = 0, inputPart = 0;
   [[dont_unroll]] for (uint step = 0; step < steps; step++) {
+#ifdef XRDS_ADDRESSED
+    Weights w = weightsFrom(firstWeight + step * kRegisters * kLanes);
+#else
     vec4 w[kRegisters];
     [[unroll]] for (uint j = 0; j < kRegisters; j++)
       w[j] = texelFetch(weights, int(firstWeight + (step * kRegisters + j) * kLanes + gl_LocalInvocationID.x));
+#endif
     const int shift = int((inputPart / 2 * p.width * p.unshuffle + inputPart % 2) * p.source.stride + inputQuad);
     vec4 x[kRows + 2][kElements];
     [[unroll]] for (uint i = 0; i < kRows + 2; i++) {
@@ -76,10 +81,15 @@ void main() {
         [[unroll]] for (uint piece = 0; piece < kPieces; piece++)
           [[unroll]] for (uint ky = 0; ky < 3; ky++)
             [[unroll]] for (uint c = 0; c < 4; c++) {
+              if (c % 2 == 0) endBlock(product[0][n][e], product[kRows - 1][n][e]);
               const uint texel = ((e * 3 + ky) * 4 + c) * kTileQuads + n;
               [[unroll]] for (uint o = 0; o < kPiece; o++) {
                 const uint q = piece * kPiece + o;
+#ifdef XRDS_ADDRESSED
+                const float weight = w.texel[texel][q];
+#else
                 const float weight = handedOut(w[texel / kLanes][q], texel % kLanes);
+#endif
                 [[unroll]] for (uint i = 0; i < kRows; i++)
                   product[i][n][e][q] = plusProduct(product[i][n][e][q], x[i + ky][e][c], weight);
               }

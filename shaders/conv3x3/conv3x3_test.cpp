@@ -117,16 +117,9 @@ TEST_P(Conv3x3Cases, MatchesReference) {
   Conv3x3 op = operatorOf(c, stored, weight, bias);
   op.weightType = c.inFours && family == KernelFamily::lane ? DataType::f32 : stored;
   const DeviceTraits traits = test::traitsOf(family);
-  if (c.layout == Layout::shuffled) {  // the harness takes rows of the output
-    test::KernelCase kernel{.dispatch = dispatch(op, traits),
-                            .weights = packedWeights(op, traits),
-                            .output = op.output,
-                            .rows = {2 * op.rows.begin, 2 * op.rows.end}};
-    kernel.reference = [&op](HostMemory& memory) { reference(op, memory); };
-    test::expectMatchesReference(kernel, test::toleranceOf(stored), {});
-    return;
-  }
   test::expectMatchesReference(op, traits, test::toleranceOf(stored));
+  if (family == KernelFamily::lane && stored == DataType::f32)
+    test::expectMatchesReferenceByAddress(op, c.outputs <= 4 || (c.inFours && c.inputs <= 4));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Conv3x3Cases,

@@ -40,8 +40,9 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
       subgroups / subgroupShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
+  const bool byAddress = readsWeightsByAddress(device, op.output.type, op.weightType);  // in a loop, of any length
   const auto fits = [&](uint32_t tile) {
-    return inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes;
+    return byAddress || (inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes);
   };
   const auto largest = [&](uint32_t limit) -> uint32_t {
     for (uint32_t tile = std::min(limit, outputs) / step * step; tile > 0; tile -= step)
@@ -51,20 +52,22 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
   if (const uint32_t asked = device.shape.outputs;
       asked % step == 0 && asked > 0 && outputs % asked == 0 && fits(asked))
     return asked;
+  if (byAddress) return outputs;
   const uint32_t tile = largest(std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile));
   return tile < kGoodTile / 2 ? largest(kMaxTile) : tile;  // 56 outputs: not 8
 }
 
 // Whether the subgroups of a workgroup of the lane kernel take turns. The code for vectors of 256 bits is longer,
 // because AVX2 reads a weight by an instruction of its own; from 64 inputs on it leaves the instruction cache. From 96
-// on, the tokens of the subgroups that wait for their turn leave the second-level cache, which is worse. With newer
-// drivers, whose code is shorter, this was not tried.
+// on, the tokens of the subgroups that wait for their turn leave the second-level cache, which is worse. Newer drivers
+// have a fence of memory at each barrier, which costs more than the turns gain.
 bool takesTurns(const Linear& op, const DeviceTraits& device) {
   constexpr uint32_t kLanes = 8, kLeastInputs = 64, kTooManyInputs = 96;
   if (laneTile(op, device) <= 8) return false;  // one turn
   if (device.shape.rows > 0) return device.shape.rows == kInTurns;
   const uint32_t inputs = inputChannels(op);
-  return device.subgroupSize == kLanes && inputs >= kLeastInputs && inputs < kTooManyInputs && !device.knowsUniforms;
+  return device.subgroupSize == kLanes && inputs >= kLeastInputs && inputs < kTooManyInputs &&
+         device.laneCode == LaneCode::shuffles;
 }
 
 // A workgroup of the tile kernel: columns * rows invocations, each four outputs of `tokens` tokens.
@@ -150,6 +153,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
         device.subgroupSize,   params.inputChannels,  tile, activation, hasResidual, rows, inEights, normalized,
         op.input.channels / 4, takesTurns(op, device)};
     launch.pushConstants = pushBytesWithDigits(params);
+    if (readsWeightsByAddress(device, op.output.type, op.weightType)) readWeightsByAddress(launch);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);

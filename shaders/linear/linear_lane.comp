@@ -1,9 +1,8 @@
 // y = activation(x W^T + b) + residual as in linear.comp, norm included, for CPU devices.
-// A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Weights of the tile, [K][kTile] then bias[kTile], lie in
-// shared memory and are read at constant offsets, outside of any branch or loop that survives compilation: only then is
-// a read a broadcast operand of the multiplication. Eight outputs at a time, four inputs written out, as drivers are slow
-// to unroll. kInTurns: all subgroups of the workgroup make the same eight before the next, so that their code is read
-// from the instruction cache. Lanes behind the last token repeat it. fp32.
+// A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x), whose weights are [K][kTile] then bias[kTile]. Eight
+// outputs at a time, four inputs written out, as drivers are slow to unroll. kInTurns: all subgroups of the workgroup make
+// the same eight before the next, so that their code is read from the instruction cache. Lanes behind the last token
+// repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -25,9 +24,8 @@ layout(constant_id = 7) const bool kNormalizes = false;
 layout(constant_id = 8) const uint kSourceQuads = 1;  // those behind them are of `appended`
 layout(constant_id = 9) const bool kInTurns = false;
 layout(binding = 4) uniform samplerBuffer appended;
-const uint kTileQuads = kTile / 4;
-const uint kTexels = (kInputs + 1) * kTileQuads;
-shared vec4 tile[kTexels];
+const uint kTexels = (kInputs + 1) * kTile / 4;
+#include "shaders/common/lane_products.glsl"
 
 vec4 finished(vec4 sum, uint token, uint quad) {
   vec4 y = activate(kActivation, sum);
@@ -36,7 +34,7 @@ vec4 finished(vec4 sum, uint token, uint quad) {
 }
 
 void main() {
-  STAGE_WEIGHTS(tile, weights, gl_WorkGroupID.x * kTexels, kTexels);
+  STAGE_TILE(weights);
 
   const uint row = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
   const uint token = min(p.tokenBegin + row * kLanes + gl_LocalInvocationID.x, p.tokenEnd - 1);
@@ -46,7 +44,6 @@ void main() {
   uint laneOffset[kLanes];  // of a lane's token in the target
   [[unroll]] for (uint l = 0; l < kLanes; l++)
     laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
-  vec4 x[kInputs / 4];
   [[unroll]] for (uint k = 0; k < kSourceQuads; k++)
     x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
   [[unroll]] for (uint k = kSourceQuads; k < kInputs / 4; k++)
@@ -63,23 +60,12 @@ void main() {
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] *= scale;
   }
 
-  [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
+  EVERY_PAIR for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;
-    const bool isPair = n + 1 < kTileQuads;  // else the last four outputs of an odd number
+    const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
     if (kInTurns && m > 0) barrier();
-    vec4 a = tile[kInputs * kTileQuads + n], b = isPair ? tile[kInputs * kTileQuads + n + 1] : vec4(0);
-    [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
-      const vec4 v = x[k];
-      const uint at = 4 * k * kTileQuads + n;
-      a = plusProduct(a, v.x, tile[at]);
-      if (isPair) b = plusProduct(b, v.x, tile[at + 1]);
-      a = plusProduct(a, v.y, tile[at + kTileQuads]);
-      if (isPair) b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
-      a = plusProduct(a, v.z, tile[at + 2 * kTileQuads]);
-      if (isPair) b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
-      a = plusProduct(a, v.w, tile[at + 3 * kTileQuads]);
-      if (isPair) b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
-    }
+    vec4 a = weightAt(n, kInputs * kTileQuads), b = isPair ? weightAt(n, kInputs * kTileQuads + 1) : vec4(0);
+    addProducts(a, b, n, isPair);
 #ifdef XRDS_F16
     // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
     // would compute one after the other, waiting for each addition, in three times the time.

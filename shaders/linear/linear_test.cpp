@@ -72,6 +72,8 @@ TEST_P(LinearCases, MatchesReference) {
   if (c.appended) op.appended = view(3, stored, c.height, c.width, c.appended, 4, c.appended + 8);
   if (c.residual) op.residual = c.inPlace ? op.output : view(2, stored, c.height, c.width, c.outputs);
   test::expectMatchesReference(op, test::traitsOf(family), test::toleranceOf(stored));
+  if (family == KernelFamily::lane && stored == DataType::f32)
+    test::expectMatchesReferenceByAddress(op, c.inputs <= 16);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LinearCases,
@@ -186,6 +188,30 @@ TEST(Linear, MatchesReferenceInTheShapesThatTuningTries) {
   }
 }
 
+TEST(Linear, ReadsWeightsByAddressWhereTheCompilerKnowsScalars) {
+  const std::vector<float> numbers(96 * 96, 1);
+  const auto launchOn = [&](DeviceTraits device, DataType stored, DataType weights) {
+    device.family = KernelFamily::lane;
+    device.shaderInt64 = true;
+    return dispatch(Linear{.input = view(0, stored, 32, 32, 96),
+                           .output = view(1, stored, 32, 32, 96),
+                           .weight = numbers,
+                           .bias = std::span(numbers).first(96),
+                           .weightType = weights},
+                    device);
+  };
+  const auto f32 = DataType::f32, f16 = DataType::f16;
+  const DeviceTraits scalars{.laneCode = LaneCode::scalars, .bufferAddresses = true};
+  const Dispatch launch = launchOn(scalars, f32, f32);
+  EXPECT_EQ(launch.program, "linear_lane_f32_addressed");
+  EXPECT_TRUE(launch.weightsByAddress);
+  EXPECT_EQ(launch.groupCount[0], 1u) << "all outputs are one tile";
+  EXPECT_EQ(launchOn(scalars, f16, f32).program, "linear_lane_f16");
+  EXPECT_EQ(launchOn(scalars, f32, f16).program, "linear_lane_f32");
+  EXPECT_EQ(launchOn({.laneCode = LaneCode::scalars}, f32, f32).program, "linear_lane_f32");
+  EXPECT_EQ(launchOn({.laneCode = LaneCode::broadcasts, .bufferAddresses = true}, f32, f32).program, "linear_lane_f32");
+}
+
 TEST(Linear, TakesTurnsOnVectorsOf256BitsWhereTheCodeIsLong) {
   const std::vector<float> numbers(96 * 96, 1);
   const auto takesTurns = [&](uint32_t inputs, DeviceTraits device) {
@@ -200,7 +226,8 @@ TEST(Linear, TakesTurnsOnVectorsOf256BitsWhereTheCodeIsLong) {
   EXPECT_TRUE(takesTurns(64, {.subgroupSize = 8}));
   EXPECT_FALSE(takesTurns(32, {.subgroupSize = 8}));
   EXPECT_FALSE(takesTurns(64, {.subgroupSize = 16}));
-  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .knowsUniforms = true}));
+  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::broadcasts}));
+  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::scalars}));
   EXPECT_TRUE(takesTurns(32, {.shape = {.outputs = 48, .rows = 2}, .subgroupSize = 16}));
   EXPECT_FALSE(takesTurns(64, {.shape = {.outputs = 48, .rows = 1}, .subgroupSize = 8}));
   EXPECT_FALSE(takesTurns(64, {.shape = {.outputs = 8, .rows = 2}, .subgroupSize = 8})) << "eight outputs are one turn";

@@ -31,11 +31,13 @@ uint32_t laneTile(const WinogradProducts& op, const DeviceTraits& device) {
   if (device.family != KernelFamily::lane || !device.shaderInt64 ||
       device.subgroupSize * kMaxSubgroups > device.maxGroupInvocations)
     return 0;
+  const bool byAddress = readsWeightsByAddress(device, op.output.type, DataType::f32);  // in a loop, of any length
   const auto fits = [&](uint32_t tile) {
-    return outputs(op) % tile == 0 && inputs(op) * tile <= kMaxBody && inputs(op) * tile * 4 <= device.maxSharedBytes;
+    return outputs(op) % tile == 0 &&
+           (byAddress || (inputs(op) * tile <= kMaxBody && inputs(op) * tile * 4 <= device.maxSharedBytes));
   };
   if (const uint32_t asked = device.shape.outputs; asked > 0 && asked % step == 0 && fits(asked)) return asked;
-  const uint32_t most = std::min(kMaxTile, outputs(op));
+  const uint32_t most = byAddress ? outputs(op) : std::min(kMaxTile, outputs(op));
   for (uint32_t tile = most / step * step; tile > 0; tile -= step)
     if (fits(tile)) return tile;
   return 0;
@@ -95,6 +97,7 @@ Dispatch dispatch(const WinogradProducts& op, const DeviceTraits& device) {
     launch.program = programName("winograd_products", KernelFamily::lane, op.output.type);
     launch.specialization = {device.subgroupSize, subgroups, inputs(op), tile, inEights, op.firstInputs};
     launch.pushConstants = pushBytesWithDigits(params);
+    if (readsWeightsByAddress(device, op.output.type, DataType::f32)) readWeightsByAddress(launch);
     launch.groupCount = {op.output.channels / tile, ceilDivide(squares, device.subgroupSize * subgroups), 1};
   } else {
     launch.program = programName("winograd_products", KernelFamily::plain, op.output.type);

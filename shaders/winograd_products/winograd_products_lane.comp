@@ -1,7 +1,6 @@
 // The products of winograd_products.comp, for CPU devices, as linear_lane.comp makes its own.
-// A square a lane, kTile outputs of a plane a workgroup: gl_WorkGroupID.x is the tile, of plane 0 first. Its weights,
-// [K][kTile], lie in shared memory and are read at constant offsets, outside of any branch or loop that survives
-// compilation. Lanes behind the last square repeat it. fp32.
+// A square a lane, kTile outputs of a plane a workgroup: gl_WorkGroupID.x is the tile, of plane 0 first. Lanes behind
+// the last square repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -16,12 +15,11 @@ layout(constant_id = 4) const bool kStoresEights = false;  // the target begins 
 layout(constant_id = 5) const uint kFirst = 0;             // inputs whose planes lie before the others'
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
-const uint kTileQuads = kTile / 4;
-const uint kTexels = kInputs * kTileQuads;
-shared vec4 tile[kTexels];
+const uint kTexels = kInputs * kTile / 4;
+#include "shaders/common/lane_products.glsl"
 
 void main() {
-  STAGE_WEIGHTS(tile, weights, gl_WorkGroupID.x * kTexels, kTexels);
+  STAGE_TILE(weights);
 
   const uint row = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
   const uint square = min(p.squareBegin + row * kLanes + gl_LocalInvocationID.x, p.squareEnd - 1);
@@ -34,26 +32,14 @@ void main() {
   const uint start = square * p.source.stride + p.source.offset;
   const uint firsts = start + plane * (kFirst / 4);
   const uint others = start + kWinogradPlanes * (kFirst / 4) + plane * (kInputs - kFirst) / 4;
-  vec4 x[kInputs / 4];
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
     x[k] = texelFetch(source, int(k < kFirst / 4 ? firsts + k : others + k - kFirst / 4));
 
-  [[unroll]] for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
+  EVERY_PAIR for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;
-    const bool isPair = n + 1 < kTileQuads;  // else the last four outputs of an odd number
+    const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
     vec4 a = vec4(0), b = vec4(0);
-    [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
-      const vec4 v = x[k];
-      const uint at = 4 * k * kTileQuads + n;
-      a = plusProduct(a, v.x, tile[at]);
-      if (isPair) b = plusProduct(b, v.x, tile[at + 1]);
-      a = plusProduct(a, v.y, tile[at + kTileQuads]);
-      if (isPair) b = plusProduct(b, v.y, tile[at + kTileQuads + 1]);
-      a = plusProduct(a, v.z, tile[at + 2 * kTileQuads]);
-      if (isPair) b = plusProduct(b, v.z, tile[at + 2 * kTileQuads + 1]);
-      a = plusProduct(a, v.w, tile[at + 3 * kTileQuads]);
-      if (isPair) b = plusProduct(b, v.w, tile[at + 3 * kTileQuads + 1]);
-    }
+    addProducts(a, b, n, isPair);
     const WIDE4 first = wide4(a), second = wide4(b);
     const WIDE8 both = WIDE8(first, second);
     [[unroll]] for (uint l = 0; l < kLanes; l++)

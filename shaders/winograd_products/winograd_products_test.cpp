@@ -56,6 +56,7 @@ TEST_P(WinogradProductsCases, MatchesReference) {
   const auto& [c, family] = GetParam();
   const auto weight = test::randomNumbers(size_t{outputsOfWeight(c)} * c.inputs * 9, 1);
   test::expectMatchesReference(productsOf(c, weight), test::traitsOf(family), toleranceOf(DataType::f32));
+  if (family == KernelFamily::lane) test::expectMatchesReferenceByAddress(productsOf(c, weight), c.inputs <= 16);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, WinogradProductsCases,
@@ -80,10 +81,22 @@ TEST(WinogradProducts, OfOneTapHasNoCorners) {
 TEST(WinogradProducts, SavesThreeQuartersOfTheProducts) {
   const std::vector<float> weight(16 * 8 * 9);
   const WinogradProducts op = productsOf({3, 5, 8, 16}, weight);
-  const Dispatch launch = dispatch(op, test::traitsOf(KernelFamily::lane));
+  DeviceTraits traits = test::traitsOf(KernelFamily::lane);
+  traits.laneCode = LaneCode::shuffles;
+  const Dispatch launch = dispatch(op, traits);
   EXPECT_EQ(launch.program, "winograd_products_lane_f32");
   EXPECT_EQ(launch.multiplyAdds, 3u * 5 * 16 * 9 * 8 * 16);
   EXPECT_EQ(launch.savedProducts, launch.multiplyAdds / 4 * 3);
+}
+
+TEST(WinogradProducts, ReadsWeightsByAddressInOneTile) {
+  const std::vector<float> weight(16 * 128 * 9);
+  const Dispatch launch = dispatch(
+      productsOf({3, 5, 16, 128}, weight),
+      {.family = KernelFamily::lane, .shaderInt64 = true, .laneCode = LaneCode::scalars, .bufferAddresses = true});
+  EXPECT_EQ(launch.program, "winograd_products_lane_f32_addressed");
+  EXPECT_TRUE(launch.weightsByAddress);
+  EXPECT_EQ(launch.groupCount[0], 36u);
 }
 
 TEST(WinogradProducts, RefusesWhatDoesNotFit) {
