@@ -8,8 +8,8 @@
 namespace xrds {
 namespace {
 
-constexpr const char* kTriedDrivers[] = {"llvmpipe Mesa 22.3", "llvmpipe Mesa 25.0", "llvmpipe Mesa 26.2",
-                                         "SwiftShader driver", "NVIDIA 580."};
+constexpr const char* kTriedDrivers[] = {"llvmpipe Mesa 22.3", "llvmpipe Mesa 25.0", "llvmpipe Mesa 26.1",
+                                         "llvmpipe Mesa 26.2", "SwiftShader driver", "NVIDIA 580."};
 constexpr uint64_t kUsualTensorTexels = uint64_t{1} << 26;  // what GPUs of computers offer at the least
 
 std::string mebibytes(uint64_t byteSize) { return std::to_string(byteSize >> 20) + " MiB"; }
