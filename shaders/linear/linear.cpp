@@ -31,6 +31,13 @@ size_t ownInputs(const Linear& op) { return op.first.bias.empty() ? inputChannel
 // The tiles of the lane kernel are multiples of this; those of 8 are stored twice as wide.
 uint32_t tileStep(uint32_t outputs) { return outputs % 8 == 0 ? 8 : 4; }
 
+// Whether the lane kernel reads its weights by address, eight outputs after the other in a loop. Longer code than that
+// of kMaxLoop multiply-adds takes minutes to compile.
+bool readsWeightsByAddress(const Linear& op, const DeviceTraits& device) {
+  constexpr uint32_t kMaxLoop = 4096;
+  return inputChannels(op) * 8 <= kMaxLoop && readsWeightsByAddress(device, op.output.type, op.weightType);
+}
+
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of tileStep(N); 0:
 // there is none.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
@@ -40,7 +47,7 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
       subgroups / subgroupShare(subgroups, kMaxRows) > kMaxGroupCount)
     return 0;
-  const bool byAddress = readsWeightsByAddress(device, op.output.type, op.weightType);  // in a loop, of any length
+  const bool byAddress = readsWeightsByAddress(op, device);
   const auto fits = [&](uint32_t tile) {
     return byAddress || (inputs * tile <= kMaxBody && (inputs + 1) * tile * 4 <= device.maxSharedBytes);
   };
@@ -153,7 +160,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
         device.subgroupSize,   params.inputChannels,  tile, activation, hasResidual, rows, inEights, normalized,
         op.input.channels / 4, takesTurns(op, device)};
     launch.pushConstants = pushBytesWithDigits(params);
-    if (readsWeightsByAddress(device, op.output.type, op.weightType)) readWeightsByAddress(launch);
+    if (readsWeightsByAddress(op, device)) readWeightsByAddress(launch);
     launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
