@@ -25,13 +25,18 @@ uint32_t inputAt(const WinogradProducts& op, uint32_t plane, uint32_t k) {
   return k < first ? plane * first + k : kPlanes * first + plane * (inputs(op) - first) + k - first;
 }
 
+// Whether the lane kernel does, eight outputs after the other in a loop. Its weights are of fp32 always.
+bool readsWeightsByAddress(const WinogradProducts& op, const DeviceTraits& device) {
+  return readsWeightsByAddress(device, op.output.type, DataType::f32);
+}
+
 // Outputs of a workgroup of the lane kernel; 0: the device takes the plain one.
 uint32_t laneTile(const WinogradProducts& op, const DeviceTraits& device) {
   const uint32_t step = outputs(op) % 8 == 0 ? 8 : 4;
   if (device.family != KernelFamily::lane || !device.shaderInt64 ||
       device.subgroupSize * kMaxSubgroups > device.maxGroupInvocations)
     return 0;
-  const bool byAddress = readsWeightsByAddress(device, op.output.type, DataType::f32);  // in a loop, of any length
+  const bool byAddress = readsWeightsByAddress(op, device);
   const auto fits = [&](uint32_t tile) {
     return outputs(op) % tile == 0 &&
            (byAddress || (inputs(op) * tile <= kMaxBody && inputs(op) * tile * 4 <= device.maxSharedBytes));
@@ -97,7 +102,7 @@ Dispatch dispatch(const WinogradProducts& op, const DeviceTraits& device) {
     launch.program = programName("winograd_products", KernelFamily::lane, op.output.type);
     launch.specialization = {device.subgroupSize, subgroups, inputs(op), tile, inEights, op.firstInputs};
     launch.pushConstants = pushBytesWithDigits(params);
-    if (readsWeightsByAddress(device, op.output.type, DataType::f32)) readWeightsByAddress(launch);
+    if (readsWeightsByAddress(op, device)) readWeightsByAddress(launch);
     launch.groupCount = {op.output.channels / tile, ceilDivide(squares, device.subgroupSize * subgroups), 1};
   } else {
     launch.program = programName("winograd_products", KernelFamily::plain, op.output.type);
