@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/dispatch.h"
+#include "engine/device_traits.h"
 #include "engine/pace.h"
 #include "xrds/preparation.h"
 

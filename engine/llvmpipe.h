@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "engine/dispatch.h"
+#include "engine/device_traits.h"
 
 namespace xrds {
 

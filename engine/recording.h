@@ -6,6 +6,7 @@
 
 #include "engine/buffer.h"
 #include "engine/device.h"
+#include "engine/dispatch.h"
 
 namespace xrds {
 
