@@ -8,6 +8,7 @@
 #include "api/arguments.h"
 #include "api/finite_image.h"
 #include "image/repair.h"
+#include "network/oidn.h"
 #include "shaders/common/transfer.h"
 #include "xrds/auxiliary_input.h"
 #include "xrds/error.h"
@@ -20,6 +21,12 @@ constexpr double kLeastMissing = 0.01;   // of the whole: less is taken as noise
 constexpr double kMostGain = 16;         // of the picture over the guesses, before unlikely places take light as well
 constexpr float kMostFloat = std::numeric_limits<float>::max();
 constexpr float kMostLight = 1e30F;  // of a layer, so that no sum of it leaves the range of a float
+
+// Such a network has no kernels to filter layers by.
+bool denoisesColours(const NetworkConfig& config) {
+  const std::string image = denoisedImage(config);
+  return image == "hdr" || image == "ldr";
+}
 
 double finite(float value) { return std::isfinite(value) ? std::max(value, 0.F) : 0; }
 
@@ -70,6 +77,7 @@ void checkLayers(const NetworkConfig& config, FrameShape frame, const LayerSet& 
 }
 
 uint32_t layerImageCount(const NetworkConfig& config, const LayerSet& layers) {
+  if (denoisesColours(config)) return 0;
   const bool hasAlbedo = config.auxOffset(kAlbedo.name) >= 0;
   return static_cast<uint32_t>(layers.lights.size() + layers.colours.size()) + 1 + (hasAlbedo ? 1 : 0);
 }
@@ -147,6 +155,11 @@ std::vector<LayerImage> LayerFrame::images() {
   means.emplace_back(restMean_);
   if (albedo_.pixels) means.emplace_back(albedoMean_);
   std::vector<LayerImage> images;
+  if (denoisesColours(config_)) {
+    for (size_t i = 0; i < filtered_.size(); ++i)
+      std::copy_n(filtered_[i].pixels.begin(), means[i].size(), means[i].begin());
+    return images;
+  }
   for (size_t i = 0; i < filtered_.size(); ++i)
     images.push_back({{filtered_[i].pixels.data(), frame_.width, frame_.height}, means[i]});
   return images;

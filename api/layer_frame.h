@@ -14,7 +14,8 @@ namespace xrds {
 void checkLayers(const NetworkConfig& config, FrameShape frame, const LayerSet& layers);
 
 /// The images that a run filters for the layers: their lights, their colours, what of the whole is none of them and,
-/// of models that take an albedo, the means of that.
+/// of models that take an albedo, the means of that. None of a denoiser of colours, whose layers only share its
+/// picture.
 uint32_t layerImageCount(const NetworkConfig& config, const LayerSet& layers);
 
 /// The layers of one frame: what of them is filtered, and how they share the picture.
@@ -24,7 +25,8 @@ class LayerFrame {
   LayerFrame(const NetworkConfig& config, FrameShape frame, const LayerSet& layers, const PixelView& colour,
              std::span<const PixelView> auxiliary);
 
-  /// What is to be filtered, and the places of the results: outputs of the layers, where they stay until share().
+  /// What is to be filtered, and the places of the results: outputs of the layers, where they stay until share(). Of a
+  /// denoiser nothing: there the layers lie as they are given.
   std::vector<LayerImage> images();
 
   /// Makes the layers out of what was filtered, so that they sum to the picture [s h, s w, 3]: with A a filtered light,

@@ -176,6 +176,35 @@ TEST_P(LayersOf, MatchAReference) {
 INSTANTIATE_TEST_SUITE_P(Models, LayersOf, testing::ValuesIn(kModels),
                          [](const auto& parameter) { return parameter.param; });
 
+// They are as they are given, times their colour, and share the picture.
+TEST(Layers, OfADenoiserShareItsPicture) {
+  for (const char* name : {"unet/hdr_small", "unet/ldr_albedo_normal_small"}) {
+    const Model model(golden(name));
+    Render render(model), alone(model);
+    EXPECT_NEAR(render.run().share, 1, 1e-5);
+    render.expectSum();
+    Upscaler upscaler(device(), model, kWidth, kHeight, {});
+    upscaler.run(alone.low(alone.colour), alone.auxiliary(), alone.picture);
+    EXPECT_EQ(render.picture, alone.picture);
+    for (size_t i = 0; i < render.picture.size(); ++i) {
+      double guesses[Render::count], sum = 0;
+      for (size_t k = 0; k < Render::count; ++k)
+        sum += guesses[k] = render.lights[k][i] * (k > Render::indirect      ? 1.0
+                                                   : render.lowColour[i] > 0 ? render.fullColour[i]
+                                                                             : 0);
+      const double wanted = std::max(render.picture[i], 0.F);
+      if (sum * 16 < wanted || !(sum > 0)) continue;  // other tests have what becomes of it
+      for (size_t k = 0; k < Render::count; ++k) {
+        const double found = double{render.outputs[k][i]} * (k <= Render::indirect ? render.colourOutput[i] : 1.F);
+        ASSERT_NEAR(found, wanted * guesses[k] / sum, 1e-5 * wanted) << name << " " << k << " " << i;
+      }
+    }
+  }
+  const Model ofAlbedo(golden("unet/albedo_small"));
+  Render render(ofAlbedo);
+  EXPECT_THROW(render.run(), Error);
+}
+
 // Everything that a frame may be cut into or repeated by; the untrained guided base, whose kernels are joint bilateral.
 TEST(Layers, AddUpWhateverTheOptions) {
   const Model model = Model::untrained(4, "guided");

@@ -68,7 +68,7 @@ void Frame::fit(const std::string& input) {
 
 ExrOutput Frame::output(int scale) const {
   ExrOutput output = scaledOutput(colourPart(), scale);
-  if (const ExrPart* full = auxiliaryPart(); full && layers_) output.layerAttributes = full->attributes;
+  if (copiedPart_) output.layerAttributes = auxFile_.parts[*copiedPart_].attributes;
   if (fit_) output.displayWindow = fit_->displayWindow;
   return output;
 }
@@ -151,13 +151,16 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
   merged_->share = estimatedFullShare(viewOf(colour_), viewOf(full));
 }
 
-void Frame::loadLayers(const LayerRequest& request) {
+void Frame::loadLayers(const LayerRequest& request, uint32_t scale) {
   FrameLayers::Files files{colorFile_, auxFile_, aovs_.color, {}, colourPart().dataWindow};
   if (fit_) {
     files.fullPart = layerOf(inputs_.front()).part;
     files.window = scaledBox(colourPart().dataWindow, fit_->scale);
+  } else if (scale == 1) {
+    files.fullPart = aovs_.color.part;
   }
   layers_.emplace(files, request, merged_ ? std::optional(merged_->share) : std::nullopt);
+  copiedPart_ = files.fullPart;
 }
 
 void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) {

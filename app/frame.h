@@ -46,9 +46,9 @@ class Frame {
   /// Throws Error.
   void load();
 
-  /// After load(): finds and reads the layers of light that are to be upscaled as well, and those to copy. Throws
-  /// Error.
-  void loadLayers(const LayerRequest& request);
+  /// After load(): finds and reads the layers of light that are to be upscaled as well, by `scale`, and those to copy:
+  /// of the auxiliary images' file, or without these, if the size stays, of the colour's. Throws Error.
+  void loadLayers(const LayerRequest& request, uint32_t scale);
 
   /// After load(): takes the noise out of albedo and normal, unless they have none; out of the colour, merged or not,
   /// with their means; and out of the full-resolution light that the model takes, its colour brought to the level of
@@ -113,6 +113,7 @@ class Frame {
   Image colour_;
   std::optional<MergedColour> merged_;
   std::optional<FrameLayers> layers_;
+  std::optional<size_t> copiedPart_;  // of the auxiliary file
   std::string denoisedBy_;
   std::optional<Noisy> noisy_;
   std::optional<Image> alpha_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <iterator>
 #include <sstream>
 
@@ -29,6 +30,10 @@ Image readFull(const ExrFile& file, const ExrSelection& layer, const Box& window
   Image image = placedInBox(readLayer(file, layer), file.parts[layer.part].dataWindow, window);
   repairRadiance(image);
   return image;
+}
+
+bool isBlack(const Image& image) {
+  return std::none_of(image.pixels.begin(), image.pixels.end(), [](float value) { return value > 0; });
 }
 
 // a b, or a / b, where b is not black.
@@ -129,8 +134,8 @@ void FrameLayers::find(const Files& files, const LayerRequest& request) {
   }
   if (lights_.empty())
     throw Error(
-        "No light layer is found beside the colour, such as DiffDir, Emit or Combined_key of Cycles: name those to "
-        "upscale, --layers NAME,NAME; " +
+        "No light layer is found beside the colour, such as DiffDir, Emit or Combined_key of Cycles: name those that "
+        "are wanted, --layers NAME,NAME; " +
         describe(files.colour));
   colourChannels_ = outputNames(files.colour, files.colourLayer);
   if (own == all.end() || !namesNoisyRender(own->stem)) return;
@@ -146,7 +151,10 @@ void FrameLayers::read(const Files& files) {
   for (Colour& pass : colours_) {
     pass.image = readRadiance(files.colour, pass.low);
     if (pass.full) pass.fullImage = readFull(files.full, *pass.full, files.window);
-    list_.upscaled.push_back(printable(pass.name) + (pass.full ? " (of full resolution)" : " (filtered)"));
+    const bool isUpscaled = files.window != files.colour.parts[files.colourLayer.part].dataWindow;
+    list_.upscaled.push_back(printable(pass.name) + (!isUpscaled ? ""
+                                                     : pass.full ? " (of full resolution)"
+                                                                 : " (filtered)"));
   }
 }
 
@@ -211,11 +219,24 @@ void FrameLayers::merge(const Files& files, double share) {
 }
 
 void FrameLayers::denoise(ImageDenoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes) {
-  for (Light& light : lights_) light.image = denoiser.denoised(light.image, albedo, normal, passes);
-  for (Image& rest : rest_)
-    if (std::any_of(rest.pixels.begin(), rest.pixels.end(), [](float value) { return value > 0; }))
-      rest = denoiser.denoised(rest, albedo, normal, passes);
+  const auto clean = [&](Image& image) {
+    if (!isBlack(image)) image = denoiser.denoised(image, albedo, normal, passes);
+  };
+  for (Light& light : lights_) clean(light.image);
+  for (Image& rest : rest_) clean(rest);
   makeWhole();
+}
+
+size_t FrameLayers::noisyImages() const {
+  const auto lights = std::count_if(lights_.begin(), lights_.end(), [](const Light& l) { return !isBlack(l.image); });
+  return static_cast<size_t>(lights + std::count_if(std::begin(rest_), std::end(rest_), std::not_fn(isBlack)));
+}
+
+void FrameLayers::denoiseColours(ImageDenoiser& denoiser) {
+  for (Colour& pass : colours_) {
+    pass.image = denoiser.denoisedAlbedo(pass.image);
+    if (pass.full) pass.fullImage = pass.image;
+  }
 }
 
 UpscaledLayers FrameLayers::room(int scale) const {

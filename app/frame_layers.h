@@ -50,8 +50,15 @@ class FrameLayers {
   /// is found, or a file cannot be read.
   FrameLayers(const Files& files, const LayerRequest& request, std::optional<double> share);
 
-  /// Takes the noise out of each light, with the help of low-resolution albedo and normal, which may be null.
-  void denoise(ImageDenoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes);
+  /// Takes the noise out of each light that is not black, with the help of low-resolution albedo and normal, which may be null.
+  void denoise(ImageDenoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes = 1);
+
+  /// Takes the noise out of the colour passes, as of albedos; of full resolution they are the same images then. Before
+  /// denoise(). For layers of one size.
+  void denoiseColours(ImageDenoiser& denoiser);
+  /// How many images these two give to a denoiser.
+  size_t noisyImages() const;
+  size_t noisyColours() const { return colours_.size(); }
 
   const LayerList& list() const { return list_; }
   /// Room for the results at `scale` times the size.

@@ -87,7 +87,7 @@ const Model& NetworkDenoiser::colourNetwork(size_t guides, bool clean) {
 }
 
 Image NetworkDenoiser::filtered(Device& device, const Model& model, const Image& colour,
-                                const std::vector<const Image*>& guides) {
+                                const std::vector<const Image*>& guides, std::span<const LayerSet> layers) {
   std::vector<PixelView> views;
   views.reserve(guides.size());
   for (const Image* guide : guides) views.push_back(viewOf(*guide));
@@ -99,21 +99,22 @@ Image NetworkDenoiser::filtered(Device& device, const Model& model, const Image&
   if (!network) network = std::make_unique<Upscaler>(device, model, width, height, options);
   Image result(colour.width, colour.height, 3);
   const auto start = std::chrono::steady_clock::now();
-  if (!network->run(viewOf(colour), views, result.pixels, options_.progress))
+  if (!network->run(viewOf(colour), views, result.pixels, layers, options_.progress))
     throw Cancelled("The denoiser was stopped.");
   runSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   deviceBytes_ = std::max(deviceBytes_, network->deviceBytes());
   tiling_ = network->tiling();
+  layerReports_ = network->layerReports();
   if (options_.staysPrepared) prepared_.put(device, model, width, height, std::move(network));
   return result;
 }
 
 Image NetworkDenoiser::denoised(Device& device, const Image& colour, const Image* albedo, const Image* normal,
-                                bool clean) {
+                                bool clean, std::span<const LayerSet> layers) {
   std::vector<const Image*> guides;
   if (albedo) guides.push_back(albedo);
   if (albedo && normal) guides.push_back(normal);
-  return filtered(device, colourNetwork(guides.size(), clean), colour, guides);
+  return filtered(device, colourNetwork(guides.size(), clean), colour, guides, layers);
 }
 
 Image NetworkDenoiser::prefiltered(Device& device, const Image& colour, const Image* albedo, const Image* normal) {

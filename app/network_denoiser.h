@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "app/image_denoiser.h"
@@ -49,8 +50,10 @@ class NetworkDenoiser {
 
   /// The colour [h, w, 3] without its noise, with the help of albedo and normal [h, w, 3]. Either may be null, the
   /// normal must be where there is no albedo. `clean`: they have no noise. Tiles, where the memory asks for them, have
-  /// halos with which the picture is that of the whole frame bit for bit. Throws Error, as load() does.
-  Image denoised(Device& device, const Image& colour, const Image* albedo, const Image* normal, bool clean);
+  /// halos with which the picture is that of the whole frame bit for bit. `layers`, without their noise, get their
+  /// share of it (Upscaler::run()). Throws Error, as load() does.
+  Image denoised(Device& device, const Image& colour, const Image* albedo, const Image* normal, bool clean,
+                 std::span<const LayerSet> layers = {});
   /// The same with albedo and normal that were denoised before, where both are there; an albedo alone stays as it is.
   Image prefiltered(Device& device, const Image& colour, const Image* albedo, const Image* normal);
   /// Albedo and normal without their noise, each by a network of its own.
@@ -66,14 +69,16 @@ class NetworkDenoiser {
   uint64_t deviceBytes() const { return deviceBytes_; }
   /// Of all runs of networks, with upload and download; not of their preparation.
   double runSeconds() const { return runSeconds_; }
-  const Tiling& tiling() const { return tiling_; }  // of the network that ran last
+  const Tiling& tiling() const { return tiling_; }                                // of the network that ran last
+  const std::vector<LayerReport>& layerReports() const { return layerReports_; }  // of the layers of denoised()
 
  private:
   std::filesystem::path folder() const;
   std::filesystem::path fileOf(const std::string& kind) const;
   const Model& networkOf(const std::string& kind);
   const Model& colourNetwork(size_t guides, bool clean);
-  Image filtered(Device& device, const Model& model, const Image& colour, const std::vector<const Image*>& guides);
+  Image filtered(Device& device, const Model& model, const Image& colour, const std::vector<const Image*>& guides,
+                 std::span<const LayerSet> layers = {});
 
   Options options_;
   std::map<std::string, Model> models_;
@@ -82,24 +87,27 @@ class NetworkDenoiser {
   uint64_t deviceBytes_ = 0;
   double runSeconds_ = 0;
   Tiling tiling_{};
+  std::vector<LayerReport> layerReports_;
 };
 
-/// These networks on a device, in front of an upscaler. Images go there and come back, each by itself.
+/// These networks on a device, as in front of an upscaler. Images go there and come back, each by itself.
 class DeviceDenoiser : public ImageDenoiser {
  public:
-  /// Both must outlive it.
-  DeviceDenoiser(NetworkDenoiser& networks, Device& device) : networks_(networks), device_(device) {}
+  /// Both must outlive it. `clean`: the guides of colours have no noise.
+  DeviceDenoiser(NetworkDenoiser& networks, Device& device, bool clean = true)
+      : networks_(networks), device_(device), clean_(clean) {}
   std::string name() const override { return networks_.name(); }
 
  private:
   Image colourWithoutNoise(const Image& colour, const Image* albedo, const Image* normal) override {
-    return networks_.denoised(device_, colour, albedo, normal, true);
+    return networks_.denoised(device_, colour, albedo, normal, clean_);
   }
   Image albedoWithoutNoise(const Image& albedo) override { return networks_.denoisedAlbedo(device_, albedo); }
   Image normalWithoutNoise(const Image& normal) override { return networks_.denoisedNormal(device_, normal); }
 
   NetworkDenoiser& networks_;
   Device& device_;
+  const bool clean_;
 };
 
 }  // namespace xrds

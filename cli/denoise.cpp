@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -15,20 +16,43 @@
 #include "cli/progress.h"
 #include "cli/sequence_run.h"
 #include "cli/timer.h"
+#include "cli/upscale_frame.h"
 #include "cli/warnings.h"
 #include "image/png_write.h"
 
 namespace xrds {
 namespace {
 
-void write(const DenoiseOptions& options, const Frame& frame, const Image& picture, const std::string& denoiser) {
+void write(const DenoiseOptions& options, const Frame& frame, const Denoised& found, const std::string& denoiser) {
   failingWith(ExitCode::output, [&] {
     const UpscaleOptions& common = options.common;
-    const Image whole = frame.alpha() ? withAlpha(picture, *frame.alpha()) : picture;
-    writeExr(common.output, whole, outputOf(options, frame, denoiser));
-    if (!common.preview.empty()) writePng(common.preview, picture);
+    const Image whole = frame.alpha() ? withAlpha(found.picture, *frame.alpha()) : found.picture;
+    writePicture(common.output, frame, whole, found.layers, outputOf(options, frame, denoiser));
+    if (!common.preview.empty()) writePng(common.preview, found.picture);
   });
 }
+
+/// The progress of several runs, one after the other, each of which tells growing shares up to 1.
+class RunsBar {
+ public:
+  RunsBar(bool quiet, size_t runs) : bar_(quiet), runs_(static_cast<double>(runs)) {}
+  bool update(double share) {
+    if (share <= last_) ++done_;
+    last_ = share;
+    return bar_.update(std::min(1.0, (done_ + share) / runs_));
+  }
+
+ private:
+  ProgressBar bar_;
+  const double runs_;
+  double done_ = 0, last_ = 0;
+};
+
+/// Gives back what stayed prepared for one light after the other, before the device goes.
+struct Released {
+  NetworkDenoiser& networks;
+  ~Released() { networks.release(); }
+};
 
 void denoiseOne(const DenoiseOptions& options) {
   const Timer whole;
@@ -40,27 +64,31 @@ void denoiseOne(const DenoiseOptions& options) {
   const Frame frame = failingWith(ExitCode::input, [&] {
     Frame opened = openFrame(options, common.color, common.aux);
     opened.load();
+    if (const LayerRequest request = layerRequest(common.lights); request.any()) opened.loadLayers(request, 1);
     return opened;
   });
   printWarnings(frame.warnings());
   stopIfInterrupted();
-  std::optional<ProgressBar> bar;
+  std::optional<RunsBar> bar;
   NetworkDenoiser denoiser(networksOf(options, [&bar](double share) { return bar->update(share); }));
   failingWith(ExitCode::model, [&] {
     const size_t guides = frame.auxiliary().size();
     denoiser.load(guides, areClean(options), arePrefiltered(options, guides));
   });
   onDevice(common.device, common.quiet, [&](Device& device) {
-    bar.emplace(common.quiet);
-    const Image picture = denoised(denoiser, device, frame, options);
+    const Released released{denoiser};
+    bar.emplace(common.quiet, runsFor(frame, options));
+    const Denoised found = denoised(denoiser, device, frame, options);
     bar.reset();
-    write(options, frame, picture, denoiser.name());
+    write(options, frame, found, denoiser.name());
+    if (frame.layers()) printWarnings(frame.layers()->warnings(found.layers));
     if (common.quiet) return;
     const Tiling& tiling = denoiser.tiling();
-    std::printf("%s: %d x %d pixels by %s on %s\n", common.output.c_str(), picture.width, picture.height,
+    std::printf("%s: %d x %d pixels by %s on %s\n", common.output.c_str(), found.picture.width, found.picture.height,
                 denoiser.name().c_str(), device.description().name.c_str());
     std::printf("%.2f s of the device, %.2f s in all; %.0f MB of device memory, %u x %u tiles\n", denoiser.runSeconds(),
                 whole.seconds(), static_cast<double>(denoiser.deviceBytes()) / 1e6, tiling.columns, tiling.rows);
+    if (frame.layers()) std::fputs(layersText(frame.layers()->list()).c_str(), stdout);
   });
 }
 
@@ -107,6 +135,13 @@ void addOptions(CLI::App& verb, DenoiseOptions& options) {
       ->type_name("LAYER");
   verb.add_option("--albedo", common.layers.names[AovRole::kAlbedo], "Layer to take as albedo")->type_name("LAYER");
   verb.add_option("--normal", common.layers.names[AovRole::kNormal], "Layer to take as normal")->type_name("LAYER");
+  verb.add_option(
+          "--layers", common.lights,
+          "Layers of light to denoise as well, so that they still add up to the result: all (those that Cycles names,\n"
+          "light groups too), or names with commas. Every other layer of AUX, or of COLOR where there is none, such "
+          "as\n"
+          "depth, ids and Cryptomatte, is copied bit for bit")
+      ->type_name("all|NAME,NAME");
   addSequenceOptions(verb, common);
   addQuiet(verb, common.quiet);
   verb.add_flag("--half", common.half, "Write 16-bit half floats");

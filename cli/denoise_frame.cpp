@@ -40,7 +40,8 @@ NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::fu
                                   .ldr = options.ldr,
                                   .fp16 = options.common.precision == kFp16,
                                   .memoryBytes = parseBytes(options.common.memory),
-                                  .progress = progress};
+                                  .progress = progress,
+                                  .staysPrepared = options.common.memory.empty() && !options.common.lights.empty()};
   if (options.common.exposure != "auto") result.exposure = std::strtof(options.common.exposure.c_str(), nullptr);
   return result;
 }
@@ -51,16 +52,38 @@ bool arePrefiltered(const DenoiseOptions& options, size_t guides) {
   return options.guides == "prefilter" && guides == 2;
 }
 
-Image denoised(NetworkDenoiser& networks, Device& device, const Frame& frame, const DenoiseOptions& options) {
+Denoised denoised(NetworkDenoiser& networks, Device& device, const Frame& frame, const DenoiseOptions& options) {
   const auto& images = frame.auxiliary();
+  const bool prefilters = arePrefiltered(options, images.size()), clean = areClean(options) || prefilters;
   const Image *albedo = images.empty() ? nullptr : &images[0], *normal = images.size() < 2 ? nullptr : &images[1];
+  Image cleanAlbedo, cleanNormal;
   try {
-    if (options.guides == "prefilter") return networks.prefiltered(device, frame.colour(), albedo, normal);
-    return networks.denoised(device, frame.colour(), albedo, normal, areClean(options));
+    if (prefilters) {
+      cleanAlbedo = networks.denoisedAlbedo(device, *albedo);
+      cleanNormal = networks.denoisedNormal(device, *normal);
+      albedo = &cleanAlbedo;
+      normal = &cleanNormal;
+    }
+    if (!frame.layers()) return {networks.denoised(device, frame.colour(), albedo, normal, clean)};
+    FrameLayers layers = *frame.layers();
+    DeviceDenoiser single(networks, device, clean);
+    if (prefilters) layers.denoiseColours(single);
+    layers.denoise(single, albedo, normal);
+    UpscaledLayers room = layers.room(1);
+    Image picture = networks.denoised(device, frame.colour(), albedo, normal, clean, layers.sets(room));
+    room.reports = networks.layerReports();
+    return {std::move(picture), std::move(room)};
   } catch (const Cancelled&) {
     stopIfInterrupted();
     throw;
   }
+}
+
+size_t runsFor(const Frame& frame, const DenoiseOptions& options) {
+  const bool prefilters = arePrefiltered(options, frame.auxiliary().size());
+  const size_t ofLayers =
+      frame.layers() ? frame.layers()->noisyImages() + (prefilters ? frame.layers()->noisyColours() : 0) : 0;
+  return 1 + (prefilters ? 2 : 0) + ofLayers;
 }
 
 ExrOutput outputOf(const DenoiseOptions& options, const Frame& frame, const std::string& denoiser) {

@@ -25,8 +25,18 @@ NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::fu
 bool areClean(const DenoiseOptions& options);
 bool arePrefiltered(const DenoiseOptions& options, size_t guides);
 
-/// The picture of a frame that was read. Throws Error, and Failure when interrupted.
-Image denoised(NetworkDenoiser& networks, Device& device, const Frame& frame, const DenoiseOptions& options);
+/// What became of a frame, its layers in the order of FrameLayers.
+struct Denoised {
+  Image picture;
+  UpscaledLayers layers{};
+};
+
+/// That of a frame that was read: its picture, and its layers, each without its noise and with its share of the
+/// picture. Throws Error, and Failure when interrupted.
+Denoised denoised(NetworkDenoiser& networks, Device& device, const Frame& frame, const DenoiseOptions& options);
+
+/// How many images go through networks for that.
+size_t runsFor(const Frame& frame, const DenoiseOptions& options);
 
 /// What the file of a result says beside its pixels.
 ExrOutput outputOf(const DenoiseOptions& options, const Frame& frame, const std::string& denoiser);

@@ -21,9 +21,13 @@ class DenoisedFrames : public FrameMaker {
     std::optional<Frame> merged;
     if (options_.common.temporal) merged = merger_.merged(device, group);
     const Frame& frame = merged ? *merged : group.present->frame;
-    const Image picture = denoised(networks_, device, frame, options_);
-    return {.image = frame.alpha() ? withAlpha(picture, *frame.alpha()) : picture,
-            .output = outputOf(options_, frame, networks_.name())};
+    const Denoised found = denoised(networks_, device, frame, options_);
+    MadeFrame made{.image = frame.alpha() ? withAlpha(found.picture, *frame.alpha()) : found.picture,
+                   .output = outputOf(options_, frame, networks_.name())};
+    if (!frame.layers()) return made;
+    made.planes = frame.layers()->planes(made.image, found.layers, made.output.pixelType);
+    made.warnings = frame.layers()->warnings(found.layers);
+    return made;
   }
 
   void release() override {

@@ -56,7 +56,7 @@ FrameGroup TemporalFrames::read(const SequenceFrame& frame) {
   shared_.keep(2 * size_t{group.radius} + 1 + readers_);
   if (const LayerRequest lights = layerRequest(options_.lights); lights.any()) {
     auto present = std::make_shared<MovingFrame>(*group.present);
-    failingWith(ExitCode::input, [&] { present->frame.loadLayers(lights); });
+    failingWith(ExitCode::input, [&] { present->frame.loadLayers(lights, opened_.model.scale()); });
     group.present = std::move(present);
   }
   return group;

@@ -153,7 +153,7 @@ void prepare(const UpscaleOptions& options, const OpenedModel& opened, Frame& fr
   failingWith(ExitCode::input, [&] { (void)inputsOf(opened.model, frame); });  // throws if one is not there
   requireSkippable(options, opened);
   if (const LayerRequest request = layerRequest(options.lights); request.any())
-    failingWith(ExitCode::input, [&] { frame.loadLayers(request); });
+    failingWith(ExitCode::input, [&] { frame.loadLayers(request, opened.model.scale()); });
   if (options.denoiseFirst && !denoisesOnDevice(options, frame)) denoiseByLibrary(options, frame);
 }
 

@@ -83,7 +83,7 @@ Json listOf(const std::vector<Row>& rows) {
 }  // namespace
 
 std::string layersText(const LayerList& layers) {
-  std::string text = "Layers upscaled" + std::string(layers.merged ? ", merged with those of AUX" : "") + ": " +
+  std::string text = "Layers of light" + std::string(layers.merged ? ", merged with those of AUX" : "") + ": " +
                      listed(layers.upscaled) + ".\n";
   if (!layers.copied.empty()) text += "Copied: " + listed(layers.copied) + ".\n";
   if (!layers.leftOut.empty()) text += "Left out: " + listed(layers.leftOut) + ".\n";

@@ -180,6 +180,82 @@ TEST(CliLayers, AddUpToTheDenoisedResult) {
   }
 }
 
+/// A render of one size, 40 x 32, with all that frame.color of writeColour() and the guides have, and networks for it.
+struct NoisyFrame {
+  TemporaryFolder folder;
+  std::string render = (folder / "render.exr").string(), out = (folder / "out.exr").string(),
+              networks = (folder / "networks").string();
+
+  NoisyFrame() {
+    const auto colour = [](int x, int, int) { return x < 20 ? 0.25F : 0.5F; };
+    const auto combined = [=](int x, int y, int c) { return light(x, y, c) * (2 * colour(x, y, c) + 0.3F); };
+    writeParts(render, {{boxOf(40, 32),
+                         boxOf(40, 32),
+                         {{"ViewLayer.Combined", "RGBA", combined},
+                          of("ViewLayer.DiffDir", 1.5F),
+                          of("ViewLayer.DiffInd", 0.5F),
+                          {"ViewLayer.DiffCol", "RGB", colour},
+                          of("ViewLayer.Emit", 0.3F),
+                          {"ViewLayer.Denoising Albedo", "RGB", colour},
+                          {"ViewLayer.Denoising Normal", "XYZ", normalLayer("", 40).pixels},
+                          {"ViewLayer.Depth", "Z", [](int x, int y, int) { return float(x + y); }}}}});
+    std::filesystem::create_directory(networks);
+    const std::string golden = XRDS_GOLDEN_FOLDER "/unet/";
+    for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
+                                   {"hdr_small", "rt_hdr"},
+                                   {"albedo_small", "rt_alb"},
+                                   {"normal_small", "rt_nrm"}})
+      std::filesystem::copy_file(golden + from + ".model.safetensors", networks + "/" + to + ".safetensors");
+  }
+  Ended denoise(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"denoise", render, "-o", out, "--denoisers", networks};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runXrds(arguments);
+  }
+};
+
+TEST(CliLayers, OfADenoisedFrameAddUpToIt) {
+  const NoisyFrame frame;
+  const auto of = [&](const std::string& name) { return layer(frame.out, "ViewLayer." + name); };
+  for (const std::string guides : {"prefilter", "clean", "none"}) {
+    ASSERT_EQ(frame.denoise({"--guides", guides}).exitCode, 0);
+    const Image alone = readColour(frame.out);
+    const Ended ended = frame.denoise({"--guides", guides, "--layers", "all"});
+    ASSERT_EQ(ended.exitCode, 0) << ended.error;
+    EXPECT_NE(ended.output.find("Layers of light: DiffDir, DiffInd, Emit, DiffCol.\nCopied: "), std::string::npos)
+        << ended.output;
+    EXPECT_EQ(ended.error.find("add up"), std::string::npos) << ended.error;
+    const Image beauty = of("Combined"), direct = of("DiffDir"), indirect = of("DiffInd"), colour = of("DiffCol"),
+                emission = of("Emit");
+    EXPECT_EQ(beauty, alone);
+    for (size_t i = 0; i < beauty.pixels.size(); ++i) {
+      const float wanted = std::max(beauty.pixels[i], 0.F);
+      ASSERT_NEAR((direct.pixels[i] + indirect.pixels[i]) * colour.pixels[i] + emission.pixels[i], wanted,
+                  1e-5F * wanted);
+    }
+    EXPECT_NE(emission, layer(frame.render, "ViewLayer.Emit"));
+    EXPECT_EQ(colour == layer(frame.render, "ViewLayer.DiffCol"), guides != "prefilter") << guides;
+    for (const char* name : {"ViewLayer.Depth.Z", "ViewLayer.Denoising Albedo.G", "ViewLayer.Denoising Normal.X"})
+      EXPECT_EQ(readPlanes(readExrHeader(frame.out), 0, {name}, boxOf(40, 32))[0].bytes,
+                readPlanes(readExrHeader(frame.render), 0, {name}, boxOf(40, 32))[0].bytes)
+          << name;
+    EXPECT_EQ(readPlanes(readExrHeader(frame.out), 0, {"ViewLayer.Combined.A"}, boxOf(40, 32)).size(), 1U);
+  }
+}
+
+TEST(CliLayers, OfDenoisedSequencesAreThoseOfTheFrames) {
+  const NoisyFrame frame;
+  ASSERT_EQ(frame.denoise({"--layers", "all"}).exitCode, 0);
+  const std::string single = readBytes(frame.out);
+  for (const char* name : {"r.0001.exr", "r.0002.exr"}) std::filesystem::copy(frame.render, frame.folder / name);
+  const Ended ended =
+      runXrds({"denoise", (frame.folder / "r.####.exr").string(), "-o", (frame.folder / "o.####.exr").string(),
+               "--denoisers", frame.networks, "--layers", "all"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  for (const char* name : {"o.0001.exr", "o.0002.exr"}) EXPECT_EQ(readBytes(frame.folder / name), single);
+  EXPECT_EQ(frame.denoise({"--layers", "Emitt"}).exitCode, 3);
+}
+
 TEST(CliLayers, AreThoseThatAreNamed) {
   const SmallFrame frame;
   const Ended ended = run(frame, {"--layers", "Mine"});
