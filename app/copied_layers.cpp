@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "app/light_names.h"
+#include "image/light_names.h"
 #include "image/aov_names.h"
 
 namespace xrds {

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "app/copied_layers.h"
-#include "app/light_names.h"
+#include "image/light_names.h"
 #include "app/nearest.h"
 #include "image/aov_candidates.h"
 #include "image/image_view.h"

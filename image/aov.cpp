@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "image/aov_candidates.h"
+#include "image/light_names.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -47,6 +48,12 @@ bool servesAnotherRole(const AovCandidate& candidate) {
          plainName(candidate.stem).starts_with("crypto");
 }
 
+// A colour pass is no colour, and a light, which may be given as one, is not what others are the sum of.
+bool isPartOfColour(const AovCandidate& candidate, AovRole role) {
+  const LightName::Kind kind = lightName(candidate.stem).kind;
+  return kind == LightName::Kind::colour || (role == AovRole::kFullColor && kind != LightName::Kind::none);
+}
+
 // An unnamed layer whose part has a name without meaning, such as "low", counts as unnamed.
 std::optional<int> rankOf(const AovCandidate& candidate, AovRole role) {
   std::optional<int> rank = aovRank(role, candidate.stem);
@@ -73,7 +80,8 @@ Candidates bestByName(const Candidates& all, AovRole role) {
     keepIf(result, [&](const AovCandidate& c) { return rankOf(c, role) == best; });
     keepIf(result, [&](const AovCandidate& c) { return !hasNoisyTwin(all, c); });
   } else {
-    keepIf(result, [&](const AovCandidate& c) { return isColor(role) && !servesAnotherRole(c); });
+    keepIf(result,
+           [&](const AovCandidate& c) { return isColor(role) && !servesAnotherRole(c) && !isPartOfColour(c, role); });
   }
   return result;
 }

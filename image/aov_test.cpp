@@ -341,6 +341,17 @@ TEST(Aov, FullColorIsThatOfTheLargestPart) {
   EXPECT_FALSE(hasAov(fileWith({partWith(triple("albedo", "RGB"))}), AovRole::kFullColor));
 }
 
+// Guides that were rendered without a beauty.
+TEST(Aov, PassesOfLightAreNoFullColor) {
+  for (const char* name : {"DiffCol", "L.Diffuse Color", "L.GlossDir", "Emit", "L.Combined_key"}) {
+    const ExrFile file = fileWith({partWith(kCyclesAux + triple(name, "RGB"))});
+    EXPECT_FALSE(hasAov(file, AovRole::kFullColor)) << name;
+    EXPECT_EQ(findAov(file, AovRole::kFullColor, name).channelNames, triple(name, "RGB"));
+  }
+  EXPECT_FALSE(hasAov(fileWith({partWith(kCyclesAux + triple("DiffCol", "RGB"))}), AovRole::kColor));
+  EXPECT_TRUE(hasAov(fileWith({partWith(kCyclesAux + triple("DiffDir", "RGB"))}), AovRole::kColor));
+}
+
 TEST(Aov, TwoViewLayersAreAmbiguous) {
   const Names both = kCycles + triple("Hero.Combined", "RGB") + triple("Hero.Denoising Albedo", "RGB") +
                      triple("Hero.Denoising Normal", "XYZ");

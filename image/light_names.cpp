@@ -1,4 +1,4 @@
-#include "app/light_names.h"
+#include "image/light_names.h"
 
 #include <algorithm>
 #include <array>
