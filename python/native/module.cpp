@@ -49,7 +49,7 @@ class Model {
 
 using Layer = std::tuple<const Image*, const Image*, int, bool>;           // light, output, place of its colour, albedo
 using LayerColour = std::tuple<const Image*, const Image*, const Image*>;  // low, full, output
-using LayerSet = std::pair<std::vector<Layer>, std::vector<LayerColour>>;
+using LayerSet = std::tuple<std::vector<Layer>, std::vector<LayerColour>, const Image*>;  // and what they are part of
 
 struct UpscalerOptions {
   bool fp16 = false, keepUnchanged = false, exactTiles = false;
@@ -102,14 +102,14 @@ class Upscaler {
   std::vector<std::tuple<double, uint64_t, uint64_t>> runLayers(const Image& colour,
                                                                 const std::vector<const Image*>& auxiliary,
                                                                 const Image& output, const std::vector<LayerSet>& given,
-                                                                const Image& whole, nb::handle progress) {
+                                                                nb::handle progress) {
     std::vector<XrdsImage> images;
     for (const Image* image : auxiliary) images.push_back(image->view());
     std::vector<std::vector<XrdsLayer>> lights(given.size());
     std::vector<std::vector<XrdsLayerColour>> passes(given.size());
     std::vector<XrdsLayerSet> sets(given.size(), xrdsLayerSetDefault());
     for (size_t i = 0; i < given.size(); ++i) {
-      const auto& [layers, colours] = given[i];
+      const auto& [layers, colours, whole] = given[i];
       for (const auto& [light, result, place, followsAlbedo] : layers)
         lights[i].push_back({sizeof(XrdsLayer), place, light->view(), result->view(), followsAlbedo});
       for (const auto& [low, full, result] : colours)
@@ -118,7 +118,7 @@ class Upscaler {
       sets[i].colourCount = static_cast<uint32_t>(passes[i].size());
       sets[i].layers = lights[i].data();
       sets[i].colours = passes[i].data();
-      sets[i].whole = &whole.view();
+      sets[i].whole = &whole->view();
     }
     std::vector<XrdsLayerReport> reports(given.size(), {.structSize = sizeof(XrdsLayerReport)});
     Call call(progress);
@@ -242,8 +242,7 @@ NB_MODULE(_native, module) {
                     nb::handle>(),
            "device"_a, "model"_a, "width"_a, "height"_a, "options"_a, "denoisers"_a, "progress"_a.none())
       .def("run", &Upscaler::run, "colour"_a, "auxiliary"_a, "output"_a, "progress"_a.none())
-      .def("run_layers", &Upscaler::runLayers, "colour"_a, "auxiliary"_a, "output"_a, "sets"_a, "whole"_a,
-           "progress"_a.none())
+      .def("run_layers", &Upscaler::runLayers, "colour"_a, "auxiliary"_a, "output"_a, "sets"_a, "progress"_a.none())
       .def("close", &Upscaler::close)
       .def_prop_ro("exposure", &Upscaler::exposure)
       .def_prop_ro("device_bytes", &Upscaler::deviceBytes);

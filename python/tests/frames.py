@@ -44,7 +44,7 @@ def sample(name):
 def write(file, **images):
     """An EXR file with a layer for each image."""
     names = {"colour": "Combined", "beauty": "Combined", "albedo": "Albedo", "normal": "Normal"}
-    channels = {f"{names[layer]}.{axis}": image[..., i].copy() for layer, image in images.items()
+    channels = {f"{names.get(layer, layer)}.{axis}": image[..., i].copy() for layer, image in images.items()
                 for i, axis in enumerate("XYZ" if layer == "normal" else "RGB")}
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     OpenEXR.File(header, channels).write(os.fspath(file))

@@ -2,7 +2,9 @@
 
 import numpy
 import pytest
-from frames import MODEL, frame, noise
+from frames import MODEL, ROOT, frame, noise, write
+from frames import layers as layers_of
+from test_command import command
 
 import xrds
 
@@ -66,3 +68,66 @@ def test_refusals(layers, words):
 def test_not_with_skipped_windows():
     with pytest.raises(xrds.ArgumentError, match="leaves out windows"):
         xrds.upscale(SUM, model=MODEL, layers=LAYERS, skip="safe", **IMAGES)
+
+
+@pytest.fixture
+def networks(tmp_path):
+    """Small denoisers of random weights."""
+    folder = tmp_path / "denoisers"
+    folder.mkdir()
+    for name, golden in {"rt_hdr_calb_cnrm": "hdr_albedo_normal_large", "rt_alb": "albedo_small", "rt_nrm": "normal_small"}.items():
+        (folder / f"{name}.safetensors").write_bytes((ROOT / f"tests/golden/unet/{golden}.model.safetensors").read_bytes())
+    return folder
+
+
+GROUPS = {"Combined_key": 0.25 * SUM, "Combined_fill": 0.75 * SUM}
+
+
+def near(found, wanted):
+    """The networks of random weights make much of a rounding."""
+    numpy.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-3 * wanted.mean())
+
+
+@pytest.mark.parametrize("words, options", [([], {}), (["--clean-guides"], {"clean_guides": True})])
+def test_denoised_first_they_are_those_of_the_command(networks, tmp_path, words, options):
+    write(tmp_path / "low.exr", colour=SUM, **LIGHT, **GROUPS, DiffCol=LOW)
+    write(tmp_path / "full.exr", DiffCol=FULL, **IMAGES)
+    command("upscale", tmp_path / "low.exr", tmp_path / "full.exr", "-o", tmp_path / "out.exr", "--model", MODEL, "--denoise-first", "--denoisers", networks, "--layers", "all", *words)
+    wanted = layers_of(tmp_path / "out.exr")
+    with xrds.Upscaler(32, 24, MODEL, denoise_first=networks, **options) as upscaler:
+        alone = upscaler(SUM, **IMAGES)
+        picture, found = upscaler(SUM, layers={**LAYERS, **GROUPS}, **IMAGES)
+        assert upscaler.exposure > 0 and upscaler.device_bytes > 0
+    near(picture, alone)
+    near(picture, wanted["Combined"])
+    for name in {**LAYERS, **GROUPS}:
+        near(found[name], wanted[name])
+    numpy.testing.assert_allclose(total(found), picture, rtol=1e-5)
+    numpy.testing.assert_allclose(found["Combined_key"] + found["Combined_fill"], picture, rtol=1e-5)
+    with pytest.raises(xrds.Error):
+        upscaler(SUM, layers=LAYERS, **IMAGES)  # closed
+
+
+@pytest.mark.parametrize("guides", ["prefilter", "clean"])
+def test_of_a_denoised_render_they_are_those_of_the_command(networks, tmp_path, guides):
+    images = {"albedo": noise(24, 32, seed=2), "normal": noise(24, 32, seed=3)}
+    given = {**LIGHT, **GROUPS, "DiffCol": LOW}
+    write(tmp_path / "render.exr", colour=SUM, **images, **given)
+    command("denoise", tmp_path / "render.exr", "-o", tmp_path / "out.exr", "--denoisers", networks, "--guides", guides, "--layers", "all")
+    wanted = layers_of(tmp_path / "out.exr")
+    picture, found = xrds.denoise(SUM, layers=given, guides=guides, denoisers=networks, **images)
+    assert (picture == xrds.denoise(SUM, guides=guides, denoisers=networks, **images)).all()
+    near(picture, wanted["Combined"])
+    for name in given:
+        near(found[name], wanted[name])
+    numpy.testing.assert_allclose(total(found), numpy.maximum(picture, 0), rtol=1e-5)
+    assert (found["DiffCol"] == LOW).all() == (guides == "clean")
+
+
+@pytest.mark.parametrize(
+    "layers, words",
+    [({}, "no light"), ({"DiffDir": COLOUR, "DiffCol": (LOW, LOW)}, "there is one render"), ({"Emit": noise(24, 31)}, "31 x 24 pixels, expected 32 x 24")],
+)
+def test_refusals_of_a_denoiser(networks, layers, words):
+    with pytest.raises(xrds.ArgumentError, match=words):
+        xrds.denoise(SUM, layers=layers, denoisers=networks, albedo=LOW, normal=LOW)

@@ -20,6 +20,7 @@ picture: npt.NDArray[np.float32] = xrds.upscale(colour, albedo=albedo, normal=al
 both: tuple[npt.NDArray[np.float32], dict[str, npt.NDArray[np.float32]]] = xrds.upscale(
     colour, albedo=albedo, layers={"Emit": colour, "DiffCol": (colour, albedo)}
 )
+both = xrds.denoise(colour, layers={"Emit": colour})
 names: list[str] = [device.name for device in xrds.devices()]
 model = xrds.Model(Path("model.safetensors"))
 scale: int = model.scale

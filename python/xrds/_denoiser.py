@@ -1,15 +1,15 @@
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Union, overload
 
-import numpy
-
-from ._arrays import Array, Result, readable
+from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
+from ._denoise_first import through
 from ._devices import Device
 from ._errors import ArgumentError
 from ._held import Held
+from ._layers import LayerRun, Layers, plain
 from ._oidn import Path, networks_alone
-from ._progress import Progress
+from ._progress import Progress, steps
 from ._upscaler import AnyDevice, Upscaler, _listed, _one_of
 
 _INPUTS = ((), ("albedo",), ("albedo", "normal"))
@@ -75,20 +75,42 @@ class Denoiser(Held[_Networks]):
         self._colour = Upscaler(width, height, colour, exposure=exposure, progress=progress, **options)  # type: ignore[arg-type]
         super().__init__(_Networks([*self._prefilters.values(), self._colour]))
 
+    @overload
+    def __call__(
+        self, colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: None = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...
+    ) -> Result: ...
+
+    @overload
+    def __call__(
+        self, colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: Layers, out: Optional[Array] = ..., progress: Optional[Progress] = ...
+    ) -> tuple[Result, dict[str, Result]]: ...
+
     def __call__(
         self,
         colour: Array,
         *,
         albedo: Optional[Array] = None,
         normal: Optional[Array] = None,
+        layers: Optional[Layers] = None,
         out: Optional[Array] = None,
         progress: Optional[Progress] = None,
-    ) -> Result:
+    ) -> Union[Result, tuple[Result, dict[str, Result]]]:
         """Takes the noise out of a render; the images are those of xrds.denoise(), of which it takes `inputs`.
 
-        Returns `out`, or a new numpy array of the colour's shape and type. Raises ArgumentError for an image that is missing, too many, or
+        Returns `out`, or a new numpy array of the colour's shape and type; with layers (xrds.denoise() says which) also them. Raises ArgumentError for an image that is missing, too many, or
         of a wrong shape, TypeError for what is no array of floats. After an exception `out` holds anything.
         """
+        return self._run(colour, albedo, normal, layers, out, progress)
+
+    def _run(
+        self,
+        colour: Array,
+        albedo: Optional[Array],
+        normal: Optional[Array],
+        layers: Optional[Layers],
+        out: Optional[Array],
+        progress: Optional[Progress],
+    ) -> Union[Result, tuple[Result, dict[str, Result]]]:
         images = {name: array for name, array in (("albedo", albedo), ("normal", normal)) if array is not None}
         if tuple(images) != self.inputs:
             raise ArgumentError(f"This denoiser takes {_listed(self.inputs)}, and got {_listed(tuple(images))}.")
@@ -96,12 +118,31 @@ class Denoiser(Held[_Networks]):
             image = readable(array, name)
             if (image.width, image.height) != (self.width, self.height):
                 raise ArgumentError(f"The {name} is {image.width} x {image.height} pixels, expected {self.width} x {self.height}.")
-        steps = len(self._prefilters) + 1
+        low = readable(colour, "colour")
+        run = None if layers is None else LayerRun(layers, colour, low, 1, paired=False)
+        noisy = run.noisy() if run else []
+        passes = run.passes if run and "albedo" in self._prefilters else []
+        heard = iter(steps(progress, len(self._prefilters) + len(passes) + len(noisy) + 1))
+        for name, prefilter in self._prefilters.items():
+            images[name] = through(prefilter, images[name], [], next(heard))
+        if run is None:
+            return self._colour(colour, albedo=images.get("albedo"), normal=images.get("normal"), out=out, progress=next(heard))
+        clean = [self._clean_pass(image, next(heard)) for image in passes]
+        guides = [plain(images[name]) for name in self.inputs]
+        guides = [guide.clip(0, 1) if place == 0 else guide for place, guide in enumerate(guides)]
+        run.put([through(self._colour, image, guides, next(heard)) for image in noisy], clean or None)
+        result = output_for(low, 1, out)
+        output = writable(result, "out")
+        refuse_overlap(output, [low])
+        with self._colour._lock:
+            inputs = [readable(images[name], name) for name in self.inputs]
+            reports = self._colour._native.run_layers(low, inputs, output, run.sets(), next(heard))
+        run.hear(reports)
+        return result, run.results
 
-        def part(number: int) -> Optional[Progress]:
-            return progress and (lambda stage, share: progress(stage, (number + share) / steps))
-
-        for number, (name, prefilter) in enumerate(self._prefilters.items()):
-            clean = numpy.empty((self.height, self.width, 3), numpy.float32)
-            images[name] = prefilter(images[name], out=clean, progress=part(number))
-        return self._colour(colour, albedo=images.get("albedo"), normal=images.get("normal"), out=out, progress=part(steps - 1))
+    def _clean_pass(self, image: Array, progress: Optional[Progress]) -> Result:
+        """A colour pass without its noise; what it has above 1 stays."""
+        given = plain(image)
+        inside = given.clip(0, 1)
+        clean: Result = through(self._prefilters["albedo"], inside, [], progress) + (given - inside)
+        return clean

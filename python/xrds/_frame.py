@@ -18,7 +18,7 @@ from ._layers import LayerRun, Layers
 from ._models import Model
 from ._oidn import Path
 from ._progress import Progress
-from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given
+from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given, _named
 
 _lock = threading.Lock()
 _last: Optional[tuple[tuple[Any, ...], AnyDevice, Union[Upscaler, Denoiser]]] = None  # its key, the device asked for, itself
@@ -101,7 +101,8 @@ def upscale(
     TypeError for what is no array of floats, OutOfMemory, DeviceLost, Cancelled, and Error for everything else.
     """
     low = readable(colour, "colour")
-    given = _given(albedo, normal, depth, diffuse, glossy, full_colour)
+    arrays = _named(albedo, normal, depth, diffuse, glossy, full_colour)
+    given = _given(arrays)
     scale = _scale(low, given)
     both: Optional[Array] = colour if merged else None
     if "colour" in given and scale > 1 and not merged:
@@ -123,12 +124,28 @@ def upscale(
         lambda opened: Upscaler(low.width, low.height, chosen, device=opened, progress=progress, **options),  # type: ignore[arg-type]
     )
     try:
-        run = LayerRun(layers, low, upscaler.scale) if layers is not None else None
-        picture = upscaler._run(low, both, given, run, out, progress)
+        run = LayerRun(layers, colour, low, upscaler.scale) if layers is not None else None
+        picture = upscaler._run(colour, both, arrays, run, out, progress)
         return (picture, run.results) if run else picture
     except DeviceLost:
         release()
         raise
+
+
+@overload
+def denoise(
+    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: None = ..., guides: str = ..., quality: str = ...,
+    denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[int] = ...,
+    out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+) -> Result: ...
+
+
+@overload
+def denoise(
+    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: Layers, guides: str = ..., quality: str = ...,
+    denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[int] = ...,
+    out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+) -> tuple[Result, dict[str, Result]]: ...
 
 
 def denoise(
@@ -136,6 +153,7 @@ def denoise(
     *,
     albedo: Optional[Array] = None,
     normal: Optional[Array] = None,
+    layers: Optional[Layers] = None,
     guides: str = "prefilter",
     quality: str = "high",
     denoisers: Optional[Path] = None,
@@ -145,16 +163,20 @@ def denoise(
     memory: Optional[int] = None,
     out: Optional[Array] = None,
     progress: Optional[Progress] = None,
-) -> Result:
+) -> Union[Result, tuple[Result, dict[str, Result]]]:
     """Takes the noise out of a render by Open Image Denoise's networks, once import_oidn() has read them.
 
     colour: [height, width, 3, or 4 with alpha] linear radiance. albedo, normal: [height, width, 3] of the same render, or clean ones; a normal
     needs an albedo. Arrays as upscale() takes them.
+    layers: lights of this render that the colour is the sum of, by their names, as upscale() has them; a colour pass, "DiffCol", is one
+    [height, width, 3].
     out: an array for the result, of which no byte is the inputs'; None: a new one.
     progress: hears how far it is, and can end it, see Progress. So does KeyboardInterrupt.
     The others are those of Denoiser.
 
-    Returns `out`, or a numpy array of the colour's shape and type: linear radiance, finite whatever the inputs.
+    Returns `out`, or a numpy array of the colour's shape and type: linear radiance, finite whatever the inputs. With layers: that and a dict
+    of the same names, each a new float32 array [height, width, 3], never negative: without their noise, they add up to the picture as
+    those given do to the colour. With guides="prefilter" colour passes are without their noise, too.
 
     What is made ready for a size is kept for the next call with the same size and options, until release() or a call of upscale(). Safe in any
     thread; threads wait for each other. Raises what upscale() does.
@@ -175,7 +197,7 @@ def denoise(
         lambda opened: Denoiser(low.width, low.height, device=opened, progress=progress, **options),  # type: ignore[arg-type]
     )
     try:
-        return denoiser(colour, albedo=albedo, normal=normal, out=out, progress=progress)
+        return denoiser._run(colour, albedo, normal, layers, out, progress)
     except DeviceLost:
         release()
         raise

@@ -66,8 +66,7 @@ class Upscaler:
         colour: Image,
         auxiliary: list[Image],
         output: Image,
-        sets: list[tuple[list[tuple[Image, Image, int, bool]], list[tuple[Image, Image, Image]]]],
-        whole: Image,
+        sets: list[tuple[list[tuple[Image, Image, int, bool]], list[tuple[Image, Image, Image]], Image]],
         progress: Optional[Callable[[str, float], object]],
     ) -> list[tuple[float, int, int]]: ...
     def close(self) -> None: ...

@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Optional, Union, overload
 
 from . import _native
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
 from ._colour import Samples, levelled, merged_or_none
+from ._denoise_first import DenoisedFirst
 from ._devices import Device
 from ._errors import ArgumentError
 from ._held import Held
@@ -38,7 +40,8 @@ class Upscaler(Held[_native.Upscaler]):
     tiles: "bounded", or "exact": with the bits of the whole frame, for more work.
     tune: "auto", "never" or "now": whether the device's fastest kernels are found before, minutes on a CPU.
     denoise_first: Open Image Denoise's networks take the noise out of all images first, on the same device: True: those of
-    denoiser_folder(), where import_oidn() puts them; or a folder. Not with ensemble, skip, keep_unchanged or layers.
+    denoiser_folder(), where import_oidn() puts them; or a folder. Not with ensemble, skip or keep_unchanged. For the
+    first frame with layers, each of which goes through the denoiser, the networks are made ready once more.
     clean_guides: albedo and normal have no noise.
     progress: hears how it is made ready, see Progress.
 
@@ -76,9 +79,18 @@ class Upscaler(Held[_native.Upscaler]):
             folder = None if denoise_first is True else denoise_first
             self._denoisers = networks_in_front(self.model.inputs, folder, clean_guides)
         networks = [network._native if network else None for network in self._denoisers]
+        self._apart: Optional[DenoisedFirst] = None  # of frames with layers
+        self._make_apart: Optional[Callable[[Optional[Progress]], DenoisedFirst]]
+        plainly = {"device": self.device, "precision": precision, "memory": memory}
+        self._make_apart = lambda progress: DenoisedFirst(
+            self.model, self.width, self.height, self._denoisers,
+            lambda w, h, one: Upscaler(w, h, one, exposure=exposure, tiles=tiles, tune=tune, progress=progress, **plainly),  # type: ignore[arg-type]
+            lambda w, h, one: Upscaler(w, h, one, tiles="exact", tune="never", progress=progress, **plainly),  # type: ignore[arg-type]
+        )
         super().__init__(
             _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, networks, progress)
         )
+        self._ran = self._native  # of the last frame
 
     @overload
     def __call__(
@@ -116,13 +128,14 @@ class Upscaler(Held[_native.Upscaler]):
         with layers (xrds.upscale() says which) also them. Raises ArgumentError for an image that is missing, too many,
         or of a wrong shape, TypeError for what is no array of floats. After an exception `out` holds anything.
         """
-        given = _given(albedo, normal, depth, diffuse, glossy, full_colour)
+        arrays = _named(albedo, normal, depth, diffuse, glossy, full_colour)
+        given = _given(arrays)
         low = readable(colour, "colour")
-        run = LayerRun(layers, low, self.scale) if layers is not None else None
+        run = LayerRun(layers, colour, low, self.scale) if layers is not None else None
         both: Optional[Array] = colour if merged else None
         if "colour" in given and self.scale > 1 and not merged:
             both = merged_or_none(low, given["colour"], samples)
-        picture = self._run(low, both, given, run, out, progress)
+        picture = self._run(colour, both, arrays, run, out, progress)
         return (picture, run.results) if run else picture
 
     @property
@@ -134,34 +147,58 @@ class Upscaler(Held[_native.Upscaler]):
     def exposure(self) -> float:
         """The exposure of the last frame."""
         with self._lock:
-            return self._native.exposure
+            return self._ran.exposure
+
+    @property
+    def device_bytes(self) -> int:
+        """Memory of the device that this holds."""
+        with self._lock:
+            return self._native.device_bytes + (self._apart.device_bytes if self._apart else 0)
+
+    def close(self) -> None:
+        """Gives its memory back now. It is of no more use; without it, this comes by itself."""
+        with self._lock:
+            if self._apart:
+                self._apart.close()
+            self._make_apart = None
+            self._native.close()
 
     def _run(
         self,
-        low: _native.Image,
+        colour: Array,
         merged: Optional[Array],
-        given: dict[str, _native.Image],
+        arrays: dict[str, Array],
         layers: Optional[LayerRun],
         out: Optional[Array],
         progress: Optional[Progress],
     ) -> Result:
+        low = readable(colour, "colour")
         if (low.width, low.height) != (self.width, self.height):
             raise ArgumentError(
                 f"The colour is {low.width} x {low.height} pixels, expected {self.width} x {self.height}: "
                 "make an upscaler of that size."
             )
-        inputs = self._chosen(given, merged is not None)
+        inputs = self._chosen(_given(arrays), merged is not None)
         result = output_for(low, self.scale, out)
         output = writable(result, "out")
         refuse_overlap(output, [low, *inputs])
         frame = low if merged is None else readable(merged, "colour")
+        if layers is not None and self._denoisers and self._make_apart:
+            with self._lock:
+                self._apart = self._apart or self._make_apart(progress)
+                self._ran = self._apart.upscaler
+                reports = self._apart.run(colour if merged is None else merged, arrays, layers, output, progress)
+            layers.hear(reports)
+            return result
         if self._denoisers and "colour" in self.model.inputs:
-            inputs[self.model.inputs.index("colour")] = levelled(given["colour"], frame)
+            place = self.model.inputs.index("colour")
+            inputs[place] = readable(levelled(inputs[place], frame), "full_colour")
         with self._lock:
+            self._ran = self._native
             if layers is None:
                 self._native.run(frame, inputs, output, progress)
                 return result
-            reports = self._native.run_layers(frame, inputs, output, layers.sets, layers.whole or low, progress)
+            reports = self._native.run_layers(frame, inputs, output, layers.sets(), progress)
         layers.hear(reports)
         return result
 
@@ -180,15 +217,15 @@ class Upscaler(Held[_native.Upscaler]):
         return [given[name] for name in wanted]
 
 
-def _given(
+def _named(
     albedo: Optional[Array],
     normal: Optional[Array],
     depth: Optional[Array],
     diffuse: Optional[Array],
     glossy: Optional[Array],
     full_colour: Optional[Array],
-) -> dict[str, _native.Image]:
-    """The images that there are, by the names that models have for them."""
+) -> dict[str, Array]:
+    """The arrays that there are, by the names that models have for them."""
     arrays = {
         "albedo": albedo,
         "normal": normal,
@@ -197,7 +234,11 @@ def _given(
         "glossy": glossy,
         "colour": full_colour,
     }
-    return {name: readable(array, _argument(name)) for name, array in arrays.items() if array is not None}
+    return {name: array for name, array in arrays.items() if array is not None}
+
+
+def _given(arrays: dict[str, Array]) -> dict[str, _native.Image]:
+    return {name: readable(array, _argument(name)) for name, array in arrays.items()}
 
 
 def _argument(name: str) -> str:

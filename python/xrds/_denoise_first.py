@@ -1,0 +1,94 @@
+"""Frames with layers, denoised and then upscaled: networks one after the other, as each light goes through the denoiser by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Optional
+
+import numpy
+
+from . import _native
+from ._arrays import Array, Result, readable, writable
+from ._colour import levelled
+from ._layers import LayerRun, plain
+from ._models import Model
+from ._progress import Progress, steps
+
+if TYPE_CHECKING:
+    from ._upscaler import Upscaler
+
+Make = Callable[[int, int, Model], "Upscaler"]
+RADIANCE = ("diffuse", "glossy", "colour")  # inputs that are light
+
+
+def through(network: Upscaler, image: Array, guides: list[Result], progress: Optional[Progress]) -> Result:
+    """What a network of one size makes of an image, in 32 bits."""
+    clean = numpy.empty((network.height, network.width, 3), numpy.float32)
+    with network._lock:
+        network._native.run(
+            readable(image, "image"), [readable(guide, "guide") for guide in guides], writable(clean, "result"), progress
+        )
+    return clean
+
+
+class DenoisedFirst:
+    """The networks of Upscaler(denoise_first=...) for frames with layers."""
+
+    def __init__(self, model: Model, width: int, height: int, networks: list[Optional[Model]], upscaler: Make, network: Make) -> None:
+        """networks: those of networks_in_front(); upscaler, network: how one of a size is made ready."""
+        self._model = model
+        wide, high = model.scale * width, model.scale * height
+        colour, *guides = networks
+        assert colour is not None
+        self._upscaler = upscaler(width, height, model)
+        self._colour = network(width, height, colour)
+        self._guides = {name: network(wide, high, one) for name, one in zip(("albedo", "normal"), guides) if one is not None}
+        is_light = model.scale > 1 and any(name in RADIANCE for name in model.inputs)
+        self._full = network(wide, high, colour) if is_light else self._colour
+
+    @property
+    def upscaler(self) -> _native.Upscaler:
+        return self._upscaler._native
+
+    @property
+    def _all(self) -> list[Upscaler]:
+        return list({id(one): one for one in (self._upscaler, self._colour, self._full, *self._guides.values())}.values())
+
+    @property
+    def device_bytes(self) -> int:
+        return sum(one.device_bytes for one in self._all)
+
+    def close(self) -> None:
+        for one in self._all:
+            one.close()
+
+    def run(
+        self, frame: Array, arrays: dict[str, Array], layers: LayerRun, output: _native.Image, progress: Optional[Progress]
+    ) -> list[tuple[float, int, int]]:
+        """frame: the colour, merged where the model takes that of full resolution; arrays: the images that the model takes."""
+        noisy = layers.noisy()
+        lights = [name for name in self._model.inputs if name in RADIANCE]
+        heard = iter(steps(progress, len(self._guides) + len(lights) + len(noisy) + 2))
+        images = {name: plain(arrays[name]) for name in self._model.inputs}
+        for name, network in self._guides.items():
+            inside = images[name].clip(0, 1) if name == "albedo" else images[name]
+            images[name] = through(network, inside, [], next(heard)) + (images[name] - inside)
+        if "colour" in images:
+            images["colour"] = levelled(readable(images["colour"], "full_colour"), readable(frame, "colour"))
+        guides = [images[name] for name in ("albedo", "normal") if name in images]
+        guides = [guide.clip(0, 1) if place == 0 else guide for place, guide in enumerate(guides)]
+        for name in lights:
+            images[name] = through(self._full, images[name], guides, next(heard))
+        means = [_box_mean(guide, self._model.scale) for guide in guides]
+        clean = through(self._colour, frame, means, next(heard))
+        layers.put([through(self._colour, image, means, next(heard)) for image in noisy])
+        inputs = [readable(images[name], name) for name in self._model.inputs]
+        with self._upscaler._lock:
+            return self._upscaler._native.run_layers(readable(clean, "colour"), inputs, output, layers.sets(), next(heard))
+
+
+def _box_mean(image: Result, scale: int) -> Result:
+    height, width, channels = image.shape
+    boxes = image.reshape(height // scale, scale, width // scale, scale, channels)
+    means: Result = boxes.mean((1, 3), dtype=numpy.float64).astype(numpy.float32)
+    return means
