@@ -310,12 +310,19 @@ class Denoising(WithBlender):
         alone = xrds.denoise(colour, albedo=albedo, normal=normal)
         self.assertTrue(numpy.array_equal(alone[..., 1].clip(0, 65504), made[0]["ViewLayer.Combined.G"]), "Automatic is the denoiser alone")
 
-    def test_not_with_passes_of_light(self):
+    def test_lights_are_denoised_and_add_up(self):
         scene = self.open("interior")
-        self.assertTrue(any("not denoised first" in note for note in checks.notes(scene)))
-        self.render()
-        scene.xrds.denoise = False
-        self.assertFalse(any("not denoised first" in note for note in checks.notes(scene)))
+        scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+        for scale, model in ((scene.xrds.scale, MODEL), ("1", settings.AUTO)):
+            scene.xrds.scale, scene.xrds.model, made = scale, model, []
+            for scene.xrds.denoise in (True, False):
+                if scale == "1" and not scene.xrds.denoise:
+                    scene.xrds.model = SINGLE_MODEL
+                self.render()
+                made.append(self.result("interior_0001_xrds.exr").channels)
+                self.check_sums(made[-1])
+            self.assertTrue(any(not numpy.array_equal(*(one[name] for one in made)) for name in made[0] if name.endswith(("DiffInd.R", "Diffuse Indirect.R"))))
+        self.assertEqual([note for note in checks.notes(scene) if "denoise" in note.lower()], [])
 
     def test_animations(self):
         scene = self.open("cryptomatte")

@@ -6,7 +6,7 @@ import sys
 
 import bpy
 
-from . import denoiser, passes, temporal, upscaler
+from . import passes, temporal, upscaler
 from .settings import AUTO, device_problem, needs_light
 
 BYTES_PER_PIXEL = 4 * 40  # ten passes of four floats, at full resolution
@@ -141,12 +141,6 @@ def _animated(scene):
     return any(curve.data_path.startswith(("cycles.", "render.", "view_layers[")) for curve in curves)
 
 
-def _lit(scene):
-    """Whether a view layer has passes of light, or groups of it."""
-    return any(getattr(layer, flag, False) for layer in scene.view_layers for flag in passes.LIGHT_FLAGS) or any(
-        len(getattr(layer, "lightgroups", ())) for layer in scene.view_layers)
-
-
 def notes(scene):
     """What the result will not be as an artist may expect, as sentences."""
     render, scale = scene.render, int(scene.xrds.scale)
@@ -158,8 +152,6 @@ def notes(scene):
         yield f"Rendered with {width} x {height} pixels: sides are whole multiples of the scale."
     if scene.xrds.steady and unsteady(scene):
         yield unsteady(scene)
-    if scene.xrds.denoise and _lit(scene) and package_problem() is None and denoiser.ready():
-        yield "Layers with passes of light are not denoised first: the lights add up to what Cycles rendered."
     if _animated(scene):
         yield "Render settings are animated or driven: the renders take them as they are, samples and passes, too."
     if render.use_freestyle:

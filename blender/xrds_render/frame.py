@@ -20,7 +20,7 @@ class Wish(NamedTuple):
     device: Optional[str]  # UUID; None: the best
     has_light: bool  # the guides' colour is of the same light, and is merged
     half: bool  # 16 bits for light; data keep theirs
-    denoise: bool  # both renders first, where there are no lights
+    denoise: bool  # both renders first, and each light
     drops: frozenset = frozenset()  # (view layer, pass) that nobody asked for
     single: bool = False  # one render is both: scale 1
 
@@ -79,18 +79,18 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
         layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
         lights = _lights(low, full, low_layer, layer)
         options = {"layers": lights} if any(is_light(name) for name in lights) else {}
-        if wish.denoise and not options:  # of denoised pictures lights are no part
-            options = {"denoise_first": True}
         colour, images = _colours(wish, low, low_layer, full, layer, around)
         if "layers" in options and around:
             lights["Combined"] = stack(low, low_layer.passes["Combined"], "RGB")  # what they are the sum of, which the merged colour is not
         def heard(stage, share, place=place):
             return progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers))
 
-        if wish.single and wish.model is None and "denoise_first" in options:  # a network after it is the artist's choice
-            made = xrds.denoise(colour, albedo=images["albedo"], normal=images["normal"], device=images["device"], progress=heard)
+        if wish.single and wish.model is None and wish.denoise:  # a network after it is the artist's choice
+            if options:
+                options = {"layers": {name: found[0] if isinstance(found, tuple) else found for name, found in lights.items()}}
+            made = xrds.denoise(colour, albedo=images["albedo"], normal=images["normal"], device=images["device"], progress=heard, **options)
         else:
-            made = xrds.upscale(colour, **images, samples=wish.samples, model=wish.model, progress=heard, **options)
+            made = xrds.upscale(colour, **images, samples=wish.samples, model=wish.model, denoise_first=wish.denoise, progress=heard, **options)
         picture, lights = made if "layers" in options else (made, {})
         _put(channels, layer.name, "Combined", picture, wish.half)
         _drop(channels, layer, lambda name: is_light(name) and name not in lights)

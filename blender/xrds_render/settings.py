@@ -76,6 +76,6 @@ class XRDS_Settings(bpy.types.PropertyGroup):
     steady: bpy.props.BoolProperty(
         name="Stable over Time", description="Animations: merge each frame with up to five before and five after it, along the motion of the Vector pass", default=True)
     denoise: bpy.props.BoolProperty(
-        name="Denoise First", description="Open Image Denoise takes the noise out of the renders before the network does its work. Not with light passes", default=True)
+        name="Denoise First", description="Open Image Denoise takes the noise out of the renders before the network does its work", default=True)
     model: bpy.props.EnumProperty(name="Model", description="The network that upscales", items=lambda settings, context: _models(int(settings.scale)))
     device: bpy.props.EnumProperty(name="Device", description="The Vulkan device that upscales", items=lambda settings, context: _devices())
