@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "image/light_names.h"
 #include "image/aov_names.h"
+#include "image/light_names.h"
 
 namespace xrds {
 namespace {

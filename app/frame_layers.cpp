@@ -7,10 +7,10 @@
 #include <sstream>
 
 #include "app/copied_layers.h"
-#include "image/light_names.h"
 #include "app/nearest.h"
 #include "image/aov_candidates.h"
 #include "image/image_view.h"
+#include "image/light_names.h"
 #include "image/repair.h"
 #include "xrds/error.h"
 #include "xrds/merged_colour.h"

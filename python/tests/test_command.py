@@ -68,6 +68,14 @@ def test_options_are_those_of_the_command(tmp_path, words, options):
     same(found, picture(tmp_path, *files(tmp_path, colour, **images), "--model", MODEL, *words))
 
 
+def test_exact_tiles_have_the_bits_of_the_whole():
+    colour, albedo, normal = sample("outdoor")
+    images = {"albedo": albedo, "normal": normal, "model": MODEL}
+    whole = xrds.upscale(colour, **images)
+    same(xrds.upscale(colour, memory=11_300_000, tiles="exact", **images), whole)
+    assert not numpy.array_equal(xrds.upscale(colour, memory=11_300_000, **images), whole)
+
+
 @pytest.mark.parametrize("samples", [None, (64, 4)])
 def test_the_colour_of_the_full_render_is_merged(tmp_path, samples):
     low, images = frame(12, 16)

@@ -31,7 +31,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
-    tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
 
 
@@ -41,7 +41,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
-    tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
 
 
@@ -64,6 +64,7 @@ def upscale(
     skip: Skip = None,
     ensemble: int = 1,
     memory: Optional[int] = None,
+    tiles: str = "bounded",
     tune: str = "auto",
     denoise_first: Union[bool, Path] = False,
     clean_guides: bool = False,
@@ -113,6 +114,7 @@ def upscale(
         "skip": skip,
         "ensemble": ensemble,
         "memory": memory,
+        "tiles": tiles,
         "tune": tune,
         "denoise_first": denoise_first,
         "clean_guides": clean_guides,
