@@ -75,11 +75,14 @@ def main():
     check([task["name"] for task in job["tasks"]] == ["upscale-1-20", "upscale-21-40", "upscale-41,42,43,44,45,50"], "other chunks")
     command = job["tasks"][1]["commands"][0]
     check(command["name"] == "exec" and command["parameters"]["exe"] == "xrds", "no command")
-    check(command["parameters"]["args"] == ["upscale", files["colour"], files["guides"], "-o", files["output"], "--frames", "21-40", "--model",
-                                            "xrds-x4-compact", "--skip-existing"], f"other arguments: {command}")
+    check(command["parameters"]["args"] == ["upscale", files["colour"], files["guides"], "-o", files["output"], "--frames", "21-40", "--skip-existing",
+                                            "--model", "xrds-x4-compact"], f"other arguments: {command}")
     stable = compiled(frames="7", temporal=True, executable="{xrds}", chunk_size=1, **files)["tasks"]
     check(len(stable) == 1 and stable[0]["commands"][0]["parameters"]["args"][-1] == "--temporal", "no --temporal")
     check(stable[0]["commands"][0]["parameters"]["exe"] == "{xrds}", "another executable")
+    denoised = compiled(command="denoise", frames="1-3", colour="/r/render.####.exr", output=files["output"])["tasks"]
+    check(denoised[0]["name"] == "denoise-1-3" and denoised[0]["commands"][0]["parameters"]["args"] == [
+        "denoise", "/r/render.####.exr", "-o", files["output"], "--frames", "1-3", "--skip-existing"], f"other arguments: {denoised}")
     print(f"{len(job['tasks'])} tasks as they should be")
 
 
