@@ -1,5 +1,6 @@
 #include "app/frame_motion.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -59,10 +60,13 @@ std::optional<FrameCamera> cameraIn(const std::filesystem::path& file) {
   return {};
 }
 
+// Of a frame without auxiliary images 1.
+int scaleOf(const Frame& frame) { return std::max(frame.scale(), 1); }
+
 FrameMotion cameraMotionOf(const Frame& frame, const FrameCamera& camera, const MotionRequest& request,
                            std::vector<float> depth) {
   FrameMotion motion{{}, {}, std::move(depth), true};
-  const ExrOutput windows = frame.output(frame.scale());
+  const ExrOutput windows = frame.output(scaleOf(frame));
   const auto towards = [&](const std::filesystem::path& file) {
     const std::optional<FrameCamera> other = file.empty() ? std::nullopt : cameraIn(file);
     return other ? cameraMotion(camera, *other, motion.depth, windows.dataWindow, windows.displayWindow)
@@ -74,9 +78,9 @@ FrameMotion cameraMotionOf(const Frame& frame, const FrameCamera& camera, const 
 }
 
 FrameMotion layerMotionOf(const Frame& frame, const ExrSelection& layer, std::vector<float> depth) {
-  if (frame.scale() == 0 ||
-      fitFrame(frame.colourPart(), frame.auxiliaryFile().parts[layer.part]).scale != frame.scale())
-    throw Error("The motion layer '" + printable(layer.layer) + "' does not have the size of the auxiliary images.");
+  if (fitFrame(frame.colourPart(), frame.auxiliaryFile().parts[layer.part]).scale != scaleOf(frame))
+    throw Error("The motion layer '" + printable(layer.layer) + "' does not have the size of the " +
+                (frame.scale() == 0 ? "colour." : "auxiliary images."));
   const Image image = frame.readFull(layer);
   FrameMotion motion{{}, {}, std::move(depth)};
   motion.toPrevious = motionOf(image, {0, 1}, {1, image.channels == 4 ? -1.F : 1.F});
@@ -92,7 +96,7 @@ FrameMotion readMotion(const Frame& frame, const MotionRequest& request) {
   if (!request.depth.empty() || hasAov(file, AovRole::kDepth))
     depth = frame.readFull(findAov(file, AovRole::kDepth, request.depth)).pixels;
   if (const auto layer = motionLayer(file, request.layer)) return layerMotionOf(frame, *layer, std::move(depth));
-  if (request.layer.empty() && !depth.empty() && frame.scale() != 0)
+  if (request.layer.empty() && !depth.empty())
     for (const ExrPart& part : file.parts)
       if (const auto camera = cameraOf(part)) return cameraMotionOf(frame, *camera, request, std::move(depth));
   throw Error("'" + file.path.string() + "' has no motion " +

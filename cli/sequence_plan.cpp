@@ -19,9 +19,11 @@ struct Patterns {
   FilePattern colour, auxiliary, output;
 };
 
+// Also one that is not there: a name without an extension.
 bool isFolder(const std::string& path) {
   std::error_code ignored;
-  return path.ends_with('/') || fs::is_directory(path, ignored);
+  if (path.ends_with('/') || fs::is_directory(path, ignored)) return true;
+  return !fs::exists(path, ignored) && !fs::path(path).has_extension() && !FilePattern::mayBeMany(path);
 }
 
 Patterns patternsOf(const UpscaleOptions& options) {

@@ -159,7 +159,8 @@ void SequenceReport::finish() {
   if (style_ == ProgressStyle::bar) std::fprintf(stderr, "\r\033[K");
   writeLog();
   if (!options_.quiet) {
-    std::printf("%s: %zu frames made in %s", plan_.output.c_str(), done_, timeText(whole_.seconds()).c_str());
+    std::printf("%s: %zu frame%s made in %s", plan_.output.c_str(), done_, done_ == 1 ? "" : "s",
+                timeText(whole_.seconds()).c_str());
     if (const size_t there = plan_.there.size() + skipped_; there > 0) std::printf(", %zu were there", there);
     if (done_ > 0) std::printf("; %s", slowestStage().c_str());
     std::printf("\n");

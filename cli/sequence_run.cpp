@@ -97,6 +97,9 @@ void refuse(bool given, const char* option, const char* why) {
 bool isSequence(const UpscaleOptions& options) {
   if (FilePattern::mayBeMany(options.color) || (!options.aux.empty() && FilePattern::mayBeMany(options.aux)))
     return true;
+  if (options.output.find("##") != std::string::npos && FilePattern::mayBeMany(options.output))
+    throw Failure{ExitCode::usage, "--output '" + options.output + "' names many frames, but '" + options.color +
+                                       "' is one file: put #### in the names of both."};
   constexpr const char* kWhy = "is for sequences: put #### in the names of the files.";
   refuse(!options.frames.empty(), "--frames", kWhy);
   refuse(options.skipExisting, "--skip-existing", kWhy);

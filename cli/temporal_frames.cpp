@@ -35,6 +35,10 @@ TemporalFrames::TemporalFrames(const UpscaleOptions& options, const OpenedModel&
 
 MovingFrame TemporalFrames::readOne(const SequenceFrame& frame) const {
   MovingFrame read{readFrame(asRead(frame.alone(options_)), opened_)};
+  if (options_.temporal && opened_.model.scale() > 1 && read.frame.scale() == 0)
+    throw Failure{ExitCode::usage,
+                  "--temporal merges frames along the motion of a full-resolution render, and the model '" +
+                      opened_.name() + "' takes none: choose one that takes albedo or normal."};
   if (options_.temporal)
     read.motion = failingWith(ExitCode::input, [&] {
       const auto beside = [&](int step) {

@@ -21,13 +21,19 @@ const std::regex& field() {
   return kPattern;
 }
 
+// The digits of a frame: of negative ones behind the sign, as Blender has them, or with it, as printf does.
+std::string digitsOf(long long frame, int digits, bool withSign) {
+  char written[32];
+  const long long number = frame < 0 && !withSign ? -frame : frame;
+  std::snprintf(written, sizeof written, "%s%0*lld", number == frame ? "" : "-", digits, number);
+  return written;
+}
+
 // The number that the digits between are, if they are what of() writes for it with at least so many digits.
-std::optional<int> numberOf(const std::string& text, int digits) {
+std::optional<int> numberOf(const std::string& text, int digits, bool withSign) {
   if (text.empty() || text.size() > 11) return {};
   const long long number = std::strtoll(text.c_str(), nullptr, 10);
-  char written[32];
-  std::snprintf(written, sizeof written, "%0*lld", digits, number);
-  if (written != text || number != static_cast<int>(number)) return {};
+  if (digitsOf(number, digits, withSign) != text || number != static_cast<int>(number)) return {};
   return static_cast<int>(number);
 }
 
@@ -70,7 +76,8 @@ FilePattern::FilePattern(const std::string& text) {
   if (fs::exists(path, ignored) || !std::regex_search(name, match, field())) return;
   before_ = match.prefix();
   after_ = match.suffix();
-  digits_ = match.str()[0] == '#' ? static_cast<int>(match.length()) : match[2].matched ? std::stoi(match[2].str()) : 1;
+  isPrintf_ = match.str()[0] == '%';
+  digits_ = !isPrintf_ ? static_cast<int>(match.length()) : match[2].matched ? std::stoi(match[2].str()) : 1;
   if (digits_ < 1 || digits_ > 10 || std::regex_search(after_, field()))
     throw Error("'" + text + "' is no name of frames: expected one field of at most 10 digits, #### or %04d.");
 }
@@ -82,8 +89,11 @@ void FilePattern::findSeries(const fs::path& folder) {
   std::map<Series, std::vector<std::string>> found;
   for (const fs::path& file : filesIn(folder)) {
     const std::string name = file.filename().string();
-    if (std::smatch match; isExr(file) && std::regex_match(name, match, kLast))
-      found[{match[1], match[3]}].push_back(match[2]);
+    if (std::smatch match; isExr(file) && std::regex_match(name, match, kLast)) {
+      std::string before = match[1];
+      if (before.ends_with(".-") || before.ends_with("_-")) before.pop_back();  // a sign
+      found[{before, match[3]}].push_back(match[2]);
+    }
   }
   if (found.size() != 1) {
     std::string names;
@@ -100,9 +110,7 @@ void FilePattern::findSeries(const fs::path& folder) {
 
 fs::path FilePattern::of(int frame) const {
   if (!isMany()) return folder_ / before_;
-  char number[32];
-  std::snprintf(number, sizeof number, "%0*d", digits_, frame);
-  return folder_ / (before_ + number + after_);
+  return folder_ / (before_ + digitsOf(frame, digits_, isPrintf_) + after_);
 }
 
 std::vector<int> FilePattern::frames() const {
@@ -113,7 +121,7 @@ std::vector<int> FilePattern::frames() const {
     if (name.size() <= before_.size() + after_.size() || !name.starts_with(before_) || !name.ends_with(after_))
       continue;
     const std::string between = name.substr(before_.size(), name.size() - before_.size() - after_.size());
-    if (const auto number = numberOf(between, digits_)) found.push_back(*number);
+    if (const auto number = numberOf(between, digits_, isPrintf_)) found.push_back(*number);
   }
   std::sort(found.begin(), found.end());
   return found;

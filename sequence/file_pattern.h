@@ -39,6 +39,7 @@ class FilePattern {
   std::filesystem::path folder_;
   std::string before_, after_;  // the number in the file name
   int digits_ = 0;              // at least; 0: no number
+  bool isPrintf_ = false;       // the digits count the sign
 };
 
 }  // namespace xrds

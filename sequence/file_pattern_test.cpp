@@ -28,7 +28,8 @@ class FilePatterns : public testing::Test {
 TEST_F(FilePatterns, FieldsOfDigits) {
   EXPECT_EQ(FilePattern("a/b.####.exr").of(7), "a/b.0007.exr");
   EXPECT_EQ(FilePattern("a/b.####.exr").of(12345), "a/b.12345.exr");
-  EXPECT_EQ(FilePattern("a/b.####.exr").of(-7), "a/b.-007.exr");
+  EXPECT_EQ(FilePattern("a/b.####.exr").of(-7), "a/b.-0007.exr");
+  EXPECT_EQ(FilePattern("a/b.%04d.exr").of(-7), "a/b.-007.exr");
   EXPECT_EQ(FilePattern("b%05d.exr").of(7), "b00007.exr");
   EXPECT_EQ(FilePattern("b%d.exr").of(7), "b7.exr");
   EXPECT_EQ(FilePattern("b.exr").of(7), "b.exr");
@@ -46,8 +47,8 @@ TEST_F(FilePatterns, AFileOfThatVeryNameIsOneFile) {
 }
 
 TEST_F(FilePatterns, FramesThatAreThere) {
-  for (const char* name : {"b.0003.exr", "b.0001.exr", "b.12345.exr", "b.-002.exr", "b.00004.exr", "b.05.exr",
-                           "b.x.exr", "c.0001.exr", "b.0006.png", "b.exr"})
+  for (const char* name : {"b.0003.exr", "b.0001.exr", "b.12345.exr", "b.-0002.exr", "b.-002.exr", "b.00004.exr",
+                           "b.05.exr", "b.x.exr", "c.0001.exr", "b.0006.png", "b.exr"})
     touch(name);
   EXPECT_EQ(FilePattern(at("b.####.exr")).frames(), (std::vector<int>{-2, 1, 3, 12345}));
   EXPECT_EQ(FilePattern(at("b.%02d.exr")).frames(), (std::vector<int>{5, 12345}));
@@ -60,6 +61,8 @@ TEST_F(FilePatterns, AFolderOfOneSeries) {
   const FilePattern pattern(folder_.string());
   EXPECT_EQ(pattern.text(), at("v2_b.####.exr"));
   EXPECT_EQ(pattern.frames(), (std::vector<int>{98, 99, 100}));
+  touch("v2_b.-0002.exr");
+  EXPECT_EQ(FilePattern(folder_.string()).frames(), (std::vector<int>{-2, 98, 99, 100}));
   touch("v2_c.0001.exr");
   EXPECT_THROW(FilePattern{folder_.string()}, Error);
 }

@@ -96,6 +96,15 @@ TEST(CliDenoiseSequence, MergedFramesVaryLessOverTime) {
   EXPECT_LT(sequence.variation("merged"), 0.5 * sequence.variation("alone"));
 }
 
+// Motion needs no guides; a folder that is not there is made.
+TEST(CliDenoiseSequence, TheColourAloneIsMergedToo) {
+  const RenderedSequence sequence;
+  const Ended ended = sequence.denoise((sequence.folder / "render.####.exr").string(),
+                                       (sequence.folder / "new").string(), {"--temporal", "--guides", "none"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  for (int frame = 1; frame <= kFrames; ++frame) EXPECT_TRUE(fs::exists(sequence.at("new/render", frame))) << frame;
+}
+
 TEST(CliDenoiseSequence, BrokenFramesAreToldAndMadeLater) {
   const RenderedSequence sequence;
   for (const int frame : {1, 3}) fs::resize_file(sequence.at("render", frame), 100);

@@ -228,6 +228,9 @@ TEST(CliSequence, WrongUseIsTold) {
   EXPECT_TRUE(contains(error(one, 2), "is an input, too"));
   const SmallFrame frame;
   EXPECT_TRUE(contains(error(frame.arguments({"--frames", "1-3"}), 2), "is for sequences"));
+  Arguments many = frame.arguments();
+  many[4] = (frame.folder / "out.####.exr").string();
+  EXPECT_TRUE(contains(error(many, 2), "names many frames, but"));
 }
 
 }  // namespace
