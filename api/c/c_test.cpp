@@ -77,6 +77,9 @@ TEST_F(CApi, UpscalesLayersThatAddUp) {
   layers[1].structSize = 8;
   EXPECT_EQ(upscale(), XRDS_ERROR_ARGUMENT);
   layers[1].structSize = sizeof layers[1];
+  std::swap(layers[0].output.width, layers[0].output.height);
+  EXPECT_EQ(upscale(), XRDS_ERROR_ARGUMENT);
+  std::swap(layers[0].output.width, layers[0].output.height);
   layers[1].colour = 0;
   EXPECT_EQ(upscale(), XRDS_ERROR_ARGUMENT);
   layers[1].colour = -1;
@@ -233,6 +236,7 @@ TEST(CApiModels, AreFoundByName) {
   ASSERT_EQ(xrdsFindModel("xrds-x4-nano", path, sizeof path), XRDS_OK) << xrdsGetMessage();
   EXPECT_TRUE(std::string(path).ends_with("xrds-x4-nano.safetensors")) << path;
   EXPECT_EQ(xrdsFindModel("xrds-x4-nano", path, 8), XRDS_ERROR_ARGUMENT);
+  EXPECT_EQ(xrdsFindModel("/nowhere/none", path, sizeof path), XRDS_ERROR_FAILED);
   EXPECT_EQ(xrdsFindModel("none", path, sizeof path), XRDS_ERROR_FAILED);
   EXPECT_NE(std::string(xrdsGetMessage()).find("There is no model 'none' in '"), std::string::npos);
   const EnvironmentVariable folder("XRDS_MODELS", XRDS_GOLDEN_FOLDER);
@@ -338,6 +342,8 @@ TEST(CApiColours, AreMerged) {
   }
   EXPECT_EQ(xrdsMergeColour(&with, &from, 64, 16, &with), XRDS_ERROR_ARGUMENT);
   EXPECT_EQ(xrdsMergeColour(&from, &with, 64, 0, &to), XRDS_ERROR_ARGUMENT);
+  for (const double share : {-0.1, 1.1, std::nan("")})
+    EXPECT_EQ(xrdsMergeByShare(&from, &with, share, &to), XRDS_ERROR_ARGUMENT) << share;
   double difference = -1;
   ASSERT_EQ(xrdsCompareColour(&from, &with, &difference), XRDS_OK) << xrdsGetMessage();
   EXPECT_EQ(difference, colourDifference({low.data(), kWidth, kHeight, 4}, {full.data(), kWide, kHigh}));

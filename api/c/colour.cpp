@@ -66,6 +66,8 @@ XrdsResult xrdsMergeByShare(const XrdsImage* low, const XrdsImage* full, double 
   return guarded([&] {
     const BothColours colours(low, full);
     checkSameSize(required(merged, "merged"), *low, "merged", "low-resolution");
+    if (!(share >= 0 && share <= 1))
+      throw xrds::InvalidArgument("The share is " + std::to_string(share) + ", expected a number from 0 to 1.");
     writeColour(*merged, xrds::mergedByShare(colours.low.view(), colours.full.view(), share));
     return XRDS_OK;
   });

@@ -30,6 +30,9 @@ PixelView Layers::read(const XrdsImage& image, const std::string& what) {
 
 std::span<float> Layers::place(const XrdsImage& image, const std::string& what) {
   checkImage(image, what, 3);
+  if (image.width != width_ || image.height != height_)
+    throw InvalidArgument("The " + what + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                          " pixels, expected " + std::to_string(width_) + " x " + std::to_string(height_) + ".");
   const size_t numbers = size_t{3} * image.width * image.height;
   if (isPacked(image)) return {static_cast<float*>(image.channels[0]), numbers};
   return results_.emplace_back(Result{image, std::vector<float>(numbers)}).pixels;

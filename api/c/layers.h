@@ -10,6 +10,8 @@ namespace xrds::c {
 /// The layers of a call as the library takes them, and their results on the way to the caller's images.
 class Layers {
  public:
+  /// Results have the size of the picture.
+  explicit Layers(const XrdsImage& picture) : width_(picture.width), height_(picture.height) {}
   /// Throws InvalidArgument if a structure or an image cannot be.
   void add(const XrdsLayerSet& given);
   std::span<const LayerSet> sets() const { return sets_; }
@@ -27,6 +29,7 @@ class Layers {
   std::deque<ReadImage> images_;  // which stay where they are, as the results do
   std::deque<Result> results_;
   std::vector<LayerSet> sets_;
+  const uint32_t width_, height_;
 };
 
 }  // namespace xrds::c

@@ -54,11 +54,16 @@ class ReadFrame {
   xrds::TemporalFilter::Frame frame_;
 };
 
-void write(const std::vector<float>& pixels, const XrdsImage& image, const char* what) {
-  if (!image.channels[0] || pixels.empty()) return;
+// Room for what becomes of an image of the present frame; nothing is written where there is none.
+void checkRoom(const XrdsImage& image, const XrdsImage& given, const char* what) {
+  if (!image.channels[0] || !given.channels[0]) return;
   checkImage(image, what, 3);
-  if (size_t{3} * image.width * image.height != pixels.size())
+  if (image.width != given.width || image.height != given.height)
     throw xrds::InvalidArgument(std::string("The merged ") + what + " has another size than that of the frames.");
+}
+
+void write(const std::vector<float>& pixels, const XrdsImage& image) {
+  if (!image.channels[0] || pixels.empty()) return;
   for (uint32_t c = 0; c < 3; ++c) writeChannel(image, c, &pixels[c], 3);
 }
 
@@ -91,7 +96,12 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
     const std::unique_lock lock(found->use, std::try_to_lock);
     if (!lock) return failed(XRDS_ERROR_BUSY, "The filter is in use on another thread: create one for each thread.");
     const XrdsTemporalFrame out = taken(required(merged, "merged"), xrdsTemporalFrameDefault());
-    const ReadFrame now(required(present, "present"), *found);
+    const XrdsTemporalFrame of = taken(required(present, "present"), xrdsTemporalFrameDefault());
+    checkRoom(out.colour, of.colour, "colour");
+    checkRoom(out.fullColour, of.fullColour, "full-resolution colour");
+    checkRoom(out.albedo, of.albedo, "albedo");
+    checkRoom(out.normal, of.normal, "normal");
+    const ReadFrame now(*present, *found);
     std::vector<ReadFrame> kept;
     kept.reserve(size_t{beforeCount} + afterCount);
     const auto framesOf = [&](const XrdsTemporalFrame* given, uint32_t count, const char* name) {
@@ -102,10 +112,10 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
     const auto past = framesOf(before, beforeCount, "before"), future = framesOf(after, afterCount, "after");
     const std::lock_guard device(found->device->access);
     const auto result = found->filter->run(now.frame(), past, future);
-    write(result.colour, out.colour, "colour");
-    write(result.fullColour, out.fullColour, "full-resolution colour");
-    write(result.albedo, out.albedo, "albedo");
-    write(result.normal, out.normal, "normal");
+    write(result.colour, out.colour);
+    write(result.fullColour, out.fullColour);
+    write(result.albedo, out.albedo);
+    write(result.normal, out.normal);
     if (out.lowCounts) std::copy(result.lowCounts.begin(), result.lowCounts.end(), out.lowCounts);
     if (out.fullCounts) std::copy(result.fullCounts.begin(), result.fullCounts.end(), out.fullCounts);
     return XRDS_OK;

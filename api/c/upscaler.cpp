@@ -125,7 +125,7 @@ XrdsResult upscale(XrdsUpscaler& upscaler, const XrdsImage& colour, const Frame&
                    const xrds::Upscaler::Progress& progress) {
   checkOutput(upscaler, output);
   const ReadImages images(upscaler.model->inputs(), colour, frame.auxiliary, frame.count);
-  Layers layers;
+  Layers layers(output);
   for (uint32_t i = 0; i < frame.setCount; ++i) {
     layers.add(at(frame.sets, i, "sets"));
     if (frame.reports) at(frame.reports, i, "reports");

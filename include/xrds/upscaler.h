@@ -91,7 +91,8 @@ class Upscaler {
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
 
   /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;
-  /// output: 3 floats a pixel, [scale height, scale width], finite whatever the inputs: see repairs(). Throws Error if
+  /// output: 3 floats a pixel, [scale height, scale width], apart from the inputs, finite whatever they are: see
+  /// repairs(). Throws Error if
   /// a size does not fit or the device fails. Returns false if `progress` cancelled the run; of a frame in tiles, some
   /// are then written to the output.
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, std::span<float> output,

@@ -61,7 +61,8 @@ XRDS_API void xrdsDestroyUpscaler(XrdsUpscaler* upscaler);
 /* Upscales one frame and waits for it. colour: [h, w] linear radiance. auxiliary: the model's inputs in their order,
  * each [scale h, scale w]; of "depth" one channel of distances in any unit. output: [scale h, scale w] linear radiance,
  * finite whatever the inputs; its alpha, if it has one, is the colour's, interpolated, or 1. Pixels that are not finite
- * count as their neighbours. progress may be NULL; after XRDS_CANCELLED the output holds anything. */
+ * count as their neighbours. progress may be NULL; after XRDS_CANCELLED the output holds anything. The
+ * output shares no memory with the inputs. */
 XRDS_API XrdsResult xrdsUpscale(XrdsUpscaler* upscaler, const XrdsImage* colour, const XrdsImage* auxiliary,
                                 uint32_t auxiliaryCount, const XrdsImage* output, XrdsProgress progress, void* user);
 
