@@ -1,6 +1,7 @@
 #include "python/native/call.h"
 
 #include <chrono>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -91,7 +92,11 @@ bool Call::goesOn(const char* stage, double share) {
 
 bool Call::tell(const char* stage, double share) {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
-  return progress_.is_none() || progress_(stage, share).ptr() != Py_False;
+  if (progress_.is_none()) return true;
+  const nb::object answer = progress_(stage, share);
+  const bool isBool =
+      nb::isinstance<nb::bool_>(answer) || std::string_view(Py_TYPE(answer.ptr())->tp_name).starts_with("numpy.bool");
+  return !isBool || PyObject_IsTrue(answer.ptr()) != 0;
 }
 
 }  // namespace xrds::python

@@ -51,9 +51,15 @@ def test_what_the_progress_raises_comes_through(large):
 
 
 def test_a_call_within_the_progress_is_refused(large):
-    for call in (lambda: xrds.upscale(COLOUR, **IMAGES), xrds.devices, lambda: xrds.Upscaler(8, 8, MODEL)):
+    again = lambda: large(LARGE, **LARGE_IMAGES)  # noqa: E731
+    for call in (lambda: xrds.upscale(COLOUR, **IMAGES), xrds.devices, lambda: xrds.Upscaler(8, 8, MODEL), again):
         with pytest.raises(xrds.Error, match="cannot make another"):
             large(LARGE, progress=lambda stage, share: call(), **LARGE_IMAGES)
+
+
+def test_numpy_may_say_no(large):
+    with pytest.raises(xrds.Cancelled):
+        large(LARGE, progress=lambda stage, share: numpy.float64(share) < 0, **LARGE_IMAGES)
 
 
 def test_upscalers_may_be_dropped_within_the_progress(large):

@@ -122,7 +122,7 @@ def upscale(
     chosen = model if model is not None else _suitable(scale, given, both is not None, samples)
     model_key = chosen if isinstance(chosen, Model) else os.fspath(chosen)
     upscaler = _kept(
-        (Upscaler, low.width, low.height, model_key, *options.values()), device, progress,
+        (Upscaler, low.width, low.height, model_key, *options.values(), os.environ.get("XRDS_DENOISERS")), device, progress,
         lambda opened: Upscaler(low.width, low.height, chosen, device=opened, progress=progress, **options),  # type: ignore[arg-type]
     )
     try:

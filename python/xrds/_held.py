@@ -19,7 +19,7 @@ class Held(Generic[Native]):
     """What holds memory of a device until it is closed. One thread at a time has it."""
 
     def __init__(self, native: Native) -> None:
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # a progress that uses what runs is refused, not left waiting
         self._native = native
 
     @property

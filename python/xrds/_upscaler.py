@@ -75,7 +75,7 @@ class Upscaler(Held[_native.Upscaler]):
         self.model = model if isinstance(model, Model) else Model(model)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
         self._denoisers: list[Optional[Model]] = []
-        if denoise_first is not False:
+        if denoise_first is not False and denoise_first is not None:
             folder = None if denoise_first is True else denoise_first
             self._denoisers = networks_in_front(self.model.inputs, folder, clean_guides)
         networks = [network._native if network else None for network in self._denoisers]
