@@ -141,6 +141,7 @@ void LayerFrame::makeRest(const PixelView& whole) {
     everywhere_[lights][i % 3] += more / static_cast<double>(pixels);
   }
   share_ = ofWhole > 0 ? ofLayers / ofWhole : 1;
+  isBlack_ = !(ofWhole > 0);
   if (missing < kLeastMissing * ofWhole) {
     std::fill(rest.pixels.begin(), rest.pixels.end(), 0.F);
     everywhere_[lights] = {};
@@ -206,7 +207,7 @@ void LayerFrame::sharePixel(std::span<const float> picture, size_t pixel, LayerR
       for (size_t k = 0; k <= lights; ++k)
         sum += guesses_[k] = lightSum > 0 ? guesses_[k] + more * light(k) : everywhere_[k][c];
     }
-    isUnshared |= wanted > 0 && !(sum > 0);
+    isUnshared |= wanted > 0 && !(sum > 0) && !isBlack_;
     for (size_t k = 0; k < lights; ++k)
       layers_.lights[k].output[at] = sum > 0 ? static_cast<float>(wanted * (guesses_[k] / sum)) : 0.F;
   }

@@ -56,6 +56,7 @@ class LayerFrame {
   PixelView albedo_{};
   FrameShape frame_;
   double share_ = 1;
+  bool isBlack_ = false;  // of what the layers are part of: what a network makes of it is noise
 };
 
 }  // namespace xrds

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <set>
 
-#include "image/aov_names.h"
+#include "image/aov_candidates.h"
 #include "image/light_names.h"
 
 namespace xrds {
@@ -20,15 +22,106 @@ bool isNamedByPart(const ExrFile& file, const ExrPart& part) {
   return file.parts.size() > 1 && part.layers.size() == 1 && part.layers.front().name.empty() && !part.name.empty();
 }
 
-// Why a layer is not copied; empty: it is.
-std::string whyLeftOut(const ExrFile& file, const ExrPart& part, const ExrLayer& layer, const std::string& own) {
-  if (part.deep) return "deep";
-  if (!part.view.empty() && !file.views.empty() && part.view != file.views.front()) return "of another view";
-  if (lightName(own).kind != LightName::Kind::none)
-    return "light that the colour's render lacks, or of another view layer";
-  if (std::any_of(layer.channels.begin(), layer.channels.end(), isSubsampled)) return "subsampled";
-  return "";
+template <class Range, class Value>
+bool contains(const Range& range, const Value& value) {
+  return std::find(std::begin(range), std::end(range), value) != std::end(range);
 }
+
+/// Copies layer by layer, and keeps what names of channels are taken.
+class Copying {
+ public:
+  Copying(const ExrFile& file, const Box& window, const MadeLayers& made)
+      : file_(file), window_(window), made_(made), taken_(made.channels.begin(), made.channels.end()) {}
+
+  void addPart(size_t number) {
+    const size_t before = copied_.planes.size();
+    for (const ExrLayer& layer : file_.parts[number].layers) addLayer(number, layer);
+    if (copied_.planes.size() > before) copied_.attributes.push_back(file_.parts[number].attributes);
+  }
+
+  CopiedLayers finish() {
+    for (const auto& [reason, names] : leftOut_) copied_.leftOut.push_back(names + " (" + reason + ")");
+    return std::move(copied_);
+  }
+
+ private:
+  void addLayer(size_t number, const ExrLayer& layer) {
+    const ExrPart& part = file_.parts[number];
+    std::string name = isNamedByPart(file_, part) ? part.name : layer.name;
+    std::string view = takeView(file_, name);
+    if (view.empty()) view = part.view;
+    const std::string own = name.substr(name.rfind('.') + 1);
+    std::vector<const ExrChannel*> left;
+    for (const ExrChannel& channel : layer.channels)
+      if (!isMade(number, channel)) left.push_back(&channel);
+    if (left.empty()) return;
+    const std::string shown = !own.empty() ? printable(own) : left.size() == 1 ? left.front()->name : "(unnamed)";
+    const std::string why = whyLeftOut(part, view, left);
+    if (!why.empty()) return leaveOut(shown, why);
+    const bool isWhole = left.size() == layer.channels.size();
+    if (isWhole && isLight(own)) return leaveOut(shown, whyNoLight(own));
+    // Channels that stand beside a colour, such as Z, are none of it.
+    if (isWhole && aovRank(AovRole::kColor, own) && std::count_if(left.begin(), left.end(), isColourAt) >= 3) {
+      std::erase_if(left, isColourAt);
+      leaveOut(shown, "another colour");
+    }
+    copy(number, shown, left);
+  }
+
+  static bool isColourAt(const ExrChannel* channel) { return isColour(*channel); }
+
+  static bool isLight(const std::string& own) {
+    const LightName::Kind kind = lightName(own).kind;
+    return kind == LightName::Kind::light || kind == LightName::Kind::group;
+  }
+
+  std::string whyNoLight(const std::string& own) const {
+    return contains(made_.lights, own) ? "light that --layers does not name"
+                                       : "light that the colour's render lacks, or of another view layer";
+  }
+
+  std::string whyLeftOut(const ExrPart& part, const std::string& view,
+                         const std::vector<const ExrChannel*>& channels) const {
+    if (part.deep) return "deep";
+    if (!view.empty() && !file_.views.empty() && view != file_.views.front()) return "of another view";
+    if (std::any_of(channels.begin(), channels.end(), [](const ExrChannel* c) { return isSubsampled(*c); }))
+      return "subsampled";
+    return "";
+  }
+
+  bool isMade(size_t number, const ExrChannel& channel) const {
+    if (contains(made_.channels, outputNames(file_, {number, {}, {channel.name}}).front())) return true;
+    return std::any_of(made_.sources.begin(), made_.sources.end(), [&](const ExrSelection& source) {
+      return source.part == number && contains(source.channelNames, channel.name);
+    });
+  }
+
+  void leaveOut(const std::string& name, const std::string& why) {
+    std::string& names = leftOut_[why];
+    names += (names.empty() ? "" : ", ") + name;
+  }
+
+  void copy(size_t number, const std::string& shown, const std::vector<const ExrChannel*>& channels) {
+    ExrSelection wanted{number, {}, {}};
+    for (const ExrChannel* channel : channels)
+      if (taken_.insert(outputNames(file_, {number, {}, {channel->name}}).front()).second)
+        wanted.channelNames.push_back(channel->name);
+    if (wanted.channelNames.size() < channels.size()) leaveOut(shown, "another part has channels of its names");
+    if (wanted.channelNames.empty()) return;
+    std::vector<ExrPlane> planes = readPlanes(file_, number, wanted.channelNames, window_);
+    const std::vector<std::string> names = outputNames(file_, wanted);
+    for (size_t c = 0; c < planes.size(); ++c) planes[c].name = names[c];
+    std::move(planes.begin(), planes.end(), std::back_inserter(copied_.planes));
+    copied_.names.push_back(shown);
+  }
+
+  const ExrFile& file_;
+  const Box window_;
+  const MadeLayers& made_;
+  std::set<std::string> taken_;                 // names of channels of the output
+  std::map<std::string, std::string> leftOut_;  // by the reason
+  CopiedLayers copied_;
+};
 
 }  // namespace
 
@@ -40,36 +133,11 @@ std::vector<std::string> outputNames(const ExrFile& file, const ExrSelection& la
   return names;
 }
 
-CopiedLayers copyLayers(const ExrFile& file, size_t wanted, const Box& window,
-                        const std::vector<std::string>& upscaled) {
-  CopiedLayers copied;
-  for (size_t number = 0; number < file.parts.size(); ++number) {
-    const ExrPart& part = file.parts[number];
-    if (part.dataWindow != file.parts[wanted].dataWindow) continue;
-    for (const ExrLayer& layer : part.layers) {
-      const std::string name = isNamedByPart(file, part) ? part.name : layer.name;
-      const std::string own = name.substr(name.rfind('.') + 1);
-      if (std::find(upscaled.begin(), upscaled.end(), own) != upscaled.end()) continue;
-      const std::string why = whyLeftOut(file, part, layer, own);
-      if (!why.empty()) {
-        copied.leftOut.push_back(printable(own) + " (" + why + ")");
-        continue;
-      }
-      // A colour is what is upscaled; channels that stand beside it, such as Z, are not.
-      const bool holdsColour =
-          aovRank(AovRole::kColor, own) && std::count_if(layer.channels.begin(), layer.channels.end(), isColour) >= 3;
-      ExrSelection channels{number, name, {}};
-      for (const ExrChannel& channel : layer.channels)
-        if (!holdsColour || !isColour(channel)) channels.channelNames.push_back(channel.name);
-      if (channels.channelNames.empty()) continue;
-      std::vector<ExrPlane> planes = readPlanes(file, number, channels.channelNames, window);
-      const std::vector<std::string> names = outputNames(file, channels);
-      for (size_t c = 0; c < planes.size(); ++c) planes[c].name = names[c];
-      std::move(planes.begin(), planes.end(), std::back_inserter(copied.planes));
-      copied.names.push_back(printable(own.empty() ? channels.channelNames.front() : own));
-    }
-  }
-  return copied;
+CopiedLayers copyLayers(const ExrFile& file, size_t wanted, const Box& window, const MadeLayers& made) {
+  Copying copying(file, window, made);
+  for (size_t number = 0; number < file.parts.size(); ++number)
+    if (file.parts[number].dataWindow == file.parts[wanted].dataWindow) copying.addPart(number);
+  return copying.finish();
 }
 
 }  // namespace xrds

@@ -11,15 +11,23 @@ namespace xrds {
 /// The channels' names with their layer, also where that goes by the name of its part.
 std::vector<std::string> outputNames(const ExrFile& file, const ExrSelection& layer);
 
+/// What the output has beside copies, and what is no copy.
+struct MadeLayers {
+  std::vector<std::string> channels{};  // of the output
+  std::vector<ExrSelection> sources{};  // layers of the file that are read for them
+  std::vector<std::string> lights{};    // own names of lights of the colour's render that nobody asked for
+};
+
 /// Layers as a file stores them.
 struct CopiedLayers {
   std::vector<ExrPlane> planes;
-  std::vector<std::string> names, leftOut;  // left out: with the reason
+  std::vector<std::string> names, leftOut;  // left out: some of them with their reason, "A, B (...)"
+  std::vector<ExrAttributes> attributes{};  // of the parts that they are of
 };
 
-/// Reads every layer that is neither colour nor light over `window`, bit for bit: depth, normals, ids, Cryptomatte,
-/// what a renderer adds; of all parts of the size of `part`, of the default view. `upscaled`: names of layers that are
-/// made otherwise. Throws Error if the file cannot be read.
-CopiedLayers copyLayers(const ExrFile& file, size_t part, const Box& window, const std::vector<std::string>& upscaled);
+/// Reads every channel over `window`, bit for bit, that is not of a colour, of light or made otherwise: depth, normals,
+/// ids, Cryptomatte, colour passes, what a renderer adds; of all parts of the size of `part`, of the default view.
+/// Throws Error if the file cannot be read.
+CopiedLayers copyLayers(const ExrFile& file, size_t part, const Box& window, const MadeLayers& made);
 
 }  // namespace xrds

@@ -15,7 +15,7 @@ namespace {
 
 std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
-constexpr const char* kFilled = "not finite, filled from the neighbours";
+constexpr const char *kFilled = "not finite, filled from the neighbours", *kNegative = "negative, set to 0";
 
 // The means of scale x scale pixels, three channels.
 Image boxMean(const Image& image, int scale) {
@@ -68,7 +68,7 @@ void Frame::fit(const std::string& input) {
 
 ExrOutput Frame::output(int scale) const {
   ExrOutput output = scaledOutput(colourPart(), scale);
-  if (copiedPart_) output.layerAttributes = auxFile_.parts[*copiedPart_].attributes;
+  if (layers_) output.layerAttributes = layers_->attributes();
   if (fit_) output.displayWindow = fit_->displayWindow;
   return output;
 }
@@ -84,7 +84,7 @@ void Frame::load() {
   colour_ = readLayer(colorFile_, aovs_.color);
   const RepairCounts repaired = repairRadiance(colour_);
   addRepaired(repaired.nonFinitePixels, aovs_.color, kFilled);
-  addRepaired(repaired.negativePixels, aovs_.color, "negative, set to 0");
+  addRepaired(repaired.negativePixels, aovs_.color, kNegative);
   if (aovs_.alpha) {
     alpha_ = readLayer(colorFile_, *aovs_.alpha);
     addRepaired(repairNonFinite(*alpha_).nonFinitePixels, *aovs_.alpha,
@@ -101,13 +101,23 @@ void Frame::load() {
   mergeColour();
 }
 
+// Where several could be meant and none is named, that of the colour's name: of its view layer.
+ExrSelection Frame::findFullColour(bool named) const {
+  try {
+    return findAov(auxFile_, AovRole::kFullColor, fullColourName_);
+  } catch (const Error&) {
+    if (named) throw;
+    return findAov(auxFile_, AovRole::kFullColor, aovs_.color.layer);
+  }
+}
+
 // The colour of the render that the auxiliary images are of; a named one must be there.
 std::optional<ExrSelection> Frame::fullColour() const {
   if (merge_.never || !fit_ || fit_->scale < 2) return {};
   const bool named = !fullColourName_.empty() || merge_.samples;
   if (!named && !hasAov(auxFile_, AovRole::kFullColor)) return {};
   try {
-    ExrSelection found = findAov(auxFile_, AovRole::kFullColor, fullColourName_);
+    ExrSelection found = findFullColour(named);
     const ExrPart& part = auxFile_.parts[found.part];
     const bool fits = fitFrame(colourPart(), part).scale == fit_->scale;
     if (fits && covers(part.dataWindow, scaledBox(colourPart().dataWindow, fit_->scale))) return found;
@@ -152,7 +162,8 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
 }
 
 void Frame::loadLayers(const LayerRequest& request, uint32_t scale) {
-  FrameLayers::Files files{colorFile_, auxFile_, aovs_.color, {}, colourPart().dataWindow};
+  FrameLayers::Files files{
+      colorFile_, auxFile_, aovs_.color, aovs_.alpha ? &*aovs_.alpha : nullptr, {}, colourPart().dataWindow};
   if (fit_) {
     files.fullPart = layerOf(inputs_.front()).part;
     files.window = scaledBox(colourPart().dataWindow, fit_->scale);
@@ -160,7 +171,10 @@ void Frame::loadLayers(const LayerRequest& request, uint32_t scale) {
     files.fullPart = aovs_.color.part;
   }
   layers_.emplace(files, request, merged_ ? std::optional(merged_->share) : std::nullopt);
-  copiedPart_ = files.fullPart;
+  for (const auto& [layer, counts] : layers_->repaired()) {
+    addRepaired(counts.nonFinitePixels, layer, kFilled);
+    addRepaired(counts.negativePixels, layer, kNegative);
+  }
 }
 
 void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) {
@@ -211,7 +225,7 @@ void Frame::addWarnings(const std::vector<std::string>& more) {
 // A layer of the auxiliary file in the frame's window.
 Image Frame::readFull(const ExrSelection& layer) const {
   return placedInBox(readLayer(auxFile_, layer), auxFile_.parts[layer.part].dataWindow,
-                     scaledBox(colourPart().dataWindow, fit_->scale));
+                     scaledBox(colourPart().dataWindow, std::max(scale(), 1)));
 }
 
 Image Frame::loadRadiance(const ExrSelection& layer) const {

@@ -72,7 +72,8 @@ class Frame {
   /// Puts what a TemporalFilter made of the colour and of auxiliary images in their place.
   void replace(TemporalFilter::Merged merged);
 
-  /// The file that the auxiliary images are of, and a layer of it in the frame's window at their size. Throws Error.
+  /// The file that the auxiliary images are of, and a layer of it in the frame's window at their size; without them the
+  /// colour's. Throws Error.
   const ExrFile& auxiliaryFile() const { return auxFile_; }
   Image readFull(const ExrSelection& layer) const;
 
@@ -98,6 +99,7 @@ class Frame {
   Image loadLight(AovRole role, const ExrSelection& layer) const;
   Image loadAuxiliary(const std::string& input);
   std::optional<ExrSelection> fullColour() const;
+  ExrSelection findFullColour(bool named) const;
   void mergeColour();
   void level();
   void chooseShare(const ExrSelection& layer, const Image& full);
@@ -113,7 +115,6 @@ class Frame {
   Image colour_;
   std::optional<MergedColour> merged_;
   std::optional<FrameLayers> layers_;
-  std::optional<size_t> copiedPart_;  // of the auxiliary file
   std::string denoisedBy_;
   std::optional<Noisy> noisy_;
   std::optional<Image> alpha_;

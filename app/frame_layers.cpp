@@ -20,18 +20,6 @@ namespace {
 
 constexpr double kRounding = 1.0 / 256, kLeastMissing = 0.01, kMost = 1.05;  // as LayerReport::share has it
 
-Image readRadiance(const ExrFile& file, const ExrSelection& layer) {
-  Image image = readLayer(file, layer);
-  repairRadiance(image);
-  return image;
-}
-
-Image readFull(const ExrFile& file, const ExrSelection& layer, const Box& window) {
-  Image image = placedInBox(readLayer(file, layer), file.parts[layer.part].dataWindow, window);
-  repairRadiance(image);
-  return image;
-}
-
 bool isBlack(const Image& image) {
   return std::none_of(image.pixels.begin(), image.pixels.end(), [](float value) { return value > 0; });
 }
@@ -50,20 +38,48 @@ Image merged(const Image& low, const Image& full, double share) {
   return result;
 }
 
-const AovCandidate* findCandidate(const std::vector<AovCandidate>& candidates, const std::string& name) {
+// By its own name, or by the name with all that stands before it.
+const AovCandidate* findCandidate(const std::vector<AovCandidate>& candidates, const std::string& name,
+                                  bool whole = false) {
   const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const AovCandidate& candidate) {
-    return candidate.stem == name || candidate.selection.layer == name;
+    return (candidate.stem == name && !whole) || candidate.selection.layer == name;
   });
   return found == candidates.end() ? nullptr : &*found;
 }
 
-// Layers beside the colour, of its view layer, view and size; or, without one, of a part's size.
-std::vector<AovCandidate> candidatesOf(const ExrFile& file, size_t part, const std::optional<std::string>& prefix) {
+bool isLight(const std::string& name) {
+  const LightName::Kind kind = lightName(name).kind;
+  return kind == LightName::Kind::light || kind == LightName::Kind::group;
+}
+
+[[noreturn]] void throwMissing(const ExrFile& file, const std::vector<AovCandidate>& candidates,
+                               const std::string& name) {
+  std::vector<std::string> there;
+  for (const AovCandidate& candidate : candidates) there.push_back(candidate.stem);
+  const std::string meant = nearest(name, there);
+  throw Error("The colour's render has no layer '" + printable(name) + "' of three channels beside its colour" +
+              (meant.empty() ? "; " + describe(file) : ": did you mean '" + printable(meant) + "'?"));
+}
+
+// Layers of the size of a part, of the default view.
+std::vector<AovCandidate> candidatesOf(const ExrFile& file, size_t part) {
   std::vector<AovCandidate> candidates = aovCandidates(file, AovRole::kColor);
   std::erase_if(candidates, [&](const AovCandidate& candidate) {
-    return !candidate.view.empty() || (prefix && candidate.prefix != *prefix) ||
-           file.parts[candidate.selection.part].dataWindow != file.parts[part].dataWindow;
+    return !candidate.view.empty() || file.parts[candidate.selection.part].dataWindow != file.parts[part].dataWindow;
   });
+  return candidates;
+}
+
+// Those of a view layer; if it is not there, of the only one that is.
+std::vector<AovCandidate> ofViewLayer(std::vector<AovCandidate> candidates, const std::string& prefix) {
+  const auto isOther = [](const std::string& wanted) {
+    return [&wanted](const AovCandidate& candidate) { return candidate.prefix != wanted; };
+  };
+  if (candidates.empty()) return candidates;
+  const std::string first = candidates.front().prefix;
+  const bool isOne = std::none_of(candidates.begin(), candidates.end(), isOther(first));
+  if (!isOne || std::none_of(candidates.begin(), candidates.end(), std::not_fn(isOther(prefix))))
+    std::erase_if(candidates, isOther(isOne ? first : prefix));
   return candidates;
 }
 
@@ -73,8 +89,11 @@ LayerRequest layerRequest(const std::string& text) {
   if (text == "all") return {.all = true};
   LayerRequest request;
   std::istringstream list(text);
-  for (std::string name; std::getline(list, name, ',');)
+  for (std::string name; std::getline(list, name, ',');) {
+    name.erase(0, std::min(name.find_first_not_of(' '), name.size()));
+    name.erase(name.find_last_not_of(' ') + 1);
     if (!name.empty()) request.names.push_back(name);
+  }
   return request;
 }
 
@@ -84,53 +103,43 @@ FrameLayers::FrameLayers(const Files& files, const LayerRequest& request, std::o
   makeRest(files);
   if (share) merge(files, *share);
   makeWhole();
+  copyOthers(files);
+}
+
+void FrameLayers::copyOthers(const Files& files) {
   if (!files.fullPart) return;
-  std::vector<std::string> used = request.names;
-  for (const Light& light : lights_) used.push_back(light.name);
-  for (const Colour& pass : colours_) used.push_back(pass.name);
-  CopiedLayers copied = copyLayers(files.full, *files.fullPart, files.window, used);
+  MadeLayers made{.channels = colourChannels_, .lights = unasked_};
+  if (!alphaChannel_.empty()) made.channels.push_back(alphaChannel_);
+  const auto add = [&](const std::vector<std::string>& channels, const std::optional<ExrSelection>& source) {
+    made.channels.insert(made.channels.end(), channels.begin(), channels.end());
+    if (source) made.sources.push_back(*source);
+  };
+  for (const Light& light : lights_) add(light.channels, light.full);
+  for (const Colour& pass : colours_) add(pass.channels, pass.full);
+  CopiedLayers copied = copyLayers(files.full, *files.fullPart, files.window, made);
   copied_ = std::move(copied.planes);
+  attributes_ = std::move(copied.attributes);
   list_.copied = std::move(copied.names);
   list_.leftOut = std::move(copied.leftOut);
 }
 
 void FrameLayers::find(const Files& files, const LayerRequest& request) {
-  const auto all = candidatesOf(files.colour, files.colourLayer.part, {});
+  const auto all = candidatesOf(files.colour, files.colourLayer.part);
   const auto own = std::find_if(
       all.begin(), all.end(), [&](const AovCandidate& candidate) { return candidate.selection == files.colourLayer; });
   const std::string prefix = own == all.end() ? "" : own->prefix;
-  const auto low = candidatesOf(files.colour, files.colourLayer.part, prefix);
-  const auto full = candidatesOf(files.full, files.fullPart.value_or(0), {});
-  const auto inFull = [&](const std::string& name) -> std::optional<ExrSelection> {
-    const AovCandidate* found = files.fullPart ? findCandidate(full, name) : nullptr;
-    return found ? std::optional(found->selection) : std::nullopt;
-  };
+  std::vector<AovCandidate> low = all, full;
+  std::erase_if(low, [&](const AovCandidate& candidate) { return candidate.prefix != prefix; });
+  if (files.fullPart) full = ofViewLayer(candidatesOf(files.full, *files.fullPart), prefix);
   std::vector<std::string> names = request.names;
   for (const AovCandidate& candidate : low)
-    if (request.all && lightName(candidate.stem).kind != LightName::Kind::none) names.push_back(candidate.stem);
+    if (isLight(candidate.stem)) (request.all ? names : unasked_).push_back(candidate.stem);
   for (const std::string& name : names) {
     const AovCandidate* found = findCandidate(low, name);
-    if (!found) {
-      std::vector<std::string> there;
-      for (const AovCandidate& candidate : low) there.push_back(candidate.stem);
-      const std::string meant = nearest(name, there);
-      throw Error("The colour's render has no layer '" + printable(name) + "' of three channels beside its colour" +
-                  (meant.empty() ? "; " + describe(files.colour) : ": did you mean '" + printable(meant) + "'?"));
-    }
-    const LightName known = lightName(found->stem);
-    if (known.kind == LightName::Kind::colour || found->selection == files.colourLayer) continue;
-    Light light{found->stem, outputNames(files.colour, found->selection), found->selection, inFull(found->stem)};
-    light.followsAlbedo = known.followsAlbedo;
-    light.isGroup = known.kind == LightName::Kind::group;
-    if (const AovCandidate* pass = known.colour.empty() ? nullptr : findCandidate(low, known.colour)) {
-      auto place =
-          std::find_if(colours_.begin(), colours_.end(), [&](const Colour& c) { return c.name == pass->stem; });
-      if (place == colours_.end())
-        place = colours_.insert(
-            place, {pass->stem, outputNames(files.colour, pass->selection), pass->selection, inFull(pass->stem)});
-      light.colour = static_cast<int>(place - colours_.begin());
-    }
-    lights_.push_back(std::move(light));
+    if (!found) found = findCandidate(all, name, true);
+    if (!found) throwMissing(files.colour, low, name);
+    if (lightName(found->stem).kind != LightName::Kind::colour && found->selection != files.colourLayer)
+      addLight(files, *found, low, full);
   }
   if (lights_.empty())
     throw Error(
@@ -138,9 +147,45 @@ void FrameLayers::find(const Files& files, const LayerRequest& request) {
         "are wanted, --layers NAME,NAME; " +
         describe(files.colour));
   colourChannels_ = outputNames(files.colour, files.colourLayer);
+  if (files.alphaLayer) alphaChannel_ = outputNames(files.colour, *files.alphaLayer).front();
   if (own == all.end() || !namesNoisyRender(own->stem)) return;
-  for (const size_t c : {0, 1, 2})  // the result is what Cycles calls so
-    colourChannels_[c] = (prefix.empty() ? "" : prefix + ".") + "Combined." + "RGB"[c];
+  const std::string finished = (prefix.empty() ? "" : prefix + ".") + "Combined.";
+  for (const size_t c : {0, 1, 2}) colourChannels_[c] = finished + "RGB"[c];  // the result is what Cycles calls so
+  if (files.alphaLayer) alphaChannel_ = finished + "A";
+}
+
+void FrameLayers::addLight(const Files& files, const AovCandidate& found, const std::vector<AovCandidate>& low,
+                           const std::vector<AovCandidate>& full) {
+  const auto isFound = [&](const Light& light) { return light.low == found.selection; };
+  if (std::any_of(lights_.begin(), lights_.end(), isFound)) return;  // it was named twice
+  const auto inFull = [&](const std::string& name) -> std::optional<ExrSelection> {
+    const AovCandidate* same = findCandidate(full, name);
+    return same ? std::optional(same->selection) : std::nullopt;
+  };
+  const LightName known = lightName(found.stem);
+  Light light{found.stem, outputNames(files.colour, found.selection), found.selection, inFull(found.stem)};
+  light.followsAlbedo = known.followsAlbedo;
+  light.isGroup = known.kind == LightName::Kind::group;
+  if (const AovCandidate* pass = known.colour.empty() ? nullptr : findCandidate(low, known.colour)) {
+    auto place = std::find_if(colours_.begin(), colours_.end(), [&](const Colour& c) { return c.name == pass->stem; });
+    if (place == colours_.end())
+      place = colours_.insert(
+          place, {pass->stem, outputNames(files.colour, pass->selection), pass->selection, inFull(pass->stem)});
+    light.colour = static_cast<int>(place - colours_.begin());
+  }
+  lights_.push_back(std::move(light));
+}
+
+Image FrameLayers::readRadiance(const ExrFile& file, const ExrSelection& layer) {
+  Image image = readLayer(file, layer);
+  repaired_.push_back({layer, repairRadiance(image)});
+  return image;
+}
+
+Image FrameLayers::readFull(const ExrFile& file, const ExrSelection& layer, const Box& window) {
+  Image image = placedInBox(readLayer(file, layer), file.parts[layer.part].dataWindow, window);
+  repaired_.push_back({layer, repairRadiance(image)});
+  return image;
 }
 
 void FrameLayers::read(const Files& files) {
@@ -160,21 +205,26 @@ void FrameLayers::read(const Files& files) {
 
 // What of the colour's render is in no layer: a light of its own unless it is rounding.
 void FrameLayers::makeRest(const Files& files) {
-  const Image whole = readRadiance(files.colour, files.colourLayer);
+  Image whole = readLayer(files.colour, files.colourLayer);  // what is repaired in it was told
+  repairRadiance(whole);
   for (const bool groups : {false, true}) {
     Image& rest = rest_[groups ? 1 : 0];
     rest = whole;
+    double missing = 0, all = 0, given = 0;
     for (const Light& light : lights_) {
       if (light.isGroup != groups) continue;
       const Image radiance = radianceOf(light);
-      for (size_t i = 0; i < rest.pixels.size(); ++i) rest.pixels[i] -= radiance.pixels[i];
+      for (size_t i = 0; i < rest.pixels.size(); ++i) {
+        rest.pixels[i] -= radiance.pixels[i];
+        given += radiance.pixels[i];
+      }
     }
-    double missing = 0, all = 0;
     for (size_t i = 0; i < rest.pixels.size(); ++i) {
       if (!(rest.pixels[i] > kRounding * whole.pixels[i])) rest.pixels[i] = 0;
       missing += rest.pixels[i];
       all += whole.pixels[i];
     }
+    share_[groups ? 1 : 0] = all > 0 ? given / all : 1;
     if (missing < kLeastMissing * all) std::fill(rest.pixels.begin(), rest.pixels.end(), 0.F);
   }
 }
@@ -264,6 +314,14 @@ std::vector<LayerSet> FrameLayers::sets(UpscaledLayers& to) const {
   return sets;
 }
 
+std::vector<LayerReport> FrameLayers::reports(std::vector<LayerReport> found) const {
+  size_t set = 0;
+  for (const bool groups : {false, true})
+    if (std::any_of(lights_.begin(), lights_.end(), [&](const Light& light) { return light.isGroup == groups; }))
+      found[set++].share = share_[groups ? 1 : 0];
+  return found;
+}
+
 std::vector<ExrPlane> FrameLayers::planes(const Image& colour, const UpscaledLayers& upscaled,
                                           ExrPixelType type) const {
   std::vector<ExrPlane> all = copied_;
@@ -272,7 +330,7 @@ std::vector<ExrPlane> FrameLayers::planes(const Image& colour, const UpscaledLay
     std::move(planes.begin(), planes.end(), std::back_inserter(all));
   };
   std::vector<std::string> names = colourChannels_;
-  if (colour.channels == 4) names.push_back(names.front().substr(0, names.front().rfind('.') + 1) + "A");
+  if (colour.channels == 4) names.push_back(alphaChannel_);
   add(colour, names);
   for (size_t i = 0; i < lights_.size(); ++i) add(upscaled.lights[i], lights_[i].channels);
   for (size_t i = 0; i < colours_.size(); ++i) add(upscaled.colours[i], colours_[i].channels);

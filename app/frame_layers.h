@@ -1,12 +1,15 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/image_denoiser.h"
+#include "image/aov_candidates.h"
 #include "image/exr_planes.h"
 #include "image/exr_read.h"
+#include "image/repair.h"
 #include "xrds/layers.h"
 
 namespace xrds {
@@ -23,7 +26,7 @@ LayerRequest layerRequest(const std::string& text);
 
 /// What became of the layers of a frame, by their names.
 struct LayerList {
-  std::vector<std::string> upscaled, copied, leftOut;  // left out: with the reason, "AO (...)"
+  std::vector<std::string> upscaled, copied, leftOut;  // left out: with their reason, "AO, Emit (...)"
   bool merged = false;                                 // with those of the full-resolution render
 };
 
@@ -41,6 +44,7 @@ class FrameLayers {
   struct Files {
     const ExrFile &colour, &full;
     const ExrSelection& colourLayer;
+    const ExrSelection* alphaLayer;  // null: the result has none
     std::optional<size_t> fullPart;
     Box window;  // of the upscaled frame
   };
@@ -50,7 +54,8 @@ class FrameLayers {
   /// is found, or a file cannot be read.
   FrameLayers(const Files& files, const LayerRequest& request, std::optional<double> share);
 
-  /// Takes the noise out of each light that is not black, with the help of low-resolution albedo and normal, which may be null.
+  /// Takes the noise out of each light that is not black, with the help of low-resolution albedo and normal, which may
+  /// be null.
   void denoise(ImageDenoiser& denoiser, const Image* albedo, const Image* normal, uint32_t passes = 1);
 
   /// Takes the noise out of the colour passes, as of albedos; of full resolution they are the same images then. Before
@@ -61,10 +66,20 @@ class FrameLayers {
   size_t noisyColours() const { return colours_.size(); }
 
   const LayerList& list() const { return list_; }
+  /// Layers with pixels that were filled from their neighbours, or set to 0 where they were negative, and how many.
+  struct Repaired {
+    ExrSelection layer;
+    RepairCounts counts;
+  };
+  const std::vector<Repaired>& repaired() const { return repaired_; }
+  /// Attributes of what is copied.
+  const std::vector<ExrAttributes>& attributes() const { return attributes_; }
   /// Room for the results at `scale` times the size.
   UpscaledLayers room(int scale) const;
   /// The sets that add up to the colour, as Upscaler::run() takes them, with their results in `to`.
   std::vector<LayerSet> sets(UpscaledLayers& to) const;
+  /// Of what Upscaler::layerReports() says of them, with the shares that the layers given had of their colour.
+  std::vector<LayerReport> reports(std::vector<LayerReport> found) const;
   /// All channels of the output: the colour, with alpha if it has four channels, the lights, and what is copied. Lights
   /// and colour have `type`.
   std::vector<ExrPlane> planes(const Image& colour, const UpscaledLayers& upscaled, ExrPixelType type) const;
@@ -89,6 +104,11 @@ class FrameLayers {
     Image image{}, fullImage{};
   };
   void find(const Files& files, const LayerRequest& request);
+  void addLight(const Files& files, const AovCandidate& found, const std::vector<AovCandidate>& low,
+                const std::vector<AovCandidate>& full);
+  Image readRadiance(const ExrFile& file, const ExrSelection& layer);
+  Image readFull(const ExrFile& file, const ExrSelection& layer, const Box& window);
+  void copyOthers(const Files& files);
   void read(const Files& files);
   void merge(const Files& files, double share);
   void makeRest(const Files& files);
@@ -97,9 +117,14 @@ class FrameLayers {
 
   std::vector<Light> lights_;
   std::vector<Colour> colours_;
-  Image rest_[2], whole_[2];  // of the passes and of the light groups
+  Image rest_[2], whole_[2];          // of the passes and of the light groups
+  double share_[2] = {1, 1};          // of the colour that they were given
+  std::vector<std::string> unasked_;  // lights of the colour's render
   std::vector<std::string> colourChannels_;
+  std::string alphaChannel_;  // empty: there is none
   std::vector<ExrPlane> copied_;
+  std::vector<ExrAttributes> attributes_;
+  std::vector<Repaired> repaired_;
   LayerList list_;
 };
 

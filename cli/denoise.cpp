@@ -12,6 +12,7 @@
 #include "cli/common_options.h"
 #include "cli/denoise_sequence.h"
 #include "cli/device_choice.h"
+#include "cli/layer_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/sequence_run.h"
@@ -135,13 +136,11 @@ void addOptions(CLI::App& verb, DenoiseOptions& options) {
       ->type_name("LAYER");
   verb.add_option("--albedo", common.layers.names[AovRole::kAlbedo], "Layer to take as albedo")->type_name("LAYER");
   verb.add_option("--normal", common.layers.names[AovRole::kNormal], "Layer to take as normal")->type_name("LAYER");
-  verb.add_option(
-          "--layers", common.lights,
-          "Layers of light to denoise as well, so that they still add up to the result: all (those that Cycles names,\n"
-          "light groups too), or names with commas. Every other layer of AUX, or of COLOR where there is none, such "
-          "as\n"
-          "depth, ids and Cryptomatte, is copied bit for bit")
-      ->type_name("all|NAME,NAME");
+  addLights(
+      verb, common.lights,
+      "Layers of light to denoise as well, so that they still add up to the result: all (those that Cycles names,\n"
+      "light groups too), or names with commas. Every other layer of AUX, or of COLOR where there is none, that is\n"
+      "no light, such as depth, ids and Cryptomatte, is copied bit for bit");
   addSequenceOptions(verb, common);
   addQuiet(verb, common.quiet);
   verb.add_flag("--half", common.half, "Write 16-bit half floats");

@@ -71,7 +71,7 @@ Denoised denoised(NetworkDenoiser& networks, Device& device, const Frame& frame,
     layers.denoise(single, albedo, normal);
     UpscaledLayers room = layers.room(1);
     Image picture = networks.denoised(device, frame.colour(), albedo, normal, clean, layers.sets(room));
-    room.reports = networks.layerReports();
+    room.reports = layers.reports(networks.layerReports());
     return {std::move(picture), std::move(room)};
   } catch (const Cancelled&) {
     stopIfInterrupted();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 #include "image/aov.h"
 
@@ -8,5 +9,8 @@ namespace xrds {
 
 /// Declares --color and an option for each kind of auxiliary image, which choose layers.
 void addLayerOptions(CLI::App& verb, AovRequest& layers);
+
+/// Declares --layers, which takes what layerRequest() reads.
+void addLights(CLI::App& verb, std::string& lights, const std::string& help);
 
 }  // namespace xrds

@@ -52,7 +52,7 @@ Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, 
     result.layers = frame.layers()->room(scale);
     upscaler.run(viewOf(frame.colour()), inputsOf(model, frame), result.colour.pixels,
                  frame.layers()->sets(result.layers), progress);
-    result.layers.reports = upscaler.layerReports();
+    result.layers.reports = frame.layers()->reports(upscaler.layerReports());
   } else {
     upscaleFrame(upscaler, model, frame, result.colour.pixels, progress);
   }

@@ -101,12 +101,11 @@ void addParts(CLI::App& verb, UpscaleOptions& options) {
 
 void addLayers(CLI::App& verb, UpscaleOptions& options) {
   addLayerOptions(verb, options.layers);
-  verb.add_option(
-          "--layers", options.lights,
-          "Layers of light to upscale as well, so that they still add up to the result: all (those that Cycles\n"
-          "names, light groups too), or names with commas. Every other layer of AUX, such as depth, ids and\n"
-          "Cryptomatte, is copied bit for bit")
-      ->type_name("all|NAME,NAME");
+  addLights(
+      verb, options.lights,
+      "Layers of light to upscale as well, so that they still add up to the result: all (those that Cycles\n"
+      "names, light groups too), or names with commas. Every other layer of AUX that is no light, such as depth,\n"
+      "ids and Cryptomatte, is copied bit for bit");
   verb.add_option(
           "--aux-colour", options.auxColour,
           "Colour of the full-resolution render, which is merged into the low-resolution colour: auto (where the\n"

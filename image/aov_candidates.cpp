@@ -56,16 +56,6 @@ std::pair<std::string, std::string> splitAtLastDot(const std::string& name) {
                                   : std::pair(name.substr(0, dot), name.substr(dot + 1));
 }
 
-// Takes the view off the end of a layer's name, as `layer.view` has it in files of several views.
-std::string takeView(const ExrFile& file, std::string& layerName) {
-  const auto [rest, last] = splitAtLastDot(layerName);
-  if (std::find(file.views.begin(), file.views.end(), last) == file.views.end()) {
-    return "";
-  }
-  layerName = rest;
-  return last;
-}
-
 std::string defaultView(const ExrFile& file) {
   if (!file.views.empty()) {
     return file.views.front();
@@ -125,6 +115,15 @@ std::vector<AovCandidate> depthCandidates(const ExrFile& file, size_t number) {
 }
 
 }  // namespace
+
+std::string takeView(const ExrFile& file, std::string& layerName) {
+  const auto [rest, last] = splitAtLastDot(layerName);
+  if (std::find(file.views.begin(), file.views.end(), last) == file.views.end()) {
+    return "";
+  }
+  layerName = rest;
+  return last;
+}
 
 std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role) {
   std::vector<AovCandidate> result;

@@ -22,6 +22,10 @@ struct AovCandidate {
   std::optional<ExrSelection> alpha;
 };
 
+/// Takes the view off the end of a layer's name, as `layer.view` has it in files of several views; empty if it has
+/// none.
+std::string takeView(const ExrFile& file, std::string& layerName);
+
 /// The layers of a file that have R, G, B (for normals and albedo also X, Y, Z), in upper or lower case and any order,
 /// as floating-point numbers, one a pixel; for depth those of a single channel, and the channels Z and depth of the
 /// unnamed layer. Deep parts offer none.

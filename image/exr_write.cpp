@@ -100,9 +100,11 @@ Imf::Header headerFor(const Image& image, const ExrOutput& output) {
 
 Imf::Header headerFor(std::span<const ExrPlane> planes, const ExrOutput& output) {
   Imf::Header header = headerFor(output);
-  const Imf::Header& source = output.layerAttributes.stored().header;
-  for (auto entry = source.begin(); entry != source.end(); ++entry)
-    if (describesLayers(entry.name())) header.insert(entry.name(), entry.attribute());
+  for (const ExrAttributes& attributes : output.layerAttributes) {
+    const Imf::Header& source = attributes.stored().header;
+    for (auto entry = source.begin(); entry != source.end(); ++entry)
+      if (describesLayers(entry.name())) header.insert(entry.name(), entry.attribute());
+  }
   for (const ExrPlane& plane : planes) header.channels().insert(plane.name, Imf::Channel(imfTypeOf(plane.type)));
   return header;
 }

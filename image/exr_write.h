@@ -17,7 +17,7 @@ struct ExrOutput {
   Box dataWindow;
   Box displayWindow;
   ExrAttributes attributes;                       ///< Passed on from the file that the image was made of.
-  ExrAttributes layerAttributes{};                ///< Of the file that layers are copied from: what speaks of them.
+  std::vector<ExrAttributes> layerAttributes{};   ///< Of the parts that layers are copied from: what speaks of them.
   std::map<std::string, std::string> texts;       ///< Further string attributes, such as "xrds:version".
   ExrPixelType pixelType = ExrPixelType::kFloat;  ///< kFloat or kHalf.
 };

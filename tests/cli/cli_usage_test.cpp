@@ -12,6 +12,8 @@ struct Slip {
 TEST(CliUsage, NamesTheSlipAndWhatIsNearest) {
   const Slip slips[] = {
       {{"upscal", "x"}, "There is no command 'xrds upscal'; the nearest is 'upscale'; see xrds --help."},
+      {{"denois", "x.exr", "-o", "y.exr"},
+       "There is no command 'xrds denois'; the nearest is 'denoise'; see xrds --help."},
       {{"bench", "qualty"},
        "There is no command 'xrds bench qualty'; the nearest is 'quality'; see xrds bench --help."},
       {{"frobnicate"}, "There is no command 'xrds frobnicate'; there are upscale, advise, compare,"},
