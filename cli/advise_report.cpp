@@ -96,7 +96,11 @@ std::string plainText(const Advice& advice) {
       " pixels, " +
       text("%.2f", advice.cost->seconds(1, static_cast<size_t>(advice.width) * advice.height) - advice.cost->start) +
       " s.\n";
-  if (!advice.steps.denoiser) lines += "Open Image Denoise is not installed: ways with it are left out.\n";
+  if (!advice.steps.denoiser)
+    lines +=
+        "Open Image Denoise is not there, neither its networks (xrds import oidn) nor its library: ways with it are "
+        "left "
+        "out.\n";
   std::vector<Row> rows{{"way", "low-resolution samples", "full", "render s", "then s", "PSNR dB", "+-"}};
   for (const Plan& plan : advice.plans) rows.push_back(rowOf(advice, plan));
   lines += "\nPlans than which no quicker one is as good, on " + advice.device + ":\n\n" + aligned(rows);

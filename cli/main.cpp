@@ -26,7 +26,7 @@ constexpr const char* kFooter =
 
 int fail(xrds::ExitCode code, const std::string& message) {
   const bool list = message.find('\n') != std::string::npos;
-  const char* end = list || message.ends_with('.') ? "" : ".";
+  const char* end = list || message.ends_with('.') || message.ends_with('?') ? "" : ".";
   std::fprintf(stderr, "xrds: %s%s\n", message.c_str(), end);
   return static_cast<int>(code);
 }

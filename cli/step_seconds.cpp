@@ -5,6 +5,7 @@
 #include "app/denoiser.h"
 #include "app/frame.h"
 #include "app/models.h"
+#include "app/network_denoiser.h"
 #include "cli/progress.h"
 #include "cli/timer.h"
 
@@ -44,16 +45,28 @@ double modelSeconds(Device& device, const Model& model, int side) {
   return secondsOfSecondRun([&] { upscaler.run(viewOf(colour), auxiliary, result.pixels); });
 }
 
-std::optional<double> denoiserSeconds(size_t pixels) {
+double secondsPerPixelOf(ImageDenoiser& denoiser) {
+  return secondsPerPixel([&](int side) {
+    const Image image(side, side, 3, 0.5F);
+    return secondsOfSecondRun([&] {
+      const Image albedo = denoiser.denoisedAlbedo(image), normal = denoiser.denoisedNormal(image);
+      denoiser.denoised(image, &albedo, &normal);
+    });
+  });
+}
+
+// Of the networks on the device where they were imported, as --denoise-first runs them, else of the library.
+std::optional<double> denoiserSeconds(Device& device, size_t pixels) {
+  NetworkDenoiser networks({.staysPrepared = true});
+  if (networks.has(2, false, true)) {
+    DeviceDenoiser denoiser(networks, device);
+    const double seconds = static_cast<double>(pixels) * secondsPerPixelOf(denoiser);
+    networks.release();
+    return seconds;
+  }
   try {
-    Denoiser denoiser;
-    return static_cast<double>(pixels) * secondsPerPixel([&](int side) {
-             const Image image(side, side, 3, 0.5F);
-             return secondsOfSecondRun([&] {
-               const Image albedo = denoiser.denoisedAlbedo(image), normal = denoiser.denoisedNormal(image);
-               denoiser.denoised(image, &albedo, &normal);
-             });
-           });
+    Denoiser library;
+    return static_cast<double>(pixels) * secondsPerPixelOf(library);
   } catch (const Error&) {
     return {};  // none is installed
   }
@@ -71,7 +84,7 @@ StepSeconds measureSteps(Device& device, const std::vector<Way>& ways, size_t pi
     steps.models[way.model] =
         static_cast<double>(pixels) * secondsPerPixel([&](int side) { return modelSeconds(device, model, side); });
   }
-  steps.denoiser = denoiserSeconds(pixels);
+  steps.denoiser = denoiserSeconds(device, pixels);
   return steps;
 }
 

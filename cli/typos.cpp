@@ -60,9 +60,10 @@ std::string usageSentence(const CLI::App& app, const CLI::ParseError& error) {
     command += " " + verb->get_name();
   }
   const std::vector<std::string> unknown = verb->remaining();
+  const bool isCommand = !unknown.empty() && !unknown.front().starts_with("-") && !commandsOf(*verb).empty();
+  if (isCommand) return unknownCommand(*verb, command, unknown.front());
   for (const std::string& word : unknown)
     if (word.starts_with("-")) return unknownOption(*verb, command, word.substr(0, word.find('=')));
-  if (!unknown.empty() && !commandsOf(*verb).empty()) return unknownCommand(*verb, command, unknown.front());
   if (!unknown.empty())
     return command + " takes no further argument '" + unknown.front() + "'; see " + command + " --help";
   return std::string(error.what()) + "; see " + command + " --help";

@@ -138,9 +138,11 @@ void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame
   printWarnings({"The " + input + " is the same everywhere; taking model " + opened.name() + "."});
 }
 
-// The colour of the full-resolution render may be of other light: then a model that does without it is taken.
-void leaveUnmergedOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
-  if (frame.merged() || !takes(opened.model, kFullColour)) return;
+// The colour of the full-resolution render may be of other light, and models that take it cannot skip windows: then one
+// that does without it is taken.
+void leaveColourOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
+  const bool skips = parseSkip(options.skip) > 0 && !opened.model.whyNeverSkipped().empty();
+  if ((frame.merged() && !skips) || !takes(opened.model, kFullColour)) return;
   const auto scale = static_cast<int>(opened.model.scale());
   const fs::path file = failingWith(ExitCode::model, [&] {
     return defaultModel(scale, {std::string(kAlbedo.name), std::string(kNormal.name)}, lowSamples(options, frame));
@@ -177,7 +179,7 @@ UpscaleInput openInput(const UpscaleOptions& options) {
   OpenedModel opened = openModel(options);
   Frame frame = openFrame(options, opened);
   if (options.model.empty()) {
-    leaveUnmergedOut(options, opened, frame);
+    leaveColourOut(options, opened, frame);
     leaveConstantsOut(options, opened, frame);
   }
   prepare(options, opened, frame);
