@@ -135,10 +135,10 @@ void addAdvise(CLI::App& app) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("SECONDS");
   CLI::Option* within = verb->add_option("--within", options->within, "Advise the best plan that takes at most so long")
-                            ->check(CLI::PositiveNumber)
+                            ->check(CLI::Range(0.001, 1e9))
                             ->type_name("SECONDS");
   verb->add_option("--reach", options->reach, "Advise the quickest plan that is predicted to reach this PSNR")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(0.001, 1e9))
       ->type_name("DB")
       ->excludes(within);
   verb->add_flag("--scene-only", options->sceneOnly, "Tell what the renders say of the scene, and no plans");

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/failing_with.h"
 #include "cli/commands.h"
@@ -9,6 +10,7 @@
 #include "cli/metric_columns.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
+#include "cli/warnings.h"
 #include "image/aov.h"
 #include "image/compose.h"
 #include "image/flip.h"
@@ -21,13 +23,20 @@ namespace {
 struct CompareOptions {
   std::string image, reference, layer, referenceLayer, heatMap, json;
   float heatMaximum = 0.1F;
-  double minimumPsnr = 0;
+  std::optional<double> minimumPsnr;
   bool quiet = false;
 };
 
-Image readColour(const std::string& path, const std::string& layer) {
+/// A colour and where it lies in its frame.
+struct Placed {
+  Image image;
+  Box window;
+};
+
+Placed readColour(const std::string& path, const std::string& layer) {
   const ExrFile file = readExrHeader(path);
-  return readLayer(file, findAov(file, AovRole::kColor, layer));
+  const ExrSelection found = findAov(file, AovRole::kColor, layer);
+  return {readLayer(file, found), file.parts[found.part].dataWindow};
 }
 
 void requireOutputs(const CompareOptions& options) {
@@ -39,12 +48,15 @@ void requireOutputs(const CompareOptions& options) {
 
 std::pair<Image, Image> readImages(const CompareOptions& options) {
   const std::string& referenceLayer = options.referenceLayer.empty() ? options.layer : options.referenceLayer;
-  std::pair images{readColour(options.image, options.layer), readColour(options.reference, referenceLayer)};
-  if (images.first.width != images.second.width || images.first.height != images.second.height)
-    throw Error("The images have different sizes: " + std::to_string(images.first.width) + " x " +
-                std::to_string(images.first.height) + " and " + std::to_string(images.second.width) + " x " +
-                std::to_string(images.second.height) + ".");
-  return images;
+  Placed image = readColour(options.image, options.layer), reference = readColour(options.reference, referenceLayer);
+  if (image.image.width != reference.image.width || image.image.height != reference.image.height)
+    throw Error("The images have different sizes: " + std::to_string(image.image.width) + " x " +
+                std::to_string(image.image.height) + " and " + std::to_string(reference.image.width) + " x " +
+                std::to_string(reference.image.height) + ".");
+  if (image.window != reference.window)
+    printWarnings({"the data windows are " + toString(image.window) + " and " + toString(reference.window) +
+                   ": pixels are compared from their corners."});
+  return {std::move(image.image), std::move(reference.image)};
 }
 
 void printMetrics(const Metrics& metrics) {
@@ -77,9 +89,9 @@ void run(const CompareOptions& options) {
     if (!options.json.empty()) writeText(options.json, jsonText(options, image, metrics));
     if (!options.heatMap.empty()) writePng(options.heatMap, heatMap(flipMap(image, reference), options.heatMaximum));
   });
-  if (options.minimumPsnr > 0 && metrics.psnr < options.minimumPsnr)
+  if (options.minimumPsnr && !(metrics.psnr >= *options.minimumPsnr))
     throw Failure{ExitCode::differs, "PSNR is " + std::to_string(metrics.psnr) + " dB, below " +
-                                         std::to_string(options.minimumPsnr) + " dB."};
+                                         std::to_string(*options.minimumPsnr) + " dB."};
 }
 
 }  // namespace
@@ -95,9 +107,11 @@ void addCompare(CLI::App& app) {
   verb->add_option("--heat-map", options->heatMap, "PNG file to write with the perceptual error of each pixel")
       ->type_name("PNG");
   verb->add_option("--heat-max", options->heatMaximum, "Error that is shown brightest")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-6, 1.0))
       ->capture_default_str();
-  verb->add_option("--min-psnr", options->minimumPsnr, "Exit with code 7 if the PSNR is lower")->type_name("DB");
+  verb->add_option("--min-psnr", options->minimumPsnr, "Exit with code 7 if the PSNR is lower")
+      ->type_name("DB")
+      ->check(CLI::Range(0.0, 1000.0));
   verb->add_option("--json", options->json, "File to write with every metric")->type_name("JSON");
   addQuiet(*verb, options->quiet);
   verb->footer(

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "app/exit_code.h"
+#include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
@@ -39,6 +40,7 @@ int main(int argc, char** argv) {
       "Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"
       "full-resolution picture out, on any Vulkan device.",
       "xrds");
+  app.formatter(std::make_shared<xrds::HelpFormat>());
   app.set_version_flag("--version", "xrds " XRDS_VERSION);
   app.require_subcommand(1);
   app.footer(kFooter);

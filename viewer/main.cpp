@@ -4,6 +4,7 @@
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
+#include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "app/skip_bound.h"
 #include "viewer/headless.h"
@@ -107,6 +108,7 @@ void show(const xrds::ViewerOptions& options) {
 
 int main(int argc, char** argv) {
   CLI::App app("Shows renders as they are upscaled, in a window.", "xrds view");
+  app.formatter(std::make_shared<xrds::HelpFormat>());
   xrds::ViewerOptions options;
   addOptions(app, options);
   try {
