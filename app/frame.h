@@ -88,6 +88,7 @@ class Frame {
   /// One for each of inputs(), of three channels; of depth the relative depth.
   const std::vector<Image>& auxiliary() const { return auxiliary_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  void warn(const std::string& text) { warnings_.push_back(text); }
   /// How many pixels load() filled from their neighbours or set to 0, in all layers.
   size_t repairedPixels() const { return repairedPixels_; }
 

@@ -116,11 +116,23 @@ void FrameLayers::copyOthers(const Files& files) {
   };
   for (const Light& light : lights_) add(light.channels, light.full);
   for (const Colour& pass : colours_) add(pass.channels, pass.full);
-  CopiedLayers copied = copyLayers(files.full, *files.fullPart, files.window, made);
-  copied_ = std::move(copied.planes);
-  attributes_ = std::move(copied.attributes);
-  list_.copied = std::move(copied.names);
-  list_.leftOut = std::move(copied.leftOut);
+  take(copyLayers(files.full, *files.fullPart, files.window, made));
+  const size_t own = files.colourLayer.part;
+  if (files.full.path == files.colour.path || files.colour.parts[own].dataWindow != files.window) return;
+  // Of one size: what the other file lacks.
+  for (const ExrPlane& plane : copied_) made.channels.push_back(plane.name);
+  made.sources = {files.colourLayer};
+  for (const Light& light : lights_) made.sources.push_back(light.low);
+  for (const Colour& pass : colours_) made.sources.push_back(pass.low);
+  take(copyLayers(files.colour, own, files.window, made));
+}
+
+void FrameLayers::take(CopiedLayers copied) {
+  const auto append = [](auto& to, auto& from) { std::move(from.begin(), from.end(), std::back_inserter(to)); };
+  append(copied_, copied.planes);
+  append(attributes_, copied.attributes);
+  append(list_.copied, copied.names);
+  append(list_.leftOut, copied.leftOut);
 }
 
 void FrameLayers::find(const Files& files, const LayerRequest& request) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/copied_layers.h"
 #include "app/image_denoiser.h"
 #include "image/aov_candidates.h"
 #include "image/exr_planes.h"
@@ -109,6 +110,7 @@ class FrameLayers {
   Image readRadiance(const ExrFile& file, const ExrSelection& layer);
   Image readFull(const ExrFile& file, const ExrSelection& layer, const Box& window);
   void copyOthers(const Files& files);
+  void take(CopiedLayers copied);
   void read(const Files& files);
   void merge(const Files& files, double share);
   void makeRest(const Files& files);

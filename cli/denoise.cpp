@@ -139,8 +139,8 @@ void addOptions(CLI::App& verb, DenoiseOptions& options) {
   addLights(
       verb, common.lights,
       "Layers of light to denoise as well, so that they still add up to the result: all (those that Cycles names,\n"
-      "light groups too), or names with commas. Every other layer of AUX, or of COLOR where there is none, that is\n"
-      "no light, such as depth, ids and Cryptomatte, is copied bit for bit");
+      "light groups too), or names with commas. Every other layer that is no light, such\n"
+      "as depth, ids and Cryptomatte, is copied bit for bit");
   addSequenceOptions(verb, common);
   addQuiet(verb, common.quiet);
   verb.add_flag("--half", common.half, "Write 16-bit half floats");

@@ -25,6 +25,10 @@ std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::stri
 
 Frame openFrame(const DenoiseOptions& options, const std::string& color, const std::string& aux) {
   Frame frame(color, aux, options.common.layers, inputsOf(options, color, aux), {.never = true});
+  if (frame.inputs().empty() && options.guides != "none" &&
+      hasAov(readExrHeader(aux.empty() ? color : aux), AovRole::kNormal))
+    frame.warn(
+        "There is no albedo of a known name, without which the normal is not used: name its layer with --albedo.");
   if (frame.scale() > 1)
     throw Error("Albedo and normal have " + std::to_string(frame.scale()) +
                 " times the colour's size: a denoiser takes images of one size; xrds upscale is for these.");

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 
 #include "image/exr_planes.h"
 #include "image/exr_read.h"
@@ -148,6 +150,27 @@ TEST(CliDenoiseLayers, LeaveAllOthersAsTheyAre) {
     for (const ExrChannel& channel : one.channels) names.push_back(channel.name);
   for (const char* name : {"light.key.A", "mask.key.R"}) EXPECT_EQ(std::count(names.begin(), names.end(), name), 1);
   EXPECT_EQ(headerOf(frame.out).attributes.text("cryptomatte/0/name"), "mask");
+}
+
+// Of two files of one size.
+TEST(CliDenoiseLayers, CopyWhatTheFileOfTheGuidesLacks) {
+  const NoisyFrame frame, guides;
+  const auto data = [](const std::string& name, float value) {
+    return Layer{name, "Z", [=](int, int, int) { return value; }};
+  };
+  frame.write({of("L.Combined", 1), of("L.Emit", 1), data("L.Depth", 1), data("L.Mist", 2)});
+  guides.write({of("L.Combined", 2), albedoLayer("L.Denoising Albedo", 40), normalLayer("L.Denoising Normal", 40),
+                data("L.Depth", 3)});
+  const Ended ended = runXrds(
+      {"denoise", frame.render, guides.render, "-o", frame.out, "--denoisers", frame.networks, "--layers", "all"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(contains(ended.output, "Copied: Denoising Albedo, Denoising Normal, Depth, Mist.")) << ended.output;
+  for (const auto& [name, value] : {std::pair{"L.Depth.Z", 3.F}, {"L.Mist.Z", 2.F}}) {
+    const std::vector<ExrPlane> plane = readPlanes(readExrHeader(frame.out), 0, {name}, boxOf(40, 32));
+    float first = 0;
+    std::memcpy(&first, plane[0].bytes.data(), sizeof first);
+    EXPECT_EQ(first, value) << name;
+  }
 }
 
 TEST(CliDenoiseLayers, ThatAreBrokenAreRepairedAndTold) {
