@@ -33,6 +33,14 @@ def layers(file):
     return found
 
 
+def small_denoisers(folder):
+    """The folder, made, with small ones of random weights under the names of Open Image Denoise's."""
+    folder.mkdir()
+    for name, golden in {"rt_hdr_calb_cnrm_large": "hdr_albedo_normal_large", "rt_alb": "albedo_small", "rt_nrm": "normal_small"}.items():
+        (folder / f"{name}.safetensors").write_bytes((ROOT / f"tests/golden/unet/{golden}.model.safetensors").read_bytes())
+    return folder
+
+
 def sample(name):
     """Colour, albedo and normal of a sample, as 32-bit floats."""
     colour = layers(ROOT / "samples" / f"{name}_lr64.exr")["ViewLayer.Combined"]

@@ -2,7 +2,7 @@
 
 import numpy
 import pytest
-from frames import MODEL, ROOT, frame, noise, write
+from frames import MODEL, frame, noise, small_denoisers, write
 from frames import layers as layers_of
 from test_command import command
 
@@ -72,12 +72,7 @@ def test_not_with_skipped_windows():
 
 @pytest.fixture
 def networks(tmp_path):
-    """Small denoisers of random weights."""
-    folder = tmp_path / "denoisers"
-    folder.mkdir()
-    for name, golden in {"rt_hdr_calb_cnrm": "hdr_albedo_normal_large", "rt_alb": "albedo_small", "rt_nrm": "normal_small"}.items():
-        (folder / f"{name}.safetensors").write_bytes((ROOT / f"tests/golden/unet/{golden}.model.safetensors").read_bytes())
-    return folder
+    return small_denoisers(tmp_path / "denoisers")
 
 
 GROUPS = {"Combined_key": 0.25 * SUM, "Combined_fill": 0.75 * SUM}

@@ -6,7 +6,7 @@ import struct
 
 import numpy
 import pytest
-from frames import MODEL, ROOT, frame, layers, noise, write
+from frames import MODEL, ROOT, frame, layers, noise, small_denoisers, write
 from test_command import command, files, picture, same
 
 import xrds
@@ -28,12 +28,7 @@ def test_the_folder_is_that_of_the_environment(tmp_path, monkeypatch):
 
 @pytest.fixture
 def networks(tmp_path):
-    """Small ones of random weights under the names of Open Image Denoise's."""
-    folder = tmp_path / "denoisers"
-    folder.mkdir()
-    for name, golden in {"rt_hdr_calb_cnrm_large": "hdr_albedo_normal_large", "rt_alb": "albedo_small", "rt_nrm": "normal_small"}.items():
-        (folder / f"{name}.safetensors").write_bytes((ROOT / f"tests/golden/unet/{golden}.model.safetensors").read_bytes())
-    return folder
+    return small_denoisers(tmp_path / "denoisers")
 
 
 @pytest.mark.parametrize("words, options", [

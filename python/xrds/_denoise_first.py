@@ -31,7 +31,22 @@ def through(network: Upscaler, image: Array, guides: list[Result], progress: Opt
     return clean
 
 
-class DenoisedFirst:
+class Networks:
+    """What stands on a device together."""
+
+    def __init__(self, networks: list[Upscaler]) -> None:
+        self._all = networks
+
+    @property
+    def device_bytes(self) -> int:
+        return sum(network.device_bytes for network in self._all)
+
+    def close(self) -> None:
+        for network in self._all:
+            network.close()
+
+
+class DenoisedFirst(Networks):
     """The networks of Upscaler(denoise_first=...) for frames with layers."""
 
     def __init__(self, model: Model, width: int, height: int, networks: list[Optional[Model]], upscaler: Make, network: Make) -> None:
@@ -45,22 +60,12 @@ class DenoisedFirst:
         self._guides = {name: network(wide, high, one) for name, one in zip(("albedo", "normal"), guides) if one is not None}
         is_light = model.scale > 1 and any(name in RADIANCE for name in model.inputs)
         self._full = network(wide, high, colour) if is_light else self._colour
+        full = [self._full] if is_light else []
+        super().__init__([self._upscaler, self._colour, *full, *self._guides.values()])
 
     @property
     def upscaler(self) -> _native.Upscaler:
         return self._upscaler._native
-
-    @property
-    def _all(self) -> list[Upscaler]:
-        return list({id(one): one for one in (self._upscaler, self._colour, self._full, *self._guides.values())}.values())
-
-    @property
-    def device_bytes(self) -> int:
-        return sum(one.device_bytes for one in self._all)
-
-    def close(self) -> None:
-        for one in self._all:
-            one.close()
 
     def run(
         self, frame: Array, arrays: dict[str, Array], layers: LayerRun, output: _native.Image, progress: Optional[Progress]

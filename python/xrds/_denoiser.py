@@ -3,7 +3,7 @@ from __future__ import annotations
 from typing import Optional, Union, overload
 
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
-from ._denoise_first import through
+from ._denoise_first import Networks, through
 from ._devices import Device
 from ._errors import ArgumentError
 from ._held import Held
@@ -15,22 +15,7 @@ from ._upscaler import AnyDevice, Upscaler, _listed, _one_of
 _INPUTS = ((), ("albedo",), ("albedo", "normal"))
 
 
-class _Networks:
-    """What stands on the device: the colour's network last."""
-
-    def __init__(self, networks: list[Upscaler]) -> None:
-        self._networks = networks
-
-    @property
-    def device_bytes(self) -> int:
-        return sum(network.device_bytes for network in self._networks)
-
-    def close(self) -> None:
-        for network in self._networks:
-            network.close()
-
-
-class Denoiser(Held[_Networks]):
+class Denoiser(Held[Networks]):
     """Open Image Denoise's networks made ready for renders of one size on a device: slow once, then fast for each.
 
     width, height: of all images, pixels.
@@ -73,7 +58,7 @@ class Denoiser(Held[_Networks]):
             for name, model in prefilters.items()
         }
         self._colour = Upscaler(width, height, colour, exposure=exposure, progress=progress, **options)  # type: ignore[arg-type]
-        super().__init__(_Networks([*self._prefilters.values(), self._colour]))
+        super().__init__(Networks([*self._prefilters.values(), self._colour]))
 
     @overload
     def __call__(
