@@ -70,16 +70,11 @@ std::vector<AovCandidate> candidatesOf(const ExrFile& file, size_t part) {
   return candidates;
 }
 
-// Those of a view layer; if it is not there, of the only one that is.
+// Those of a view layer, or all where the file has a single one, whatever its name.
 std::vector<AovCandidate> ofViewLayer(std::vector<AovCandidate> candidates, const std::string& prefix) {
-  const auto isOther = [](const std::string& wanted) {
-    return [&wanted](const AovCandidate& candidate) { return candidate.prefix != wanted; };
-  };
-  if (candidates.empty()) return candidates;
-  const std::string first = candidates.front().prefix;
-  const bool isOne = std::none_of(candidates.begin(), candidates.end(), isOther(first));
-  if (!isOne || std::none_of(candidates.begin(), candidates.end(), std::not_fn(isOther(prefix))))
-    std::erase_if(candidates, isOther(isOne ? first : prefix));
+  const auto isOfAnother = [&](const AovCandidate& candidate) { return candidate.prefix != candidates.front().prefix; };
+  if (std::any_of(candidates.begin(), candidates.end(), isOfAnother))
+    std::erase_if(candidates, [&](const AovCandidate& candidate) { return candidate.prefix != prefix; });
   return candidates;
 }
 
