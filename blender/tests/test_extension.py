@@ -152,6 +152,27 @@ class OneClick(WithBlender):
         self.check_sums(made)
         self.assertIn("ViewLayer.Combined_KEY.R", made)
 
+    def test_aovs_named_as_light_and_metadata_burnt_in(self):
+        scene = self.open("cryptomatte")
+        scene.render.use_stamp = True
+        before = snapshot()
+        for name, kind in (("MaskCol", "VALUE"), ("Combined_mask", "VALUE"), ("Combined_x", "COLOR"), ("Emission", "COLOR")):
+            aov = scene.view_layers[0].aovs.add()
+            aov.name, aov.type = name, kind
+        kept = [aov.name for aov in scene.view_layers[0].aovs]
+        with self.kept_guides():
+            self.render()
+        self.assertEqual([one for one in differences(before, snapshot()) if "aov" not in str(one)], [])
+        made, guide = self.result("cryptomatte_0001_xrds.exr"), self.result("guides.exr")
+        found = [name for name in guide.channels if name.split(".")[1] in kept]
+        self.assertGreaterEqual(len(found), 8)
+        for name in found:
+            self.assertEqual(made.channels[name].tobytes(), guide.channels[name].tobytes(), name)
+        scene.render.use_stamp = False
+        with self.kept_guides():
+            self.render()
+        self.assertEqual(self.result("guides.exr").channels["ViewLayer.Combined.R"].tobytes(), guide.channels["ViewLayer.Combined.R"].tobytes(), "the stamp is in the picture")
+
     def test_view_layers_motion_blur_and_a_transparent_film(self):
         scene = self.open("layers")
         before = snapshot()
@@ -323,6 +344,15 @@ class Denoising(WithBlender):
                 self.check_sums(made[-1])
             self.assertTrue(any(not numpy.array_equal(*(one[name] for one in made)) for name in made[0] if name.endswith(("DiffInd.R", "Diffuse Indirect.R"))))
         self.assertEqual([note for note in checks.notes(scene) if "denoise" in note.lower()], [])
+
+    def test_a_part_of_the_lights(self):
+        scene = self.open("cryptomatte")
+        scene.view_layers[0].use_pass_diffuse_direct = True
+        for scene.xrds.scale in ("4", "1"):
+            scene.xrds.model = settings.AUTO
+            self.render()
+            made = self.result("cryptomatte_0001_xrds.exr").channels
+            self.assertTrue([name for name in made if name.endswith(("DiffDir.R", "Diffuse Direct.R"))])
 
     def test_animations(self):
         scene = self.open("cryptomatte")

@@ -43,7 +43,7 @@ def _output(scene):
 def output_file(scene, frame):
     """Where the result goes: the scene's output path, with the number of the frame and _xrds."""
     root, digits = _output(scene)
-    return os.path.abspath(f"{root}{frame:0{digits}d}_xrds.exr")
+    return os.path.abspath(f"{root}{'-' if frame < 0 else ''}{abs(frame):0{digits}d}_xrds.exr")
 
 
 def renders_folder(scene):
@@ -62,8 +62,10 @@ def _memory():
 def _scene_problem(scene):
     if scene.render.engine != "CYCLES" or not hasattr(scene, "cycles"):
         return "Choose Cycles as the Render Engine: albedo and normals come from it."
-    if scene.camera is None:
+    if scene.camera is None and not any(marker.camera for marker in scene.timeline_markers):
         return "The scene has no camera. Add one with Add > Camera."
+    if bpy.data.scenes.get(scene.name) != scene:
+        return "This linked scene has the name of a scene of this file, which would be rendered in its place. Rename that one."
     if scene.render.use_multiview:
         return "Stereoscopy is on, and only one view can be upscaled. Switch it off in the Output properties."
     if not any(layer.use for layer in scene.view_layers):

@@ -23,13 +23,16 @@ class Wish(NamedTuple):
     denoise: bool  # both renders first, and each light
     drops: frozenset = frozenset()  # (view layer, pass) that nobody asked for
     single: bool = False  # one render is both: scale 1
+    aovs: frozenset = frozenset()  # (view layer, name): data, whatever their names
 
 
-def _lights(low, full, low_layer, full_layer):
+def _lights(low, full, low_layer, full_layer, aovs):
     """What xrds.upscale() takes as its layers: light by the names of Cycles, colours with both sizes."""
     found = {}
     for name, channels in low_layer.passes.items():
         pixels = stack(low, channels, "RGB")
+        if (low_layer.name, name) in aovs:
+            continue
         if is_light(name):
             found[name] = pixels
         elif is_colour(name) and name in full_layer.passes:
@@ -77,7 +80,7 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
     low_layers = layers_of(low, wish.layers)
     for place, low_layer in enumerate(low_layers):
         layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
-        lights = _lights(low, full, low_layer, layer)
+        lights = _lights(low, full, low_layer, layer, wish.aovs)
         options = {"layers": lights} if any(is_light(name) for name in lights) else {}
         colour, images = _colours(wish, low, low_layer, full, layer, around)
         if "layers" in options and around:
@@ -93,7 +96,7 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
             made = xrds.upscale(colour, **images, samples=wish.samples, model=wish.model, denoise_first=wish.denoise, progress=heard, **options)
         picture, lights = made if "layers" in options else (made, {})
         _put(channels, layer.name, "Combined", picture, wish.half)
-        _drop(channels, layer, lambda name: is_light(name) and name not in lights)
+        _drop(channels, layer, lambda name: is_light(name) and name not in lights and (layer.name, name) not in wish.aovs)
         for name, pixels in lights.items():
             _put(channels, layer.name, name, pixels, wish.half)
         _drop(channels, layer, lambda name: (layer.name, name) in wish.drops)

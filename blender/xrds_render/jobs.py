@@ -141,7 +141,8 @@ class Job:
         """What renders depend on, of what is chosen here: those of other choices are of no use."""
         scene, settings = self.scene, self.settings
         return {"size": list(passes.size(scene, int(settings.scale))), "scale": int(settings.scale), "samples": list(wish.samples), "guides": settings.guides,
-                "passes": [[layer.name, *(name for owner, name in passes.flags(layer) if getattr(owner, name))] for layer in scene.view_layers]}
+                "passes": [[layer.name, layer.use, [[aov.name, aov.type] for aov in layer.aovs], [group.name for group in getattr(layer, "lightgroups", ())],
+                            *(name for owner, name in passes.flags(layer) if getattr(owner, name))] for layer in scene.view_layers]}
 
     def cancel(self):
         """Ends an upscaling soon, a render when it is done: Blender's own button beside its progress ends that at once."""
@@ -175,7 +176,7 @@ class Job:
             samples=passes.samples(settings), model=None if settings.model == AUTO else settings.model,
             device=None if settings.device == AUTO else settings.device, has_light=passes.has_light(settings),
             denoise=settings.denoise and denoiser.ready(), half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops),
-            single=passes.single(settings))
+            single=passes.single(settings), aovs=frozenset((layer.name, aov.name) for layer in layers for aov in layer.aovs))
 
     def _upscale(self, low, full, result, wish, text, shares, around=None):
         """shares: of the whole job, at the begin and at the end. around: (number, folder of renders, frames) where it is merged with those around it."""

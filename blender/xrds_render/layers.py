@@ -13,6 +13,7 @@ LIGHTS = frozenset(
     [f"{kind}{part}" for kind in ("Diff", "Gloss", "Trans", "Subsurface", "Volume") for part in ("Dir", "Ind")]
     + [f"{kind} {part}" for kind in ("Diffuse", "Glossy", "Transmission", "Subsurface", "Volume") for part in ("Direct", "Indirect")]
     + ["Emit", "Emission", "Env", "Environment"])
+COLOURS = frozenset([f"{kind}Col" for kind in ("Diff", "Gloss", "Trans", "Subsurface")] + [f"{kind} Color" for kind in ("Diffuse", "Glossy", "Transmission", "Subsurface")])
 LIGHT_GROUP = "Combined_"
 
 
@@ -23,7 +24,7 @@ def is_light(name):
 
 def is_colour(name):
     """Whether a pass multiplies lights."""
-    return name.endswith(("Col", " Color")) and not name.startswith("Denoising")
+    return name in COLOURS
 
 
 class Damaged(RuntimeError):

@@ -55,7 +55,7 @@ def _configure(scene, width, height, samples, path, put, keep):
         if hasattr(settings, name):
             put(settings, name, value)
     for name, value in {
-        "resolution_x": width, "resolution_y": height, "resolution_percentage": 100, "use_border": False, "use_compositing": False, "use_sequencer": False, "use_freestyle": False,
+        "resolution_x": width, "resolution_y": height, "resolution_percentage": 100, "use_border": False, "use_compositing": False, "use_sequencer": False, "use_freestyle": False, "use_stamp": False,
         "use_file_extension": False, "use_overwrite": True, "use_placeholder": False, "filepath": path,
     }.items():
         put(render, name, value)
