@@ -126,3 +126,15 @@ def test_of_a_denoised_render_they_are_those_of_the_command(networks, tmp_path, 
 def test_refusals_of_a_denoiser(networks, layers, words):
     with pytest.raises(xrds.ArgumentError, match=words):
         xrds.denoise(SUM, layers=layers, denoisers=networks, albedo=LOW, normal=LOW)
+
+
+@pytest.mark.parametrize("layers", [{"Emit": SUM / 2}, {"Combined_key": SUM / 3}, {"DiffDir": LIGHT["DiffDir"], "DiffCol": LOW}])
+def test_a_part_of_the_light_is_denoised_as_a_part(networks, layers):
+    images = {"albedo": noise(24, 32, seed=2), "normal": noise(24, 32, seed=3)}
+    picture, found = xrds.denoise(SUM, layers=layers, denoisers=networks, **images)
+    radiance = found.get("Emit", found.get("Combined_key")) if "DiffDir" not in found else found["DiffDir"] * found["DiffCol"]
+    assert 0.05 < radiance.sum() / numpy.maximum(picture, 0).sum() < 0.95
+    assert (radiance <= numpy.maximum(picture, 0) * 1.00001).all()
+    upscaled = {name: (both, noise(96, 128, seed=9)) if name.endswith("Col") else both for name, both in layers.items()}
+    picture, found = xrds.upscale(SUM, model=MODEL, layers=upscaled, denoise_first=networks, **IMAGES)
+    assert all(numpy.isfinite(image).all() for image in found.values())

@@ -74,7 +74,7 @@ class LayerRun:
         found: list[Array] = []
         for lights, lit, rest in zip(self._groups, self._lit, self._rests):
             found += [light.pixels for light, is_lit in zip(lights, lit) if is_lit]
-            found += [rest] if rest.any() else []
+            found += [rest.astype(numpy.float32)] if rest.any() else []
         return found
 
     def put(self, clean: list[Result], passes: Optional[list[Result]] = None) -> None:
