@@ -7,12 +7,15 @@ holds anything else is refused. These networks were trained on photographs; what
 """
 import argparse
 import pathlib
+import pickle
+import sys
 
 import torch
 from safetensors.torch import save_file
 
 import architectures
 
+SCALES = (1, 2, 4, 8, 16)
 WRAPPERS = ("params_ema", "params", "state_dict", "model")     # keys under which checkpoints keep their tensors
 
 
@@ -33,8 +36,10 @@ def convert(source, target, transfer="log1p"):
     try:
         config = architectures.config_of_checkpoint(tensors, transfer)
         architectures.network_of(config).load_state_dict(tensors)      # every tensor there, none too much
-    except (KeyError, RuntimeError, StopIteration) as error:
-        raise ValueError(f"{source} is no network that is known: {error}") from error
+    except (ArithmeticError, AttributeError, LookupError, RuntimeError, StopIteration) as error:
+        raise ValueError(f"{source} is no network that is known: {error or type(error).__name__}") from error
+    if config.scale not in SCALES:
+        raise ValueError(f"{source} upscales by {config.scale}, and the engine by powers of two up to 16")
     save_file({name: value.contiguous() for name, value in tensors.items()}, target,
               {**architectures.metadata_of(config), "license": "that of the checkpoint", "data": f"converted from {pathlib.Path(source).name}"})
     return config
@@ -46,7 +51,10 @@ def main():
     parser.add_argument("target", type=pathlib.Path)
     parser.add_argument("--transfer", choices=("none", "log1p"), default="log1p")
     options = parser.parse_args()
-    print(convert(options.source, options.target, options.transfer))
+    try:
+        print(convert(options.source, options.target, options.transfer))
+    except (ValueError, LookupError, AttributeError, EOFError, OSError, RuntimeError, pickle.UnpicklingError) as error:
+        sys.exit(f"{options.source} cannot be converted: {error or type(error).__name__}")
 
 
 if __name__ == "__main__":

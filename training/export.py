@@ -19,7 +19,7 @@ CARD = """# {name}
 
 {channels} channels, {groups} of {blocks} block, scale {scale}, auxiliary inputs {aux}; base `{base}`, transfer `{transfer}`,
 {fields}. {parameters:,} parameters, {giga:.1f} G multiply-accumulates for a 1024 x 1024 output (attention products not counted).
-Licence: MIT, weights included.
+Licence: {licence}
 
 ## Training
 - Data: {data}
@@ -28,7 +28,7 @@ Licence: MIT, weights included.
 - Command: `{command}`
 
 ## Metrics
-{scenes} validation scenes that were not trained on, but were looked at while the trainer was written; scale {scale}, colour at {spp} sample{plural}
+{scenes} validation scenes that were not trained on; scale {scale}, colour at {spp} sample{plural}
 per pixel, albedo and normal {aux_spp}{merged}. Measured with the float16 weights of this file, in PyTorch, float32 (training/evaluate.py defines each number).
 
 {table}
@@ -43,10 +43,6 @@ The same with other samples per pixel, mean PSNR in dB / mean RelMSE:
 
 LIMITS = """- Trained on images of 256 x 256 pixels of one renderer (Cycles), its pixel filter and its denoising albedo and normal.
 - Reflections, refractions, shadows and caustics that the auxiliary images do not show are only as sharp as the colour is."""
-
-DATA = ("{scenes} path-traced scenes (Blender Cycles 3.4: random interiors, table tops, scatter, architecture, vegetation, terrain, glass and metal, "
-        "typography, dungeons, streets), references of at most 256 samples per pixel, colour and auxiliary images of several sample counts; crops, "
-        "mirrors, turns, exchanged colours, tinted light, normals in other axes, exposure.")
 
 # (colour spp, aux spp; 0 is converged) that a card tabulates, by scale; the first pair in full.
 SETTINGS = {1: ((4, 4), (1, 1), (2, 2), (8, 8), (16, 16)), 2: ((16, 16), (16, 0), (16, 4), (16, 1), (4, 1)),
@@ -111,14 +107,16 @@ def main():
     parser.add_argument("--validation", type=pathlib.Path, required=True)
     parser.add_argument("--spp", help="what the card tabulates, as 64-16,16-1: samples of the colour and of the auxiliary images (0: converged); the first in full")
     parser.add_argument("--start", default="another model", help="name of the model that training started from, for the card")
+    parser.add_argument("--licence", default="not stated", help="of the weights, as MIT")
+    parser.add_argument("--data", default="{scenes} scenes", help="what it was trained on; {scenes} is their number")
     options = parser.parse_args()
     torch.set_num_threads(1)
     state = torch.load(options.checkpoint, map_location="cpu", weights_only=False)
     config, told = state["config"], state["options"]
     network = Network(config)
     network.load_state_dict(state["average"])
-    data = DATA.format(scenes=state["scenes"])
-    provenance = {"license": "MIT", "data": data, "seed": told["seed"], "steps": str(state["step"])}
+    data = options.data.format(scenes=state["scenes"])
+    provenance = {"license": options.licence, "data": data, "seed": told["seed"], "steps": str(state["step"])}
     weights.save_model(options.model, network, provenance)
 
     asked = train.pairs_of(options.spp) if options.spp else SETTINGS[config.scale]
@@ -138,7 +136,7 @@ def main():
         name=options.model.stem, channels=config.channels, groups=f"{config.groups} group{'s' * (config.groups > 1)}", blocks=config.blocks, scale=config.scale,
         aux=listed(["the full-resolution " * (kind == "colour") + kind for kind in config.aux_inputs]), base=config.base, transfer=config.transfer, fields=fields_of(config),
         parameters=sum(p.numel() for p in network.parameters()), giga=multiply_accumulates(config, 1024, 1024) / 1e9,
-        data=data, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,
+        data=data, licence=options.licence, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,
         device="one thread of a busy CPU" if told["device"] == "cpu" else "a CUDA device", start=f", started from {start}" if start else "",
         precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, plural="s" * (spp > 1), aux_spp=f"at {aux_spp}" if aux_spp else "converged", merged=MERGED if config.full else "",
         scenes=len(results["guided"]), table=evaluate.tables(results),

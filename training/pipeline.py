@@ -3,6 +3,7 @@
 Images are [batch, channels, height, width] linear radiance; x is the transformed low-resolution colour the network sees, `full` the
 full-resolution noisy colour H of the auxiliary render, `aux` the other auxiliary images (`config.guides`), lights among them unexposed.
 """
+import dataclasses
 import math
 
 import torch
@@ -329,7 +330,9 @@ def pad_inputs(x, aux, config):
 
 
 def baseline(colour, aux, config, exposure=None):
-    """What a network of zeros would give: the base alone, as radiance [b, 3, H, W]."""
+    """What a network of zeros would give: the base alone, as radiance [b, 3, H, W]; bicubic where a model has none."""
+    if config.base == "none":
+        config = dataclasses.replace(config, base="bicubic")
     exposure = auto_exposure(colour[0]) if exposure is None else exposure
     albedo = clamped_albedo(aux, config)
     x = network_colour(colour * exposure, albedo, config)

@@ -116,3 +116,20 @@ def test_scale_3_is_refused(tmp_path):
     torch.save(checkpoint, tmp_path / "x3.pt")
     with pytest.raises(ValueError, match="scale 3"):
         convert.convert(tmp_path / "x3.pt", tmp_path / "model.safetensors")
+
+
+def test_the_lightweight_form_of_scale_3_is_refused(tmp_path):
+    config = next(one for _, _, one in GOLDEN.values() if one.architecture == "swinir" and one.scale == 2 and one.channels == 12)
+    checkpoint, _ = official(config)
+    checkpoint["params"] |= {"upsample.0.weight": torch.zeros(27, 12, 3, 3), "upsample.0.bias": torch.zeros(27)}
+    torch.save(checkpoint, tmp_path / "x3.pt")
+    with pytest.raises(ValueError, match="upscales by 3"):
+        convert.convert(tmp_path / "x3.pt", tmp_path / "model.safetensors")
+
+
+@pytest.mark.parametrize("contents", [b"no pickle at all", b""])
+def test_what_is_no_checkpoint_ends_with_a_sentence(contents, tmp_path, monkeypatch):
+    (tmp_path / "x.pt").write_bytes(contents)
+    monkeypatch.setattr("sys.argv", ["convert.py", str(tmp_path / "x.pt"), str(tmp_path / "model.safetensors")])
+    with pytest.raises(SystemExit, match="cannot be converted"):
+        convert.main()

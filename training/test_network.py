@@ -359,3 +359,9 @@ def test_model_without_kernel_fields_is_the_plain_form():
 def test_misuse_is_refused(wrong):
     with pytest.raises(ValueError):
         NetworkConfig(**{**SMALL, **wrong})
+
+
+def test_a_model_without_a_base_is_measured_against_bicubic_upsampling():
+    colour = torch.rand(1, 3, 8, 8)
+    wanted, found = (pipeline.baseline(colour, None, NetworkConfig(aux_inputs=(), base=base, kernels=0)) for base in ("bicubic", "none"))
+    assert torch.equal(wanted, found) and found.shape == (1, 3, 32, 32)
