@@ -20,7 +20,7 @@ struct BenchStressOptions {
 };
 
 std::vector<std::string> modelNames(const BenchStressOptions& options) {
-  if (options.shortForm) return {};
+  if (options.shortForm && options.models.empty()) return {};
   std::vector<std::string> names;
   const auto asked = options.models.empty() ? std::vector<std::string>{"all"} : options.models;
   for (const std::string& name : asked) {
@@ -70,7 +70,8 @@ void addBenchStress(CLI::App& group) {
       ->allow_extra_args(false)
       ->type_name("MODEL");
   verb->add_option("--seed", options->seed, "Of the images and the random models")->capture_default_str();
-  verb->add_flag("--short", options->shortForm, "Six random models, which have every operator, alone: a minute");
+  verb->add_flag("--short", options->shortForm,
+                 "Nine random models, which have every operator, and no others but --model: a minute");
   verb->add_flag("--no-random", options->noRandom, "Leave out the random models")->excludes("--short");
   verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
   verb->add_option("--markdown", options->markdown, "File to write with the tables")->type_name("MD");

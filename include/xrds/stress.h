@@ -20,7 +20,7 @@ struct StressOptions {
   std::vector<NamedModel> models{};  // beside random ones
   bool randomModels = true;
   uint32_t seed = 1;
-  bool shortForm = false;  // some hundred cases of six random models, a minute instead of many
+  bool shortForm = false;  // some thousand cases of nine random models, a minute instead of many
   /// Called after each row with the finished share in [0, 1]; returning false ends the run with what there is.
   std::function<bool(double)> progress{};
 };

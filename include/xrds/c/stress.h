@@ -17,7 +17,7 @@ typedef struct XrdsStressOptions {
   const XrdsModel* const* models;
   int32_t randomModels; /* default 1 */
   uint32_t seed;        /* default 1 */
-  int32_t shortForm;    /* 1: some hundred cases of six random models, a minute; default 0 */
+  int32_t shortForm;    /* 1: some thousand cases of nine random models, a minute; default 0 */
   /* Heard after each row with the finished share; returning 0 ends the run with what there is. Default NULL. */
   XrdsProgress progress;
   void* user;
