@@ -12,7 +12,12 @@ using namespace xrds::c;
 /// A filter with the device that it needs. `use` is held by the thread that runs it, `device->access` as well.
 struct XrdsTemporalFilter {
   XrdsTemporalFilter(std::shared_ptr<XrdsDevice> on, uint32_t width, uint32_t height, uint32_t scale)
-      : device(std::move(on)), low(size_t{width} * height), full(size_t{scale} * width * scale * height) {
+      : device(std::move(on)),
+        width(width),
+        height(height),
+        scale(scale),
+        low(size_t{width} * height),
+        full(size_t{scale} * width * scale * height) {
     const std::lock_guard lock(device->access);
     filter.emplace(device->gpu, width, height, scale);
   }
@@ -22,6 +27,7 @@ struct XrdsTemporalFilter {
   }
 
   const std::shared_ptr<XrdsDevice> device;
+  const uint32_t width, height, scale;
   const size_t low, full;  // pixels
   std::optional<xrds::FrameMerger> filter;
   std::mutex use;
@@ -54,11 +60,11 @@ class ReadFrame {
   xrds::TemporalFilter::Frame frame_;
 };
 
-// Room for what becomes of an image of the present frame; nothing is written where there is none.
-void checkRoom(const XrdsImage& image, const XrdsImage& given, const char* what) {
-  if (!image.channels[0] || !given.channels[0]) return;
+// Before anything is written. scale: of the image's size to the colour's.
+void checkRoom(const XrdsImage& image, const XrdsTemporalFilter& filter, uint32_t scale, const char* what) {
+  if (!image.channels[0]) return;
   checkImage(image, what, 3);
-  if (image.width != given.width || image.height != given.height)
+  if (image.width != scale * filter.width || image.height != scale * filter.height)
     throw xrds::InvalidArgument(std::string("The merged ") + what + " has another size than that of the frames.");
 }
 
@@ -96,12 +102,11 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
     const std::unique_lock lock(found->use, std::try_to_lock);
     if (!lock) return failed(XRDS_ERROR_BUSY, "The filter is in use on another thread: create one for each thread.");
     const XrdsTemporalFrame out = taken(required(merged, "merged"), xrdsTemporalFrameDefault());
-    const XrdsTemporalFrame of = taken(required(present, "present"), xrdsTemporalFrameDefault());
-    checkRoom(out.colour, of.colour, "colour");
-    checkRoom(out.fullColour, of.fullColour, "full-resolution colour");
-    checkRoom(out.albedo, of.albedo, "albedo");
-    checkRoom(out.normal, of.normal, "normal");
-    const ReadFrame now(*present, *found);
+    checkRoom(out.colour, *found, 1, "colour");
+    checkRoom(out.fullColour, *found, found->scale, "full-resolution colour");
+    checkRoom(out.albedo, *found, found->scale, "albedo");
+    checkRoom(out.normal, *found, found->scale, "normal");
+    const ReadFrame now(required(present, "present"), *found);
     std::vector<ReadFrame> kept;
     kept.reserve(size_t{beforeCount} + afterCount);
     const auto framesOf = [&](const XrdsTemporalFrame* given, uint32_t count, const char* name) {
