@@ -71,7 +71,8 @@ struct CliAdvise : testing::Test {
 
   // The plain kernels start at once.
   Ended advise(const std::vector<std::string>& more,
-               const std::map<std::string, std::string>& environment = {{"XRDS_KERNEL_FAMILY", "plain"}}) const {
+               const std::map<std::string, std::string>& environment = {{"XRDS_KERNEL_FAMILY", "plain"},
+                                                                        {"XRDS_DENOISERS", "/nowhere"}}) const {
     std::vector<std::string> all{"advise", low, full, "--samples", "64,16", "--ways", ways, "--json", json};
     all.insert(all.end(), more.begin(), more.end());
     return runXrds(all, {.environment = environment});
@@ -154,7 +155,7 @@ TEST_F(CliAdvise, ReadsSamplesAndSecondsFromTheMetadata) {
   writeRenders({{"cycles.ViewLayer.samples", "64"}, {"cycles.ViewLayer.total_time", "00:05.00"}},
                {{"cycles.ViewLayer.samples", "16"}, {"cycles.ViewLayer.total_time", "00:17.00"}});
   const Ended ended = runXrds({"advise", low, full, "--ways", ways, "--json", json},
-                              {.environment = {{"XRDS_KERNEL_FAMILY", "plain"}}});
+                              {.environment = {{"XRDS_KERNEL_FAMILY", "plain"}, {"XRDS_DENOISERS", "/nowhere"}}});
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_EQ(written()["samples"], Json({{"low", 64.0}, {"full", 16.0}}));
   EXPECT_NEAR(written()["render"]["start"], 1, 1e-9);  // 5 s for 4 samples of all pixels, 17 s for 16
