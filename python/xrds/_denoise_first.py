@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Optional
 
 import numpy
@@ -29,6 +29,19 @@ def through(network: Upscaler, image: Array, guides: list[Result], progress: Opt
             readable(image, "image"), [readable(guide, "guide") for guide in guides], writable(clean, "result"), progress
         )
     return clean
+
+
+def clean_albedo(network: Upscaler, albedo: Array, progress: Optional[Progress]) -> Result:
+    """An albedo, or a colour pass, without its noise; what it has above 1, as that of lights may, stays."""
+    given = plain(albedo)
+    inside = given.clip(0, 1)
+    clean: Result = through(network, inside, [], progress) + (given - inside)
+    return clean
+
+
+def guides_of(images: Mapping[str, Array]) -> list[Result]:
+    """What a denoiser of colours takes of images: the albedo, from 0 to 1, and the normal, those that are there."""
+    return [plain(images[name]).clip(0, 1) if name == "albedo" else plain(images[name]) for name in ("albedo", "normal") if name in images]
 
 
 class Networks:
@@ -76,12 +89,11 @@ class DenoisedFirst(Networks):
         heard = iter(steps(progress, len(self._guides) + len(lights) + len(noisy) + 2))
         images = {name: plain(arrays[name]) for name in self._model.inputs}
         for name, network in self._guides.items():
-            inside = images[name].clip(0, 1) if name == "albedo" else images[name]
-            images[name] = through(network, inside, [], next(heard)) + (images[name] - inside)
+            part = next(heard)
+            images[name] = clean_albedo(network, images[name], part) if name == "albedo" else through(network, images[name], [], part)
         if "colour" in images:
             images["colour"] = levelled(readable(images["colour"], "full_colour"), readable(frame, "colour"))
-        guides = [images[name] for name in ("albedo", "normal") if name in images]
-        guides = [guide.clip(0, 1) if place == 0 else guide for place, guide in enumerate(guides)]
+        guides = guides_of(images)
         for name in lights:
             images[name] = through(self._full, images[name], guides, next(heard))
         means = [_box_mean(guide, self._model.scale) for guide in guides]

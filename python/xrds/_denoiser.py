@@ -2,12 +2,12 @@ from __future__ import annotations
 
 from typing import Optional, Union, overload
 
-from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
-from ._denoise_first import Networks, through
+from ._arrays import Array, Result, readable
+from ._denoise_first import Networks, clean_albedo, guides_of, through
 from ._devices import Device
 from ._errors import ArgumentError
 from ._held import Held
-from ._layers import LayerRun, Layers, plain
+from ._layers import LayerRun, Layers
 from ._oidn import Path, networks_alone
 from ._progress import Progress, steps
 from ._upscaler import AnyDevice, Upscaler, _listed, _one_of
@@ -82,8 +82,9 @@ class Denoiser(Held[Networks]):
     ) -> Union[Result, tuple[Result, dict[str, Result]]]:
         """Takes the noise out of a render; the images are those of xrds.denoise(), of which it takes `inputs`.
 
-        Returns `out`, or a new numpy array of the colour's shape and type; with layers (xrds.denoise() says which) also them. Raises ArgumentError for an image that is missing, too many, or
-        of a wrong shape, TypeError for what is no array of floats. After an exception `out` holds anything.
+        Returns `out`, or a new numpy array of the colour's shape and type; with layers (xrds.denoise() says which) also them. Raises
+        ArgumentError for an image that is missing, too many, or of a wrong shape, TypeError for what is no array of floats. After an
+        exception `out` holds anything.
         """
         return self._run(colour, albedo, normal, layers, out, progress)
 
@@ -103,31 +104,15 @@ class Denoiser(Held[Networks]):
             image = readable(array, name)
             if (image.width, image.height) != (self.width, self.height):
                 raise ArgumentError(f"The {name} is {image.width} x {image.height} pixels, expected {self.width} x {self.height}.")
-        low = readable(colour, "colour")
-        run = None if layers is None else LayerRun(layers, colour, low, 1, paired=False)
+        run = None if layers is None else LayerRun(layers, colour, readable(colour, "colour"), 1, paired=False)
         noisy = run.noisy() if run else []
         passes = run.passes if run and "albedo" in self._prefilters else []
         heard = iter(steps(progress, len(self._prefilters) + len(passes) + len(noisy) + 1))
         for name, prefilter in self._prefilters.items():
             images[name] = through(prefilter, images[name], [], next(heard))
-        if run is None:
-            return self._colour(colour, albedo=images.get("albedo"), normal=images.get("normal"), out=out, progress=next(heard))
-        clean = [self._clean_pass(image, next(heard)) for image in passes]
-        guides = [plain(images[name]) for name in self.inputs]
-        guides = [guide.clip(0, 1) if place == 0 else guide for place, guide in enumerate(guides)]
-        run.put([through(self._colour, image, guides, next(heard)) for image in noisy], clean or None)
-        result = output_for(low, 1, out)
-        output = writable(result, "out")
-        refuse_overlap(output, [low])
-        with self._colour._lock:
-            inputs = [readable(images[name], name) for name in self.inputs]
-            reports = self._colour._native.run_layers(low, inputs, output, run.sets(), next(heard))
-        run.hear(reports)
-        return result, run.results
-
-    def _clean_pass(self, image: Array, progress: Optional[Progress]) -> Result:
-        """A colour pass without its noise; what it has above 1 stays."""
-        given = plain(image)
-        inside = given.clip(0, 1)
-        clean: Result = through(self._prefilters["albedo"], inside, [], progress) + (given - inside)
-        return clean
+        if run:
+            clean = [clean_albedo(self._prefilters["albedo"], image, next(heard)) for image in passes]
+            guides = guides_of(images)
+            run.put([through(self._colour, image, guides, next(heard)) for image in noisy], clean or None)
+        picture = self._colour._run(colour, None, images, run, out, next(heard))
+        return (picture, run.results) if run else picture
