@@ -22,6 +22,11 @@ bool isNamedByPart(const ExrFile& file, const ExrPart& part) {
   return file.parts.size() > 1 && part.layers.size() == 1 && part.layers.front().name.empty() && !part.name.empty();
 }
 
+std::string outputName(const ExrFile& file, size_t number, const std::string& channel) {
+  const ExrPart& part = file.parts[number];
+  return isNamedByPart(file, part) ? part.name + "." + channel : channel;
+}
+
 template <class Range, class Value>
 bool contains(const Range& range, const Value& value) {
   return std::find(std::begin(range), std::end(range), value) != std::end(range);
@@ -70,11 +75,6 @@ class Copying {
 
   static bool isColourAt(const ExrChannel* channel) { return isColour(*channel); }
 
-  static bool isLight(const std::string& own) {
-    const LightName::Kind kind = lightName(own).kind;
-    return kind == LightName::Kind::light || kind == LightName::Kind::group;
-  }
-
   std::string whyNoLight(const std::string& own) const {
     return contains(made_.lights, own) ? "light that --layers does not name"
                                        : "light that the colour's render lacks, or of another view layer";
@@ -83,14 +83,14 @@ class Copying {
   std::string whyLeftOut(const ExrPart& part, const std::string& view,
                          const std::vector<const ExrChannel*>& channels) const {
     if (part.deep) return "deep";
-    if (!view.empty() && !file_.views.empty() && view != file_.views.front()) return "of another view";
+    if (isOtherView(file_, view)) return "of another view";
     if (std::any_of(channels.begin(), channels.end(), [](const ExrChannel* c) { return isSubsampled(*c); }))
       return "subsampled";
     return "";
   }
 
   bool isMade(size_t number, const ExrChannel& channel) const {
-    if (contains(made_.channels, outputNames(file_, {number, {}, {channel.name}}).front())) return true;
+    if (contains(made_.channels, outputName(file_, number, channel.name))) return true;
     return std::any_of(made_.sources.begin(), made_.sources.end(), [&](const ExrSelection& source) {
       return source.part == number && contains(source.channelNames, channel.name);
     });
@@ -104,8 +104,7 @@ class Copying {
   void copy(size_t number, const std::string& shown, const std::vector<const ExrChannel*>& channels) {
     ExrSelection wanted{number, {}, {}};
     for (const ExrChannel* channel : channels)
-      if (taken_.insert(outputNames(file_, {number, {}, {channel->name}}).front()).second)
-        wanted.channelNames.push_back(channel->name);
+      if (taken_.insert(outputName(file_, number, channel->name)).second) wanted.channelNames.push_back(channel->name);
     if (wanted.channelNames.size() < channels.size()) leaveOut(shown, "another part has channels of its names");
     if (wanted.channelNames.empty()) return;
     std::vector<ExrPlane> planes = readPlanes(file_, number, wanted.channelNames, window_);
@@ -126,10 +125,8 @@ class Copying {
 }  // namespace
 
 std::vector<std::string> outputNames(const ExrFile& file, const ExrSelection& layer) {
-  const ExrPart& part = file.parts[layer.part];
   std::vector<std::string> names;
-  for (const std::string& name : layer.channelNames)
-    names.push_back(isNamedByPart(file, part) ? part.name + "." + name : name);
+  for (const std::string& name : layer.channelNames) names.push_back(outputName(file, layer.part, name));
   return names;
 }
 

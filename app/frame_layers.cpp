@@ -47,11 +47,6 @@ const AovCandidate* findCandidate(const std::vector<AovCandidate>& candidates, c
   return found == candidates.end() ? nullptr : &*found;
 }
 
-bool isLight(const std::string& name) {
-  const LightName::Kind kind = lightName(name).kind;
-  return kind == LightName::Kind::light || kind == LightName::Kind::group;
-}
-
 [[noreturn]] void throwMissing(const ExrFile& file, const std::vector<AovCandidate>& candidates,
                                const std::string& name) {
   std::vector<std::string> there;
@@ -231,9 +226,13 @@ void FrameLayers::makeRest(const Files& files) {
       missing += rest.pixels[i];
       all += whole.pixels[i];
     }
-    share_[groups ? 1 : 0] = all > 0 ? given / all : 1;
+    if (hasLights(groups)) shares_.push_back(all > 0 ? given / all : 1);
     if (missing < kLeastMissing * all) std::fill(rest.pixels.begin(), rest.pixels.end(), 0.F);
   }
+}
+
+bool FrameLayers::hasLights(bool groups) const {
+  return std::any_of(lights_.begin(), lights_.end(), [&](const Light& light) { return light.isGroup == groups; });
 }
 
 Image FrameLayers::radianceOf(const Light& light) const {
@@ -322,10 +321,7 @@ std::vector<LayerSet> FrameLayers::sets(UpscaledLayers& to) const {
 }
 
 std::vector<LayerReport> FrameLayers::reports(std::vector<LayerReport> found) const {
-  size_t set = 0;
-  for (const bool groups : {false, true})
-    if (std::any_of(lights_.begin(), lights_.end(), [&](const Light& light) { return light.isGroup == groups; }))
-      found[set++].share = share_[groups ? 1 : 0];
+  for (size_t set = 0; set < found.size(); ++set) found[set].share = shares_.at(set);
   return found;
 }
 

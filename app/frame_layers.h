@@ -115,12 +115,13 @@ class FrameLayers {
   void merge(const Files& files, double share);
   void makeRest(const Files& files);
   void makeWhole();
+  bool hasLights(bool groups) const;
   Image radianceOf(const Light& light) const;
 
   std::vector<Light> lights_;
   std::vector<Colour> colours_;
   Image rest_[2], whole_[2];          // of the passes and of the light groups
-  double share_[2] = {1, 1};          // of the colour that they were given
+  std::vector<double> shares_;        // of the colour that was given, of each of sets()
   std::vector<std::string> unasked_;  // lights of the colour's render
   std::vector<std::string> colourChannels_;
   std::string alphaChannel_;  // empty: there is none

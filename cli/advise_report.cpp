@@ -99,8 +99,7 @@ std::string plainText(const Advice& advice) {
   if (!advice.steps.denoiser)
     lines +=
         "Open Image Denoise is not there, neither its networks (xrds import oidn) nor its library: ways with it are "
-        "left "
-        "out.\n";
+        "left out.\n";
   std::vector<Row> rows{{"way", "low-resolution samples", "full", "render s", "then s", "PSNR dB", "+-"}};
   for (const Plan& plan : advice.plans) rows.push_back(rowOf(advice, plan));
   lines += "\nPlans than which no quicker one is as good, on " + advice.device + ":\n\n" + aligned(rows);

@@ -25,8 +25,7 @@ std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::stri
 
 Frame openFrame(const DenoiseOptions& options, const std::string& color, const std::string& aux) {
   Frame frame(color, aux, options.common.layers, inputsOf(options, color, aux), {.never = true});
-  if (frame.inputs().empty() && options.guides != "none" &&
-      hasAov(readExrHeader(aux.empty() ? color : aux), AovRole::kNormal))
+  if (frame.inputs().empty() && options.guides != "none" && hasAov(frame.auxiliaryFile(), AovRole::kNormal))
     frame.warn(
         "There is no albedo of a known name, without which the normal is not used: name its layer with --albedo.");
   if (frame.scale() > 1)

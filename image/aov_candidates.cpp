@@ -56,13 +56,16 @@ std::pair<std::string, std::string> splitAtLastDot(const std::string& name) {
                                   : std::pair(name.substr(0, dot), name.substr(dot + 1));
 }
 
-std::string defaultView(const ExrFile& file) {
-  if (!file.views.empty()) {
-    return file.views.front();
+// Those that share its parts, or those of its parts; the default one first.
+std::vector<std::string> viewsOf(const ExrFile& file) {
+  std::vector<std::string> views = file.views;
+  for (const ExrPart& part : file.parts) {
+    const bool isNew = !part.view.empty() && std::find(views.begin(), views.end(), part.view) == views.end();
+    if (file.views.empty() && isNew) {
+      views.push_back(part.view);
+    }
   }
-  const auto part =
-      std::find_if(file.parts.begin(), file.parts.end(), [](const ExrPart& p) { return !p.view.empty(); });
-  return part == file.parts.end() ? "" : part->view;
+  return views;
 }
 
 AovCandidate candidateOf(const ExrFile& file, size_t number, const ExrLayer& layer,
@@ -84,7 +87,7 @@ AovCandidate candidateOf(const ExrFile& file, size_t number, const ExrLayer& lay
   if (candidate.view.empty()) {
     candidate.view = part.view;
   }
-  if (candidate.view == defaultView(file)) {
+  if (!isOtherView(file, candidate.view)) {
     candidate.view.clear();
   }
   candidate.pixelCount = part.dataWindow.width() * part.dataWindow.height();
@@ -118,11 +121,17 @@ std::vector<AovCandidate> depthCandidates(const ExrFile& file, size_t number) {
 
 std::string takeView(const ExrFile& file, std::string& layerName) {
   const auto [rest, last] = splitAtLastDot(layerName);
-  if (std::find(file.views.begin(), file.views.end(), last) == file.views.end()) {
+  const std::vector<std::string> views = viewsOf(file);
+  if (std::find(views.begin(), views.end(), last) == views.end()) {
     return "";
   }
   layerName = rest;
   return last;
+}
+
+bool isOtherView(const ExrFile& file, const std::string& view) {
+  const std::vector<std::string> views = viewsOf(file);
+  return !view.empty() && !views.empty() && view != views.front();
 }
 
 std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role) {

@@ -26,6 +26,9 @@ struct AovCandidate {
 /// none.
 std::string takeView(const ExrFile& file, std::string& layerName);
 
+/// Whether a layer of that view is not of the default one; empty: it is of none.
+bool isOtherView(const ExrFile& file, const std::string& view);
+
 /// The layers of a file that have R, G, B (for normals and albedo also X, Y, Z), in upper or lower case and any order,
 /// as floating-point numbers, one a pixel; for depth those of a single channel, and the channels Z and depth of the
 /// unnamed layer. Deep parts offer none.

@@ -111,16 +111,6 @@ ExrPart partOf(const ExrFile& file, const Imf::Header& header) {
   return part;
 }
 
-std::vector<std::string> viewsOfParts(const ExrFile& file) {
-  std::vector<std::string> views;
-  for (const ExrPart& part : file.parts) {
-    if (!part.view.empty() && std::find(views.begin(), views.end(), part.view) == views.end()) {
-      views.push_back(part.view);
-    }
-  }
-  return views;
-}
-
 std::string typeName(ExrPixelType type) {
   switch (type) {
     case ExrPixelType::kHalf:
@@ -145,9 +135,6 @@ ExrFile readExrHeader(const std::filesystem::path& path) {
       if (part == 0 && Imf::hasMultiView(header)) {
         file.views = Imf::multiView(header);
       }
-    }
-    if (file.views.empty()) {
-      file.views = viewsOfParts(file);
     }
     return file;
   });

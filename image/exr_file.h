@@ -43,7 +43,7 @@ struct ExrPart {
 /// What the headers of an EXR file say; no pixels.
 struct ExrFile {
   std::filesystem::path path;
-  std::vector<std::string> views;  ///< Those that share its parts (`multiView`), or its parts', the default one first.
+  std::vector<std::string> views;  ///< The views that share its parts (`multiView`), the default one first.
   std::vector<ExrPart> parts;
 };
 

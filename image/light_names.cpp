@@ -38,4 +38,9 @@ LightName lightName(std::string_view name) {
   return lightOf(name, kWithColourLong, {" Direct", " Indirect"}, " Color");
 }
 
+bool isLight(std::string_view name) {
+  const LightName::Kind kind = lightName(name).kind;
+  return kind == LightName::Kind::light || kind == LightName::Kind::group;
+}
+
 }  // namespace xrds

@@ -16,4 +16,7 @@ struct LightName {
 /// `name`: a layer's own, without view layer. Kind::none where Cycles has no light of this name.
 LightName lightName(std::string_view name);
 
+/// Whether that is a light or a light group.
+bool isLight(std::string_view name);
+
 }  // namespace xrds

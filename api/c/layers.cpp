@@ -1,5 +1,6 @@
 #include "api/c/layers.h"
 
+#include "api/arguments.h"
 #include "api/c/sized.h"
 
 namespace xrds::c {
@@ -31,8 +32,8 @@ PixelView Layers::read(const XrdsImage& image, const std::string& what) {
 std::span<float> Layers::place(const XrdsImage& image, const std::string& what) {
   checkImage(image, what, 3);
   if (image.width != width_ || image.height != height_)
-    throw InvalidArgument("The " + what + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                          " pixels, expected " + std::to_string(width_) + " x " + std::to_string(height_) + ".");
+    throw InvalidArgument("The " + what + " is " + sizeText(image.width, image.height) + " pixels, expected " +
+                          sizeText(width_, height_) + ".");
   const size_t numbers = size_t{3} * image.width * image.height;
   if (isPacked(image)) return {static_cast<float*>(image.channels[0]), numbers};
   return results_.emplace_back(Result{image, std::vector<float>(numbers)}).pixels;

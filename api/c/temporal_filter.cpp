@@ -12,12 +12,7 @@ using namespace xrds::c;
 /// A filter with the device that it needs. `use` is held by the thread that runs it, `device->access` as well.
 struct XrdsTemporalFilter {
   XrdsTemporalFilter(std::shared_ptr<XrdsDevice> on, uint32_t width, uint32_t height, uint32_t scale)
-      : device(std::move(on)),
-        width(width),
-        height(height),
-        scale(scale),
-        low(size_t{width} * height),
-        full(size_t{scale} * width * scale * height) {
+      : device(std::move(on)), width(width), height(height), scale(scale) {
     const std::lock_guard lock(device->access);
     filter.emplace(device->gpu, width, height, scale);
   }
@@ -28,7 +23,8 @@ struct XrdsTemporalFilter {
 
   const std::shared_ptr<XrdsDevice> device;
   const uint32_t width, height, scale;
-  const size_t low, full;  // pixels
+  size_t low() const { return size_t{width} * height; }  // pixels
+  size_t full() const { return low() * scale * scale; }
   std::optional<xrds::FrameMerger> filter;
   std::mutex use;
 };
@@ -40,7 +36,7 @@ class ReadFrame {
  public:
   ReadFrame(const XrdsTemporalFrame& asGiven, const XrdsTemporalFilter& filter) {
     const XrdsTemporalFrame given = taken(asGiven, xrdsTemporalFrameDefault());
-    const size_t pixels = filter.full;
+    const size_t pixels = filter.full();
     frame_.colour = read(given.colour, "colour");
     if (given.fullColour.channels[0]) frame_.fullColour = read(given.fullColour, "full-resolution colour");
     if (given.albedo.channels[0]) frame_.albedo = read(given.albedo, "albedo");
@@ -48,7 +44,7 @@ class ReadFrame {
     if (given.depth) frame_.depth = {given.depth, pixels};
     if (given.toPrevious) frame_.toPrevious = {given.toPrevious, 2 * pixels};
     if (given.toNext) frame_.toNext = {given.toNext, 2 * pixels};
-    if (given.lowCounts) frame_.lowCounts = {given.lowCounts, filter.low};
+    if (given.lowCounts) frame_.lowCounts = {given.lowCounts, filter.low()};
     if (given.fullCounts) frame_.fullCounts = {given.fullCounts, pixels};
   }
   const xrds::TemporalFilter::Frame& frame() const { return frame_; }

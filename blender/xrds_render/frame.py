@@ -30,9 +30,9 @@ def _lights(low, full, low_layer, full_layer, aovs):
     """What xrds.upscale() takes as its layers: light by the names of Cycles, colours with both sizes."""
     found = {}
     for name, channels in low_layer.passes.items():
-        pixels = stack(low, channels, "RGB")
         if (low_layer.name, name) in aovs:
             continue
+        pixels = stack(low, channels, "RGB")
         if is_light(name):
             found[name] = pixels
         elif is_colour(name) and name in full_layer.passes:
