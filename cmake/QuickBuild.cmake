@@ -11,6 +11,11 @@ endfunction()
 
 xrds_precompile(xrds_options INTERFACE ${common_headers})
 
+# Targets of a file or two gain nothing from it.
+function(no_precompiled_headers)
+  set_target_properties(${ARGN} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
+endfunction()
+
 function(optimize_little target)
   target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
 endfunction()
