@@ -4,6 +4,7 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "engine/bytes.h"
 #include "engine/replace_file.h"
@@ -62,8 +63,16 @@ Json parseHeader(std::span<const std::byte> bytes, const std::string& name) {
   if (bytes.size() < 8 || headerBytes > kMaxHeaderBytes || headerBytes > bytes.size() - 8)
     throw Error(name + " is no safetensors file, or it is truncated.");
   const char* text = reinterpret_cast<const char*>(bytes.data() + 8);
-  Json header = Json::parse(text, text + headerBytes, nullptr, false);
+  std::set<std::string> names;
+  std::string twice;
+  const auto listen = [&](int depth, Json::parse_event_t event, const Json& parsed) {
+    if (depth == 1 && event == Json::parse_event_t::key && !names.insert(parsed.get<std::string>()).second)
+      twice = parsed.get<std::string>();
+    return true;
+  };
+  Json header = Json::parse(text, text + headerBytes, listen, false);
   if (!header.is_object()) throw Error(name + " has no readable safetensors header.");
+  if (!twice.empty()) throw Error(name + " has the tensor '" + twice + "' twice.");
   return header;
 }
 

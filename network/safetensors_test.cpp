@@ -51,6 +51,12 @@ TEST(Safetensors, RefusesHostileHeaders) {
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 4).find("truncated"),
             std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[3],"data_offsets":[0,8]}})", 8).find("belies"), std::string::npos);
+  EXPECT_NE(
+      refusal(
+          R"({"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},"a":{"dtype":"F32","shape":[1],"data_offsets":[4,8]}})",
+          8)
+          .find("the tensor 'a' twice"),
+      std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[8,0]}})", 8).find("outside"), std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})", 8).find("I64"), std::string::npos);
   EXPECT_NE(refusal(R"({"a":{"dtype":"F32","shape":[4294967296,4294967296],"data_offsets":[0,8]}})", 8).find("large"),
