@@ -33,9 +33,9 @@ struct Placed {
   Box window;
 };
 
-Placed readColour(const std::string& path, const std::string& layer) {
+Placed readColour(const std::string& path, const std::string& layer, const std::string& option) {
   const ExrFile file = readExrHeader(path);
-  const ExrSelection found = findAov(file, AovRole::kColor, layer);
+  const ExrSelection found = findAov(file, AovRole::kColor, layer, option);
   return {readLayer(file, found), file.parts[found.part].dataWindow};
 }
 
@@ -48,7 +48,8 @@ void requireOutputs(const CompareOptions& options) {
 
 std::pair<Image, Image> readImages(const CompareOptions& options) {
   const std::string& referenceLayer = options.referenceLayer.empty() ? options.layer : options.referenceLayer;
-  Placed image = readColour(options.image, options.layer), reference = readColour(options.reference, referenceLayer);
+  Placed image = readColour(options.image, options.layer, "--layer"),
+         reference = readColour(options.reference, referenceLayer, "--reference-layer");
   if (image.image.width != reference.image.width || image.image.height != reference.image.height)
     throw Error("The images have different sizes: " + std::to_string(image.image.width) + " x " +
                 std::to_string(image.image.height) + " and " + std::to_string(reference.image.width) + " x " +

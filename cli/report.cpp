@@ -112,7 +112,7 @@ Image runBaseline(Device& device, const Baseline& baseline, const Image& colour,
 
 Image readFullSize(const std::string& path, const std::string& what, int width, int height) {
   const ExrFile file = readExrHeader(path);
-  Image image = readLayer(file, findAov(file, AovRole::kColor));
+  Image image = readLayer(file, findAov(file, AovRole::kColor, "", ""));
   if (image.width != width || image.height != height)
     throw Error("The " + what + " '" + path + "' is " + std::to_string(image.width) + " x " +
                 std::to_string(image.height) + " pixels, expected the result's " + std::to_string(width) + " x " +

@@ -126,10 +126,10 @@ Candidates namedBy(const ExrFile& file, Candidates candidates, std::string name)
 }
 
 // What to do where no layer, or not one alone, fits: naming one helps only where there is one that could serve.
-std::string remedyFor(const ExrFile& file, AovRole role) {
-  const bool any = !aovCandidates(file, role).empty();
-  return (any ? "; name the one to use with " + optionName(role) + " LAYER; " : "; render it with this layer; ") +
-         describe(file);
+std::string remedyFor(const ExrFile& file, AovRole role, const std::string& option) {
+  if (aovCandidates(file, role).empty()) return "; render it with this layer; " + describe(file);
+  if (option.empty()) return "; take a file with one such layer; " + describe(file);
+  return "; name the one to use with " + option + " LAYER; " + describe(file);
 }
 
 bool isDeep(const ExrFile& file, AovRole role) {
@@ -137,8 +137,9 @@ bool isDeep(const ExrFile& file, AovRole role) {
          std::any_of(file.parts.begin(), file.parts.end(), [](const ExrPart& part) { return part.deep; });
 }
 
-const AovCandidate& single(const ExrFile& file, AovRole role, const std::string& name, const Candidates& found) {
-  const std::string remedy = remedyFor(file, role);
+const AovCandidate& single(const ExrFile& file, AovRole role, const std::string& name, const Candidates& found,
+                           const std::string& option) {
+  const std::string remedy = remedyFor(file, role, option);
   if (found.empty() && isDeep(file, role)) {
     throw Error("No " + toString(role) + " in '" + file.path.string() +
                 "': expected a flat image, found deep samples; flatten it first.");
@@ -161,7 +162,8 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
   return found.front();
 }
 
-AovCandidate choose(const ExrFile& file, AovRole role, const std::string& name, const AovCandidate* color) {
+AovCandidate choose(const ExrFile& file, AovRole role, const std::string& name, const AovCandidate* color,
+                    const std::string& option) {
   Candidates candidates = aovCandidates(file, role);
   if (name.empty()) {
     keepIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
@@ -174,7 +176,7 @@ AovCandidate choose(const ExrFile& file, AovRole role, const std::string& name, 
   if (color != nullptr) {
     preferIf(candidates, [&](const AovCandidate& c) { return c.prefix == color->prefix; });
   }
-  return single(file, role, name, candidates);
+  return single(file, role, name, candidates, option);
 }
 
 // Cycles stores alpha with every colour pass; should the noisy one lack it, the finished one of its view layer has it.
@@ -219,12 +221,13 @@ std::string AovRequest::nameOf(AovRole role) const {
 }
 
 Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request) {
-  const AovCandidate color = choose(colorFile, AovRole::kColor, request.nameOf(AovRole::kColor), nullptr);
+  const AovCandidate color =
+      choose(colorFile, AovRole::kColor, request.nameOf(AovRole::kColor), nullptr, optionName(AovRole::kColor));
   Aovs result;
   result.color = color.selection;
   result.alpha = alphaFor(colorFile, color);
   for (const AovRole role : request.needed) {
-    result.auxiliary[role] = choose(auxFile, role, request.nameOf(role), &color).selection;
+    result.auxiliary[role] = choose(auxFile, role, request.nameOf(role), &color, optionName(role)).selection;
   }
   noteChoice(result, colorFile, color, request.nameOf(AovRole::kColor));
   return result;
@@ -252,7 +255,11 @@ std::optional<ExrSelection> indirectLight(const ExrFile& file, AovRole role, con
 }
 
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name) {
-  return choose(file, role, name, nullptr).selection;
+  return findAov(file, role, name, optionName(role));
+}
+
+ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const std::string& option) {
+  return choose(file, role, name, nullptr, option).selection;
 }
 
 }  // namespace xrds

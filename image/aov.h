@@ -47,4 +47,7 @@ std::optional<ExrSelection> indirectLight(const ExrFile& file, AovRole role, con
 /// Finds one layer in one file, by convention or, when `name` is not empty, by that name. Throws as findAovs does.
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name = "");
 
+/// The same; its messages advise to name the layer with that option, or not at all where it is empty.
+ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const std::string& option);
+
 }  // namespace xrds

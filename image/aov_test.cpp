@@ -363,6 +363,11 @@ TEST(Aov, TwoViewLayersAreAmbiguous) {
   EXPECT_NE(message.find("--color"), std::string::npos) << message;
   EXPECT_NE(message.find("Denoising Depth"), std::string::npos) << message;
 
+  const std::string ofCompare = refusal([&] { static_cast<void>(findAov(file, AovRole::kColor, "", "--layer")); });
+  EXPECT_NE(ofCompare.find("name the one to use with --layer LAYER"), std::string::npos) << ofCompare;
+  const std::string ofNone = refusal([&] { static_cast<void>(findAov(file, AovRole::kColor, "", "")); });
+  EXPECT_NE(ofNone.find("take a file with one such layer"), std::string::npos) << ofNone;
+
   const Aovs aovs = findAovs(file, file, {.names = {{AovRole::kColor, "Hero.Combined"}}});
   EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).channelNames, triple("Hero.Denoising Albedo", "RGB"));
   EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).channelNames, triple("Hero.Denoising Normal", "XYZ"));

@@ -37,7 +37,7 @@ std::vector<std::string> inputsOf(const FrameFiles& files, const AovRequest& lay
 
 Image readReferenceOf(const LoadedFrame& frame) {
   const ExrFile file = readExrHeader(frame.files.reference);
-  Image reference = readLayer(file, findAov(file, AovRole::kColor));
+  Image reference = readLayer(file, findAov(file, AovRole::kColor, "", ""));
   repairNonFinite(reference);
   return reference;
 }
