@@ -96,6 +96,13 @@ class Runner {
   const Frame& frame_;
 };
 
+// Throws Error for a halo that no frame can have.
+void requireHalos(const std::vector<uint32_t>& halos, const Model& model) {
+  constexpr uint32_t kAnySide = 64;
+  const uint32_t side = kAnySide * model.scale();
+  for (const uint32_t halo : halos) model.tiling(side, side, false, {.halo = halo});
+}
+
 // A pure question, which needs no device.
 bool fits(const TileOptions& tiles, const Model& model, const Frame& frame) {
   try {
@@ -135,6 +142,7 @@ void run(const BenchTilesOptions& options) {
     requireWritable(options.json);
   }
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
+  if (options.halosAsked) failingWith(ExitCode::usage, [&] { requireHalos(options.halos, model); });
   QualitySetting setting{
       .scale = static_cast<int>(model.scale()), .colourSamples = options.colour, .auxSamples = options.aux};
   setting.read(model);

@@ -92,6 +92,10 @@ TEST(CliTiles, BenchMeasuresTheErrorOfEachHalo) {
   EXPECT_EQ(whole["worst"]["relativeRms"], 0);
   EXPECT_EQ(whole["worst"]["step"], 0);
 
+  auto odd = bench;
+  odd.insert(odd.end(), {json, "--halo", "0,7"});
+  expectFailure(runXrds(odd), 2, "A halo of 7 pixels was asked for, expected a multiple of the model's window", folder,
+                3);
   bench.push_back("tiles.txt");
   expectFailure(runXrds(bench), 2, "--json takes a name that ends in .json", folder, 3);
 }
