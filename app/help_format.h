@@ -1,7 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <sstream>
+#include <algorithm>
 #include <string>
 
 namespace xrds {
@@ -11,16 +11,14 @@ class HelpFormat : public CLI::Formatter {
  public:
   std::string make_option_desc(const CLI::Option* option) const override {
     constexpr size_t kWidth = 100;  // behind the names
-    std::istringstream lines(CLI::Formatter::make_option_desc(option));
-    std::string broken;
-    for (std::string line; std::getline(lines, line);) {
-      for (size_t space; line.size() > kWidth && (space = line.rfind(' ', kWidth)) != std::string::npos;
-           line.erase(0, space + 1))
-        broken += line.substr(0, space) + "\n";
-      broken += line + "\n";
+    std::string text = CLI::Formatter::make_option_desc(option);
+    std::replace(text.begin(), text.end(), '\n', ' ');  // breaks of the source
+    for (size_t line = 0, space; text.size() - line > kWidth; line = space + 1) {
+      space = text.rfind(' ', line + kWidth);
+      if (space == std::string::npos || space <= line) break;
+      text[space] = '\n';
     }
-    if (!broken.empty()) broken.pop_back();
-    return broken;
+    return text;
   }
 };
 
