@@ -15,8 +15,8 @@ namespace {
 
 FrameShape frameOf(const NetworkConfig& config, uint32_t outputWidth, uint32_t outputHeight) {
   if (outputWidth % config.scale != 0 || outputHeight % config.scale != 0)
-    throw Error("An output of " + sizeText(outputWidth, outputHeight) + " pixels is no multiple of the model's scale " +
-                std::to_string(config.scale) + ".");
+    throw InvalidArgument("An output of " + sizeText(outputWidth, outputHeight) +
+                          " pixels is no multiple of the model's scale " + std::to_string(config.scale) + ".");
   return {outputHeight / config.scale, outputWidth / config.scale};
 }
 
@@ -24,10 +24,10 @@ FrameShape frameOf(const NetworkConfig& config, uint32_t outputWidth, uint32_t o
 void checkGrid(const TileOptions& asked, const Tiling& found, FrameShape frame) {
   const auto check = [&](const char* name, uint32_t wanted, uint32_t possible) {
     if (wanted > possible)
-      throw Error("A frame of " + sizeText(frame.width, frame.height) + " pixels cannot be cut into " +
-                  std::to_string(wanted) + " " + name + " of tiles: whole windows and a halo of " +
-                  std::to_string(found.halo) + " pixels make " + std::to_string(possible) +
-                  "; ask for fewer, or for 0.");
+      throw InvalidArgument("A frame of " + sizeText(frame.width, frame.height) + " pixels cannot be cut into " +
+                            std::to_string(wanted) + " " + name + " of tiles: whole windows and a halo of " +
+                            std::to_string(found.halo) + " pixels make " + std::to_string(possible) +
+                            "; ask for fewer, or for 0.");
   };
   check("columns", asked.columns, found.columns);
   check("rows", asked.rows, found.rows);
@@ -39,13 +39,14 @@ Tiling tilingOf(const NetworkModel& model, FrameShape frame, bool fp16, const Ti
                 const MemoryLimits& limits) {
   const NetworkConfig& config = model.config();
   if (options.exact && std::max(options.columns, options.rows) > 1 && seesWholeFrame(config))
-    throw Error("Exact tiles were asked for, but each pixel that this model makes depends on the whole frame (its " +
-                config.architecture + " network takes global means): ask for bounded tiles, or for one tile.");
+    throw InvalidArgument(
+        "Exact tiles were asked for, but each pixel that this model makes depends on the whole frame (its " +
+        config.architecture + " network takes global means): ask for bounded tiles, or for one tile.");
   const uint32_t halo = options.halo.value_or(options.exact ? exactHalo(config) : boundedHalo(config));
   if (halo % config.window != 0)
-    throw Error("A halo of " + std::to_string(halo) +
-                " pixels was asked for, expected a multiple of the model's window, " + std::to_string(config.window) +
-                ".");
+    throw InvalidArgument("A halo of " + std::to_string(halo) +
+                          " pixels was asked for, expected a multiple of the model's window, " +
+                          std::to_string(config.window) + ".");
   const TileChoice choice = chooseTiles(model, frame, fp16 ? Precision::fp16 : Precision::fp32,
                                         {options.columns, options.rows, halo, options.wrap}, limits);
   const std::vector<Tile> tiles = cutFrame(frame, config.window, choice.cut);

@@ -30,7 +30,7 @@ const char* nameOf(MatrixUnits units) {
 KernelFamily kernelFamilyOf(std::string_view name) {
   const auto found = std::find(std::begin(kFamilies), std::end(kFamilies), name);
   if (found == std::end(kFamilies))
-    throw Error("There is no kernel family '" + std::string(name) + "'; choose " + choiceOfFamilies() + ".");
+    throw InvalidArgument("There is no kernel family '" + std::string(name) + "'; choose " + choiceOfFamilies() + ".");
   return static_cast<KernelFamily>(found - std::begin(kFamilies));
 }
 

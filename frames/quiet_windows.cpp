@@ -57,7 +57,7 @@ QuietWindows::QuietWindows(const NetworkConfig& config, const PixelView& colour,
       colour_(colour),
       ratios_(size_t{3} * colour.width * colour.height),
       needed_(frame_, config.window, true) {
-  if (const std::string why = whyNeverQuiet(config); !why.empty()) throw Error("The model " + why + ".");
+  if (const std::string why = whyNeverQuiet(config); !why.empty()) throw InvalidArgument("The model " + why + ".");
   std::vector<PixelView> guides;
   for (size_t i = 0; i < auxiliary.size(); ++i) {
     if (config.demodulates() && config.auxInputs[i] == kAlbedo.name)

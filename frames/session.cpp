@@ -87,9 +87,9 @@ void uploadWeights(const Graph& graph, const DeviceTraits& device, const PackedM
 
 void checkSize(const char* what, const PixelView& image, const TensorView& expected) {
   if (image.width != expected.width || image.height != expected.height)
-    throw Error(std::string("The ") + what + " image is " + std::to_string(image.width) + " x " +
-                std::to_string(image.height) + " pixels, expected " + std::to_string(expected.width) + " x " +
-                std::to_string(expected.height) + ".");
+    throw InvalidArgument(std::string("The ") + what + " image is " + std::to_string(image.width) + " x " +
+                          std::to_string(image.height) + " pixels, expected " + std::to_string(expected.width) + " x " +
+                          std::to_string(expected.height) + ".");
 }
 
 std::vector<ValueId> ownStorage(const Graph& graph) {
@@ -207,8 +207,8 @@ void Session::uploadPart(const FrameInput& frame, int64_t x, uint32_t y) {
   if (graph_.auxiliary.exists()) {
     if (3 * frame.auxiliary.size() > graph_.auxiliary.channels ||
         3 * frame.auxiliary.size() + 3 < graph_.auxiliary.channels)
-      throw Error("The model was given " + std::to_string(frame.auxiliary.size()) +
-                  " auxiliary images, another number than it expects.");
+      throw InvalidArgument("The model was given " + std::to_string(frame.auxiliary.size()) +
+                            " auxiliary images, another number than it expects.");
     const uint32_t scale = graph_.output.width / graph_.colour.width;
     write(graph_.auxiliary, frame.auxiliary, x * scale, y * scale);
   }

@@ -69,7 +69,7 @@ SparseRunner::SparseRunner(Gpu& gpu, const NetworkModel& model, const SessionOpt
       interpolated_(frame_, config_.window, false),
       kept_(frame_, config_.window, false) {
   const std::string why = whyNeverQuiet(config_);
-  if (options.bound > 0 && !why.empty()) throw Error("No window may be skipped: the model " + why + ".");
+  if (options.bound > 0 && !why.empty()) throw InvalidArgument("No window may be skipped: the model " + why + ".");
 }
 
 bool SparseRunner::run(const FrameInput& given, std::span<float> output, const std::function<bool(double)>& progress) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "network/architecture.h"
 #include "network/halo.h"
 #include "xrds/error.h"
 
@@ -106,22 +107,21 @@ class TilePlanner {
   uint64_t room_ = 0;
 };
 
-Error tooSmall(const TilePlanner& planner, const Needs& least, const MemoryLimits& limits, FrameShape smallest,
-               bool areBounded) {
+[[noreturn]] void throwTooSmall(const TilePlanner& planner, const Needs& least, const MemoryLimits& limits,
+                                FrameShape smallest, const std::string& orBounded) {
   if (least.arenaByteSize == kNoGraph)
-    return Error("The smallest tiles of the frame are " + std::to_string(smallest.width) + " x " +
-                 std::to_string(smallest.height) + " pixels of the colour, but no side of a tile's output may exceed " +
-                 std::to_string(kMaxSide) +
-                 ": ask for more columns or rows of tiles, or for 0, which is as many as it takes.");
+    throw InvalidArgument(
+        "The smallest tiles of the frame are " + std::to_string(smallest.width) + " x " +
+        std::to_string(smallest.height) + " pixels of the colour, but no side of a tile's output may exceed " +
+        std::to_string(kMaxSide) + ": ask for more columns or rows of tiles, or for 0, which is as many as it takes.");
   if (planner.fitsMemory(least))
-    return Error("The smallest tiles of the frame hold a tensor of " + std::to_string(least.largestTexels) +
-                 " texels, but the device binds at most " + std::to_string(limits.traits.maxTexelBufferElements) +
-                 ": take " + std::string(areBounded ? "" : "bounded tiles, ") + "a smaller model or another device.");
-  return Error("The smallest tiles of the frame need " +
-               std::to_string((least.arenaByteSize + planner.weightByteSize + 999'999) / 1'000'000) +
-               " MB of device memory, but " + std::to_string(limits.byteSize / 1'000'000) +
-               " MB are allowed: allow more, or take fp16" + (areBounded ? "" : ", bounded tiles") +
-               " or a smaller model.");
+    throw Error("The smallest tiles of the frame hold a tensor of " + std::to_string(least.largestTexels) +
+                " texels, but the device binds at most " + std::to_string(limits.traits.maxTexelBufferElements) +
+                ": take " + orBounded + "a smaller model or another device.");
+  throw OutOfMemory("The smallest tiles of the frame need " +
+                    std::to_string((least.arenaByteSize + planner.weightByteSize + 999'999) / 1'000'000) +
+                    " MB of device memory, but " + std::to_string(limits.byteSize / 1'000'000) +
+                    " MB are allowed: allow more, or take fp16, " + orBounded + "or a smaller model.");
 }
 
 }  // namespace
@@ -145,7 +145,9 @@ TileChoice chooseTiles(const NetworkModel& model, FrameShape frame, Precision pr
     if (needs.arenaByteSize < least.arenaByteSize) least = needs;
     likelyPixels = std::min(0.98, 1.1 * needs.share) * pixels;
   }
-  throw tooSmall(planner, least, limits, smallest->crop, wanted.halo <= boundedHalo(model.config()));
+  // Programs that denoise take exact tiles alone.
+  const bool mayBeBounded = wanted.halo > boundedHalo(model.config()) && &architectureOf(model.config()) != &kOidn;
+  throwTooSmall(planner, least, limits, smallest->crop, mayBeBounded ? "bounded tiles, " : "");
 }
 
 }  // namespace xrds

@@ -157,8 +157,8 @@ std::string errorOf(const Cut& wanted, const MemoryLimits& limits) {
 
 TEST(ChooseTiles, SaysWhatIsNeededAtLeast) {
   const std::string exact = errorOf(kExact, {1'000'000}), bounded = errorOf(kBounded, {1'000'000});
-  EXPECT_NE(exact.find("1 MB are allowed: allow more, or take fp16, bounded tiles or"), std::string::npos) << exact;
-  EXPECT_NE(bounded.find("1 MB are allowed: allow more, or take fp16 or"), std::string::npos) << bounded;
+  EXPECT_NE(exact.find("1 MB are allowed: allow more, or take fp16, bounded tiles, or"), std::string::npos) << exact;
+  EXPECT_NE(bounded.find("1 MB are allowed: allow more, or take fp16, or"), std::string::npos) << bounded;
 }
 
 TEST(ChooseTiles, SaysThatTheDeviceBindsTooLittle) {

@@ -36,9 +36,9 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
                  const GraphOptions& options) {
   if (frame.height == 0 || frame.width == 0 || frame.height > kMaxSide / config.scale ||
       frame.width > kMaxSide / config.scale)
-    throw Error("A frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-                " pixels cannot be upscaled by " + std::to_string(config.scale) +
-                ": each side of the output must be 1 to 65536 pixels.");
+    throw InvalidArgument("A frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                          " pixels cannot be upscaled by " + std::to_string(config.scale) +
+                          ": each side of the output must be 1 to 65536 pixels.");
   Graph graph;
   if (options.precision == Precision::fp16 && config.groups > 0)
     graph.promoted =
@@ -46,7 +46,8 @@ Graph buildGraph(const NetworkConfig& config, FrameShape frame, const WeightLook
   Layers layers(config, weights, graph, options);
   architectureOf(config).forward(layers, frame);
   if (graph.layers.size() != options.layers)
-    throw Error("Layers cannot be upscaled by this model: its architecture has no base image whose kernels they take.");
+    throw InvalidArgument(
+        "Layers cannot be upscaled by this model: its architecture has no base image whose kernels they take.");
   chooseKernels(graph, options.kernels);
   return graph;
 }

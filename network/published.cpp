@@ -32,7 +32,7 @@ const std::vector<std::string>& publishedNames() {
 Metadata publishedFields(const std::string& name) {
   const auto found = allFields().find(name);
   if (found == allFields().end())
-    throw Error("Expected a network of " + joinedList(publishedNames()) + ", found '" + name + "'.");
+    throw InvalidArgument("Expected a network of " + joinedList(publishedNames()) + ", found '" + name + "'.");
   return found->second;
 }
 

@@ -20,7 +20,8 @@ XRDS_API XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity)
 /* The name of the shipped model that suits frames with these images beside the colour, each named as
  * xrdsGetModelInput() does and of `scale` times the colour's size, with its final zero into name[capacity]. samples: of
  * a pixel of the colour, 0 if that is not known; few take a model of few samples. Without images the model of the
- * colour alone, scale 4 whatever `scale` is. Fails if no model of the scale is shipped, or no room. */
+ * colour alone, scale 4 whatever `scale` is; images of other names have no say. Fails if no model of the scale is
+ * shipped, or no room. */
 XRDS_API XrdsResult xrdsChooseModel(uint32_t scale, const char* const* inputs, uint32_t inputCount, double samples,
                                     char* name, size_t capacity);
 
