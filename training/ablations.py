@@ -16,6 +16,8 @@ import sys
 
 import torch
 
+import arguments
+from arguments import number
 from cost import multiply_accumulates
 
 # Of the full-resolution render, alike for both of table 6.
@@ -50,13 +52,13 @@ VARIANTS = {
 
 
 def arguments_of_command_line():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("train", nargs="+")
-    parser.add_argument("--validation", required=True)
+    parser.add_argument("--validation", type=arguments.folder, required=True)
     parser.add_argument("--output", type=pathlib.Path, required=True)
-    parser.add_argument("--steps", type=int, default=1500)
-    parser.add_argument("--seeds", type=int, default=2)
-    parser.add_argument("--parallel", type=int, default=2, help="runs at a time, a thread each")
+    parser.add_argument("--steps", type=number(int, 1), default=1500)
+    parser.add_argument("--seeds", type=number(int, 1), default=2)
+    parser.add_argument("--parallel", type=number(int, 1), default=2, help="runs at a time, a thread each")
     parser.add_argument("--only", nargs="*", choices=VARIANTS, default=list(VARIANTS))
     parser.add_argument("--table", action="store_true", help="only print the table")
     return parser.parse_args()
@@ -78,7 +80,7 @@ def run(options, name, seed):
     folder = folder_of(options, name, seed)
     if result_of(folder):
         return
-    command = [sys.executable, str(pathlib.Path(__file__).with_name("train.py")), *options.train, "--validation", options.validation,
+    command = [sys.executable, str(pathlib.Path(__file__).with_name("train.py")), *options.train, "--validation", str(options.validation),
                "--output", str(folder), "--steps", str(options.steps), "--seed", str(seed), "--evaluate-every", "1000", "--warm-up", "100", *VARIANTS[name][1]]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     (folder / "finished").touch()
@@ -105,8 +107,12 @@ def main():
     if not options.table:
         with concurrent.futures.ThreadPoolExecutor(options.parallel) as pool:
             runs = [pool.submit(run, options, name, seed) for seed in range(1, options.seeds + 1) for name in options.only]
-            for finished in concurrent.futures.as_completed(runs):
-                finished.result()
+            try:
+                for finished in concurrent.futures.as_completed(runs):
+                    finished.result()
+            except subprocess.CalledProcessError as error:      # train.py has said why
+                pool.shutdown(cancel_futures=True)
+                sys.exit(f"ablations.py: a training ended with code {error.returncode}")
     print(table(options))
 
 

@@ -67,6 +67,8 @@ class Crops:
 
     def __init__(self, scenes, size, seed, colour_shares=None, aux_shares=None, denoised_share=0.0):
         self.scenes, self.size, self.config, self.denoised_share = scenes, size, scenes.config, denoised_share
+        if not colour_shares and self.config.scale not in dataset.COLOUR_SHARES:
+            raise ValueError(f"--scale {self.config.scale} has no usual shares of the colour's samples: choose them with --colour-shares")
         self.colour_shares = colour_shares or dataset.COLOUR_SHARES[self.config.scale]
         self.aux_shares = aux_shares or (dataset.FULL_SHARES if self.config.full else dataset.AUX_SHARES)
         if self.config.full and 0 in self.aux_shares:

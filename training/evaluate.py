@@ -10,6 +10,7 @@ is applied. "Average samples" is spp / scale^2 + aux spp. Models that take the f
 import argparse
 import dataclasses
 import pathlib
+import re
 
 import torch
 
@@ -43,23 +44,43 @@ class Case:
         return dataclasses.replace(self, colour=colour, aux=aux, full=full, merged=merged)
 
 
+def prefix_of(scale):
+    """How the names of low-resolution colours begin behind the scene's name."""
+    return {1: "aux", 4: "lr"}.get(scale, f"x{scale}lr")
+
+
+def scenes_with(folder, scale, spp, aux_spp):
+    """[(name, path of the colour, of the auxiliary images, of the reference)] of the scenes that have these sample counts (0: converged)."""
+    folder, found = pathlib.Path(folder), []
+    for reference in sorted(folder.glob("*_gt.exr")):
+        name = reference.name[:-len("_gt.exr")]
+        path = folder / f"{name}_{prefix_of(scale)}{spp}.exr"
+        aux = folder / f"{name}_aux{aux_spp}.exr" if aux_spp else reference
+        if path.exists() and aux.exists():
+            found.append((name, path, aux, reference))
+    return found
+
+
+def lacking(folder, scale, spp, aux_spp):
+    """That scenes_with() finds none, as a sentence."""
+    def counts(prefix):
+        names = (re.fullmatch(rf".*_{prefix}(\d+)", path.stem) for path in pathlib.Path(folder).glob("*.exr"))
+        return ", ".join(map(str, sorted({int(name[1]) for name in names if name}))) or "none"
+    return (f"{folder} has no scene with {spp} spp colour and {aux_spp or 'converged'} spp aux at scale {scale}; "
+            f"it has colour at {counts(prefix_of(scale))} and auxiliary images at {counts('aux')}")
+
+
 def cases_of(folder, scale, spp, aux_spp):
     """Yields a Case for each scene that has the files.
 
     aux_spp: samples per pixel of the auxiliary render, 0 for the converged one. Colour of scale 1 is that of the auxiliary render.
     """
-    folder = pathlib.Path(folder)
-    prefix = {1: "aux", 4: "lr"}.get(scale, f"x{scale}lr")
-    for reference in sorted(folder.glob("*_gt.exr")):
-        name = reference.name[:-len("_gt.exr")]
-        path = folder / f"{name}_{prefix}{spp}.exr"
-        aux = folder / f"{name}_aux{aux_spp}.exr" if aux_spp else reference
-        if path.exists() and aux.exists():
-            colour = merged = images.read_exr(path, "colour")
-            full = images.read_exr(aux, "colour") if aux_spp and scale > 1 else None
-            if full is not None:
-                merged = pipeline.merged_colour(colour, spp, full, aux_spp, scale)
-            yield Case(name, colour, images.read_auxiliary(aux), full, merged, images.read_exr(reference, "colour"), not aux_spp)
+    for name, path, aux, reference in scenes_with(folder, scale, spp, aux_spp):
+        colour = merged = images.read_exr(path, "colour")
+        full = images.read_exr(aux, "colour") if aux_spp and scale > 1 else None
+        if full is not None:
+            merged = pipeline.merged_colour(colour, spp, full, aux_spp, scale)
+        yield Case(name, colour, images.read_auxiliary(aux), full, merged, images.read_exr(reference, "colour"), not aux_spp)
 
 
 def result_of(network, case, merge=False, device="cpu"):
@@ -91,6 +112,8 @@ def methods_of(scale, model_paths, merge=False):
 
 def measure(folder, scale, spp, aux_spp, methods, flip=False, denoise_first=False):
     """{method: {scene: metrics}}; denoise_first: of colours that Open Image Denoise has denoised."""
+    if not scenes_with(folder, scale, spp, aux_spp):
+        raise SystemExit(lacking(folder, scale, spp, aux_spp))
     results = {method: {} for method in methods}
     with torch.no_grad():
         for case in cases_of(folder, scale, spp, aux_spp):
@@ -143,8 +166,6 @@ def main():
         parser.error("--merge needs a scale above 1 and noisy auxiliary images")
     methods = methods_of(options.scale, options.model, options.merge)
     results = measure(options.folder, options.scale, options.spp, options.aux_spp, methods, options.flip, options.denoise_first)
-    if not results["bicubic"]:
-        raise SystemExit(f"{options.folder} has no scenes with {options.spp} spp colour and {options.aux_spp} spp aux at scale {options.scale}")
     samples = options.spp / options.scale ** 2 + options.aux_spp
     print(f"{options.spp} spp colour{' merged with the full-resolution one' * options.merge}{', denoised first' * options.denoise_first}, {options.aux_spp or 'converged'} spp aux"
           + (f", average samples {samples:g}" if options.aux_spp else "") + "\n")

@@ -6,9 +6,12 @@ The card (same path, .md) states the size, the data, the command, and the metric
 """
 import argparse
 import pathlib
+import pickle
+import sys
 
 import torch
 
+import arguments
 import evaluate
 import train
 import weights
@@ -41,8 +44,7 @@ The same with other samples per pixel, mean PSNR in dB / mean RelMSE:
 {limits}
 """
 
-LIMITS = """- Trained on images of 256 x 256 pixels of one renderer (Cycles), its pixel filter and its denoising albedo and normal.
-- Reflections, refractions, shadows and caustics that the auxiliary images do not show are only as sharp as the colour is."""
+LIMITS = """- Reflections, refractions, shadows and caustics that the auxiliary images do not show are only as sharp as the colour is."""
 
 # (colour spp, aux spp; 0 is converged) that a card tabulates, by scale; the first pair in full.
 SETTINGS = {1: ((4, 4), (1, 1), (2, 2), (8, 8), (16, 16)), 2: ((16, 16), (16, 0), (16, 4), (16, 1), (4, 1)),
@@ -100,27 +102,52 @@ def command_of(told, start):
     return f"python training/train.py SHARD_FOLDER --output RUN_FOLDER {flags}" + (" --start CHECKPOINT" if start else "")
 
 
+def read_checkpoint(path):
+    """What Training.save() wrote. Ends with a sentence on any other file."""
+    try:
+        state = torch.load(path, map_location="cpu", weights_only=False)
+        if isinstance(state, dict) and {"config", "options", "average"} <= state.keys():
+            return state
+        reason = "it is of another program"
+    except (AttributeError, EOFError, ImportError, OSError, RuntimeError, ValueError, pickle.UnpicklingError) as error:
+        reason = str(error).partition("\n")[0] or type(error).__name__
+    sys.exit(f"export.py: {path} is no checkpoint of train.py: {reason}")
+
+
+def settings_of(options, config):
+    """[(samples of the colour, of the auxiliary images)] that the card tabulates. Ends with a sentence where the validation folder has no such scene."""
+    asked = arguments.pairs_of(options.spp) if options.spp else SETTINGS.get(config.scale, ())
+    settings = [pair for pair in asked if pair[1] or not config.full]       # a converged colour would be the result
+    if not settings:
+        sys.exit(f"export.py: --spp must name samples that a model of scale {config.scale} can be measured at")
+    for pair in settings:
+        if not evaluate.scenes_with(options.validation, config.scale, *pair):
+            sys.exit(f"export.py: {evaluate.lacking(options.validation, config.scale, *pair)} (--spp chooses)")
+    return settings
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkpoint", type=pathlib.Path)
     parser.add_argument("model", type=pathlib.Path)
-    parser.add_argument("--validation", type=pathlib.Path, required=True)
-    parser.add_argument("--spp", help="what the card tabulates, as 64-16,16-1: samples of the colour and of the auxiliary images (0: converged); the first in full")
+    parser.add_argument("--validation", type=arguments.folder, required=True)
+    parser.add_argument("--spp", type=arguments.pairs, help="what the card tabulates, as 64-16,16-1: samples of the colour and of the auxiliary images (0: converged); the first in full")
     parser.add_argument("--start", default="another model", help="name of the model that training started from, for the card")
     parser.add_argument("--licence", default="not stated", help="of the weights, as MIT")
     parser.add_argument("--data", default="{scenes} scenes", help="what it was trained on; {scenes} is their number")
+    parser.add_argument("--limits", help="of the data, a sentence among the known limits")
     options = parser.parse_args()
     torch.set_num_threads(1)
-    state = torch.load(options.checkpoint, map_location="cpu", weights_only=False)
+    state = read_checkpoint(options.checkpoint)
     config, told = state["config"], state["options"]
+    (spp, aux_spp), *others = settings = settings_of(options, config)
     network = Network(config)
     network.load_state_dict(state["average"])
-    data = options.data.format(scenes=state["scenes"])
+    data = options.data.replace("{scenes}", str(state["scenes"]))
     provenance = {"license": options.licence, "data": data, "seed": told["seed"], "steps": str(state["step"])}
+    options.model.parent.mkdir(parents=True, exist_ok=True)
     weights.save_model(options.model, network, provenance)
 
-    asked = train.pairs_of(options.spp) if options.spp else SETTINGS[config.scale]
-    settings = (spp, aux_spp), *others = [pair for pair in asked if pair[1] or not config.full]    # a converged colour would be the result
     methods = evaluate.methods_of(config.scale, [options.model], merge=config.full)
     results = evaluate.measure(options.validation, config.scale, spp, aux_spp, methods)
     trained, guided = (evaluate.mean_of(results[name].values()) for name in (options.model.stem, "guided"))
@@ -142,7 +169,7 @@ def main():
         scenes=len(results["guided"]), table=evaluate.tables(results),
         denoised=DENOISED.format(share=f"{100 * share_of_denoised(told):.0f} %", table=table_of_other_samples(
             options.validation, config.scale, methods, settings, denoise_first=True)) if share_of_denoised(told) else "",
-        other=table_of_other_samples(options.validation, config.scale, methods, others), limits=LIMITS)
+        other=table_of_other_samples(options.validation, config.scale, methods, others), limits=f"- {options.limits}\n{LIMITS}" if options.limits else LIMITS)
     options.model.with_suffix(".md").write_text(card)
     print(evaluate.tables(results))
 

@@ -27,13 +27,14 @@ model() {
     [ -z "$start" ] || set -- --start "$runs/$start/checkpoint.pt" "$@"
     # shellcheck disable=SC2086
     "$python" "$here/train.py" $shards --validation "$validation" --output "$run" --minutes "$time" "$@"
-    "$python" "$here/export.py" "$run/checkpoint.pt" "$here/../models/$name.safetensors" --validation "$validation" --licence MIT --data "$data" $card ${start:+--start "$start"}
+    "$python" "$here/export.py" "$run/checkpoint.pt" "$here/../models/$name.safetensors" --validation "$validation" --licence MIT --data "$data" --limits "$limits" $card ${start:+--start "$start"}
     touch "$run/exported"
 }
 
 data="{scenes} path-traced scenes (Blender Cycles 3.4: random interiors, table tops, scatter, architecture, vegetation, terrain, glass and metal,"
 data="$data typography, dungeons, streets), references of at most 256 samples per pixel, colour and auxiliary images of several sample counts; crops,"
 data="$data mirrors, turns, exchanged colours, tinted light, normals in other axes, exposure."
+limits="Trained on images of 256 x 256 pixels of one renderer (Cycles), its pixel filter and its denoising albedo and normal."
 card=
 filter="--aux-kernels 5"
 mini="--channels 16 --aux-channels 8 --head-channels 16 --groups 1 --output-side 1"

@@ -51,8 +51,15 @@ class NetworkConfig:
             if not condition:
                 raise ValueError(message)
         require(self.scale in (1, 2, 4, 8, 16), f"scale must be 1, 2, 4, 8 or 16, found {self.scale}")
+        for name in ("channels", "aux_channels", "head_channels"):
+            size = getattr(self, name)
+            require(4 <= size <= 512 and size % 4 == 0, f"{name} must be a multiple of 4 up to 512, found {size}")
         require(self.channels % self.head_channels == 0,
                 f"channels {self.channels} must be a multiple of head_channels {self.head_channels}")
+        require(2 <= self.window <= 16 and self.window % 2 == 0, f"window must be an even number from 2 to 16, found {self.window}")
+        for name in ("groups", "blocks"):
+            require(1 <= getattr(self, name) <= 64, f"{name} must be from 1 to 64, found {getattr(self, name)}")
+        require(len(set(self.aux_inputs)) == len(self.aux_inputs), f"aux_inputs must name each once, found {','.join(self.aux_inputs)}")
         require(self.block in BLOCKS, f"block must be one of {', '.join(BLOCKS)}, found {self.block!r}")
         require(self.cross in ("attention", "concat"), f"cross must be attention or concat, found {self.cross!r}")
         require(self.transfer in ("none", "log1p"), f"transfer must be none or log1p, found {self.transfer!r}")

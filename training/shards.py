@@ -12,13 +12,16 @@ import argparse
 import itertools
 import pathlib
 import re
+import sys
 import zipfile
 
 import numpy as np
 import torch
 
+import arguments
 import images
 import pipeline
+from arguments import number
 
 REFERENCE_BITS, LOW_BITS, NOISY_BITS = 6, 5, 3      # kept of half's ten; --noisy-bits chooses others than NOISY_BITS
 CONVERGED_STEP = torch.tensor([1 / 128] * 3 + [1 / 64] * 3).view(6, 1, 1)      # albedo, normal
@@ -178,8 +181,11 @@ def read_packed(path, names=None):
 
 
 def scenes_in(path):
-    with zipfile.ZipFile(path) as shard:
-        return {entry.split("/")[0] for entry in shard.namelist()}
+    try:
+        with zipfile.ZipFile(path) as shard:
+            return {entry.split("/")[0] for entry in shard.namelist()}
+    except zipfile.BadZipFile as error:
+        raise ValueError(f"{path} is no shard, or damaged") from error
 
 
 def write_shard(path, scenes, byte_limit):
@@ -218,15 +224,30 @@ def packed_completed(options, present):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folders", type=pathlib.Path, nargs="+")
+    parser = arguments.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folders", type=arguments.folder, nargs="+")
     parser.add_argument("--output", type=pathlib.Path, required=True)
-    parser.add_argument("--megabytes", type=float, default=56, help="size at which the next shard begins")
-    parser.add_argument("--noisy-every", type=int, default=3, help="every n-th scene keeps a full-resolution noisy colour (1: all, to train scale 1; 0: all, and all sample counts)")
-    parser.add_argument("--noisy-bits", type=int, default=NOISY_BITS, help="of half's ten that it keeps (6: to train models that take it too)")
-    parser.add_argument("--complete", type=pathlib.Path, metavar="SHARDS", help="folder of shards whose scenes get the full-resolution renders of "
+    parser.add_argument("--megabytes", type=number(float, 0, above=True), default=56, help="size at which the next shard begins")
+    parser.add_argument("--noisy-every", type=number(int, 0), default=3, help="every n-th scene keeps a full-resolution noisy colour (1: all, to train scale 1; 0: all, and all sample counts)")
+    parser.add_argument("--noisy-bits", type=number(int, 1, 10), default=NOISY_BITS, help="of half's ten that it keeps (6: to train models that take it too)")
+    parser.add_argument("--complete", type=arguments.folder, metavar="SHARDS", help="folder of shards whose scenes get the full-resolution renders of "
                         "the scene folders, of all counts, in new shards")
     options = parser.parse_args()
+    try:
+        pack(options)
+    except (ValueError, OSError) as error:      # of a file that is no such image
+        sys.exit(f"shards.py: {error}")
+
+
+def pack(options):
+    """Writes shards. Raises ValueError where there is nothing to pack, or a scene cannot be."""
+    pattern, example = ("*_aux*.exr", "s0012_aux16.exr") if options.complete else ("*_gt.exr", "s0012_gt.exr")
+    paths = [path for folder in options.folders for path in folder.glob(pattern)]
+    if not paths:
+        raise ValueError(f"{', '.join(map(str, options.folders))} has no files such as {example}")
+    for path in paths:
+        if not re.fullmatch(r".\d+_.*", path.name):
+            raise ValueError(f"{path} must be named by a letter and a number, as {example}")
     options.output.mkdir(parents=True, exist_ok=True)
     shards = sorted(options.output.glob("scenes-*.npz"))
     present = set().union(*(scenes_in(path) for path in shards))

@@ -51,18 +51,25 @@ def take_outputs(tensor, found, parts, other):
             own.copy_(theirs)
 
 
+def read_start(path):
+    """(tensors by name, configuration) of a checkpoint or model file. Raises ValueError on any other file."""
+    try:
+        if path.suffix == ".pt":
+            state = torch.load(path, map_location="cpu", weights_only=False)
+            return state["average"], state["config"]
+        loaded, _ = weights.load_model(path)
+        return loaded.state_dict(), loaded.config
+    except Exception as error:      # of the readers of three formats
+        raise ValueError(f"{path} is no model that training can start from ({type(error).__name__}: {error})") from error
+
+
 def start_from(network, path):
     """Takes over every weight of another model that fits by name and shape; returns how many tensors did.
 
     A model of another scale lends the last step of its deshuffles to the last, and its last upscaling step to further ones. Inputs and
     outputs that the other lacks start at zero, at initialise()'s biases; a prefilter at nearly the colour itself.
     """
-    if path.suffix == ".pt":
-        state = torch.load(path, map_location="cpu", weights_only=False)
-        source, other = state["average"], state["config"]
-    else:
-        loaded, _ = weights.load_model(path)
-        source, other = loaded.state_dict(), loaded.config
+    source, other = read_start(path)
     config, taken, own = network.config, 0, network.state_dict()
     if config.prefilter and not other.prefilter:
         own["prefilter.bias"][12] = AUX_CENTRE

@@ -1,9 +1,13 @@
 """The trainer from shards to a model file, on tiny scenes: it learns, resumes, and starts one model from another."""
+import re
+import subprocess
 import sys
 
 import pytest
 import torch
 
+import ablations
+import arguments
 import arithmetic
 import evaluate
 import export
@@ -122,7 +126,7 @@ def test_export_writes_a_model_and_its_card(folders, monkeypatch, tmp_path):
 
 def test_full_model_trains_evaluates_and_exports(folders, monkeypatch, tmp_path, capsys):
     scenes, packed, output = folders
-    assert train.shares_of("1:0.3,4:0.7") == {1: 0.3, 4: 0.7} and train.shares_of("16") == {16: 1} and train.shares_of(None) is None
+    assert arguments.shares_of("1:0.3,4:0.7") == {1: 0.3, 4: 0.7} and arguments.shares_of("16") == {16: 1} and arguments.shares_of(None) is None
     monkeypatch.setattr(train, "FULL_VALIDATION_SPP", {4: "64-16,64-1"})
     run(monkeypatch, train, packed, "--output", output, "--steps", 2, "--validation", scenes, "--aux", "albedo,normal,colour",
         "--colour-kernels", 3, "--colour-shares", "64", "--aux-shares", "1:0.5,4:0.5", *TINY)
@@ -138,6 +142,85 @@ def test_full_model_trains_evaluates_and_exports(folders, monkeypatch, tmp_path,
     assert "| tiny |" in capsys.readouterr().out
     with pytest.raises(SystemExit, match="converged"):
         run(monkeypatch, evaluate, scenes, "--model", model, "--spp", 64, "--aux-spp", 0)
+
+
+@pytest.mark.parametrize("flags, sentence", [
+    (("--scale", 3), "scale must be 1, 2, 4, 8 or 16, found 3"),
+    (("--scale", 16), "--scale 16 has no usual samples to be measured at: choose them with --validation-spp"),
+    (("--scale", 16, "--validation-spp", "64-16"), "has no scene with 64 spp colour and 16 spp aux at scale 16; it has colour at none"),
+    (("--crop", 30), "--crop must be a multiple of the window, 8, found 30"),
+    (("--crop", 32), "--crop 32 is more than scene s0000 of scenes-000.npz has at scale 4: 16 x 16 pixels"),
+    (("--batch", 0), "argument --batch: must be at least 1, found 0"),
+    (("--minutes", "nan"), "argument --minutes: must be more than 0, found nan"),
+    (("--denoised-share", 2), "argument --denoised-share: must be from 0 to 1, found 2"),
+    (("--steps", "x"), "argument --steps: 'x' is no whole number"),
+    (("--aux", "albedo,light"), "--aux must be of albedo, .*, found albedo,light"),
+    (("--aux", "albedo,albedo"), "aux_inputs must name each once, found albedo,albedo"),
+    (("--aux", "albedo,normal,diffuse"), "none of the 2 scenes in .* has all that the model takes: .*, diffuse"),
+    (("--channels", 6, "--head-channels", 6), "channels must be a multiple of 4 up to 512, found 6"),
+    (("--window", 0), "window must be an even number from 2 to 16, found 0"),
+    (("--aux-shares", "1:-1"), "argument --aux-shares: '1:-1' is not of the form"),
+    (("--colour-shares", "3"), "no scene has colour of the samples of --colour-shares; there are 64"),
+    (("--aux", "albedo,normal,colour", "--aux-shares", "0", "--validation-spp", "64-16"), "cannot train on converged auxiliary images"),
+    (("--validation-spp", "3-3"), "has no scene with 3 spp colour and 3 spp aux at scale 4; it has colour at 64 and auxiliary images at 1, 16"),
+    (("--validation-spp", "64"), "argument --validation-spp: '64' is not of the form 64-16,16-1"),
+    (("--start", "nowhere.safetensors"), "nowhere.safetensors is no model that training can start from"),
+    (("--device", "abacus"), "argument --device: 'abacus' cannot be used"),
+])
+def test_what_cannot_be_trained_is_said_at_once(folders, monkeypatch, capsys, flags, sentence):
+    scenes, packed, output = folders
+    with pytest.raises(SystemExit) as end:
+        run(monkeypatch, train, packed, "--output", output, "--steps", 1, "--validation", scenes, *TINY, *flags)
+    said = capsys.readouterr().err or str(end.value)
+    assert re.fullmatch(rf"(program|train.py): .*{sentence}.*\n?", said)
+    assert not (output / "checkpoint.pt").exists()
+
+
+def test_shards_and_checkpoints_that_do_not_fit_are_a_sentence(folders, monkeypatch, tmp_path):
+    scenes, packed, output = folders
+    with pytest.raises(SystemExit, match="has no shards: shards.py makes them"):
+        run(monkeypatch, train, scenes, "--output", output, "--steps", 1, *TINY)
+    run(monkeypatch, train, packed, "--output", output, "--steps", 1, "--warm-up", 0, *TINY[:-2])
+    with pytest.raises(SystemExit, match="is of a model with channels 8, head_channels 8: go on with that, or choose another --output"):
+        run(monkeypatch, train, packed, "--output", output, "--steps", 2, *TINY[:-2], "--channels", 16, "--head-channels", 16)
+    (packed / "scenes-001.npz").write_bytes(b"no shard")
+    with pytest.raises(SystemExit, match="scenes-001.npz is no shard, or damaged"):
+        run(monkeypatch, train, packed, "--output", output, "--steps", 2, *TINY[:-2])
+
+
+def test_what_cannot_be_packed_or_exported_is_a_sentence(folders, monkeypatch, tmp_path, capsys):
+    scenes, packed, output = folders
+    def refused(sentence, module, *arguments):
+        with pytest.raises(SystemExit) as end:
+            run(monkeypatch, module, *arguments)
+        assert re.search(sentence, capsys.readouterr().err or str(end.value))
+    refused("has no files such as s0012_gt.exr", shards, packed, "--output", tmp_path / "other")
+    refused("nowhere is no folder", shards, tmp_path / "nowhere", "--output", tmp_path / "other")
+    refused("argument --noisy-bits: must be from 1 to 10, found 11", shards, scenes, "--output", tmp_path / "other", "--noisy-bits", 11)
+    (scenes / "kitchen_gt.exr").write_bytes(b"")
+    refused("kitchen_gt.exr must be named by a letter and a number", shards, scenes, "--output", tmp_path / "other")
+    (scenes / "kitchen_gt.exr").unlink()
+    model = tmp_path / "made" / "tiny.safetensors"
+    refused("is no checkpoint of train.py: .*No such file", export, output / "checkpoint.pt", model, "--validation", scenes)
+    run(monkeypatch, train, packed, "--output", output, "--steps", 1, *TINY)
+    torch.save({"state_dict": {}}, tmp_path / "other.pt")
+    refused("is no checkpoint of train.py: it is of another program", export, tmp_path / "other.pt", model, "--validation", scenes)
+    refused("no scene with 3 spp colour and 3 spp aux .*--spp chooses", export, output / "checkpoint.pt", model, "--validation", scenes, "--spp", "3-3")
+    assert not model.exists()
+    refused("argument --parallel: must be at least 1", ablations, packed, "--validation", scenes, "--output", output, "--parallel", 0)
+    monkeypatch.setitem(ablations.VARIANTS, "compact", ("all", ["--crop", "30"]))
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: (_ for _ in ()).throw(subprocess.CalledProcessError(2, command)))
+    refused("a training ended with code 2", ablations, packed, "--validation", scenes, "--output", output, "--only", "compact")
+
+
+def test_a_card_tells_the_limits_of_its_own_data(folders, monkeypatch, tmp_path):
+    scenes, packed, output = folders
+    run(monkeypatch, train, packed, "--output", output, "--steps", 1, *TINY)
+    def card(*flags):
+        run(monkeypatch, export, output / "checkpoint.pt", tmp_path / "tiny.safetensors", "--validation", scenes, "--spp", "64-16,64-1", *flags)
+        return (tmp_path / "tiny.md").read_text()
+    assert "Cycles" not in card() and "- Data: 2 {rooms}" in card("--data", "{scenes} {rooms}")
+    assert "## Known limits\n- Rooms alone.\n- Reflections" in card("--limits", "Rooms alone.")
 
 
 def test_merging_changes_what_every_method_gets(folders):

@@ -8,23 +8,30 @@ file. The learning rate is a cosine over --minutes, or over --steps. Shards that
 import argparse
 import copy
 import dataclasses
+import importlib.util
 import math
 import os
 import pathlib
+import sys
 import time
 
 import torch
 
+import arguments
 import arithmetic
 import dataset
 import evaluate
+import images
 import metrics
 import pipeline
+import shards
+from arguments import number, pairs_of, shares_of
 from crops import Crops
 from network import Network, NetworkConfig
 from start import initialise, start_from
 
 MODEL_FIELDS = [field for field in dataclasses.fields(NetworkConfig) if field.name != "aux_inputs"]    # that is --aux
+AUX_INPUTS = (*images.KINDS, "colour")     # that scenes may have
 USUAL = dict(channels=32, aux_channels=16, blocks=1, kernels=5, aux_skip=1)      # defaults of the trainer, not of the file
 ROBUST_BETA = 0.1
 # What the report measures: sample counts of the colour and of the auxiliary images (0: converged), by scale; of full models the second.
@@ -33,37 +40,46 @@ FULL_VALIDATION_SPP = {2: "16-4,4-1", 4: "64-16,64-4,16-1", 8: "64-16,64-4,64-1"
 
 
 def arguments_of_command_line():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("train", type=pathlib.Path, nargs="+", help="folders of shards (shards.py)")
-    parser.add_argument("--validation", type=pathlib.Path, help="folder of OpenEXR scenes")
-    parser.add_argument("--validation-spp", help="what is measured on it, as 64-16,16-1: samples of the colour and of the auxiliary images (0: converged)")
+    parser.add_argument("--validation", type=arguments.folder, help="folder of OpenEXR scenes")
+    parser.add_argument("--validation-spp", type=arguments.pairs, help="what is measured on it, as 64-16,16-1: samples of the colour and of the auxiliary images (0: converged)")
     parser.add_argument("--output", type=pathlib.Path, required=True)
-    parser.add_argument("--minutes", type=float, default=75)
-    parser.add_argument("--steps", type=int, help="end after so many steps, whatever the time")
+    parser.add_argument("--minutes", type=number(float, 0, above=True), default=75)
+    parser.add_argument("--steps", type=number(int, 1), help="end after so many steps, whatever the time")
     model = parser.add_argument_group("model (network.NetworkConfig tells what each field means)")
-    model.add_argument("--aux", default="albedo,normal", help="auxiliary inputs of albedo, normal, depth, colour; empty for none")
+    model.add_argument("--aux", default="albedo,normal", help=f"auxiliary inputs of {', '.join(AUX_INPUTS)}; empty for none")
     for field in MODEL_FIELDS:
         model.add_argument("--" + field.name.replace("_", "-"), type=field.type, default=USUAL.get(field.name, field.default))
     model.add_argument("--start", type=pathlib.Path, help="model file or checkpoint whose fitting weights to start from")
-    parser.add_argument("--crop", type=int, default=32, help="low-resolution pixels a side, a multiple of the window")
-    parser.add_argument("--batch", type=int, default=4)
-    parser.add_argument("--rate", type=float, default=5e-4)
-    parser.add_argument("--warm-up", type=int, default=200, help="steps")
-    parser.add_argument("--tone", type=float, default=0.2, help="weight of the tone-mapped square error beside the robust loss")
-    parser.add_argument("--ratio", type=float, default=0.2, help="weight of the square of the logarithm of the result's ratio to the reference")
-    parser.add_argument("--aux-loss", type=float, default=1.0, help="weight of the robust loss of the filtered auxiliary images")
+    parser.add_argument("--crop", type=number(int, 1), default=32, help="low-resolution pixels a side, a multiple of the window")
+    parser.add_argument("--batch", type=number(int, 1), default=4)
+    parser.add_argument("--rate", type=number(float, 0), default=5e-4)
+    parser.add_argument("--warm-up", type=number(int, 0), default=200, help="steps")
+    parser.add_argument("--tone", type=number(float, 0), default=0.2, help="weight of the tone-mapped square error beside the robust loss")
+    parser.add_argument("--ratio", type=number(float, 0), default=0.2, help="weight of the square of the logarithm of the result's ratio to the reference")
+    parser.add_argument("--aux-loss", type=number(float, 0), default=1.0, help="weight of the robust loss of the filtered auxiliary images")
     parser.add_argument("--smape", action="store_true", help="SMAPE instead of the robust loss")
-    parser.add_argument("--aux-shares", help="how often each sample count of the auxiliary images is drawn (0: converged), as 1:0.3,4:0.7, or one count")
-    parser.add_argument("--colour-shares", help="the same of the colour; counts that a scene lacks are left out")
-    parser.add_argument("--denoised-share", type=float, default=0.0,
+    parser.add_argument("--aux-shares", type=arguments.shares, help="how often each sample count of the auxiliary images is drawn (0: converged), as 1:0.3,4:0.7, or one count")
+    parser.add_argument("--colour-shares", type=arguments.shares, help="the same of the colour; counts that a scene lacks are left out")
+    parser.add_argument("--denoised-share", type=number(float, 0, 1), default=0.0,
                         help="of the crops, whose colours, albedo and normal Open Image Denoise has denoised (pyoidn)")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--evaluate-every", type=float, default=3, help="minutes")
-    parser.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
+    parser.add_argument("--threads", type=number(int, 1), default=1)
+    parser.add_argument("--evaluate-every", type=number(float, 0), default=3, help="minutes")
+    parser.add_argument("--device", type=arguments.device, default="cuda" if torch.cuda.is_available() else "cpu")
     parser.add_argument("--precision", default="auto", choices=("auto", *arithmetic.TYPES),
                         help="of the network's arithmetic; auto times both on the device and takes the faster one")
-    return parser.parse_args()
+    options = parser.parse_args()
+    try:
+        config = config_of(options)
+    except ValueError as error:
+        parser.error(error)
+    if not set(config.aux_inputs) <= set(AUX_INPUTS):
+        parser.error(f"--aux must be of {', '.join(AUX_INPUTS)}, found {options.aux}")
+    if options.crop % config.window:
+        parser.error(f"--crop must be a multiple of the window, {config.window}, found {options.crop}")
+    return options
 
 
 def config_of(options):
@@ -161,7 +177,7 @@ def losses(result, target, batch, smape):
 
 def rate_at(rate, step, warm_up, progress, least=0.01):
     """The learning rate of a step: rising over `warm_up` steps, and a cosine from `rate` to the share `least` of it as progress goes from 0 to 1."""
-    return rate * min(1, (step + 1) / warm_up) * (least + (1 - least) * 0.5 * (1 + math.cos(math.pi * progress)))
+    return rate * min(1, (step + 1) / max(1, warm_up)) * (least + (1 - least) * 0.5 * (1 + math.cos(math.pi * progress)))
 
 
 @torch.no_grad()
@@ -191,6 +207,9 @@ class Training:
 
     def load(self, path, options):
         state = torch.load(path, map_location=options.device, weights_only=False)
+        own, other = (dataclasses.asdict(config) for config in (self.network.config, state["config"]))
+        if differences := [f"{name} {other[name]}" for name in own if own[name] != other[name]]:
+            raise ValueError(f"{path} is of a model with {', '.join(differences)}: go on with that, or choose another --output")
         self.network.load_state_dict(state["network"])
         self.average.load_state_dict(state["average"])
         self.optimizer.load_state_dict(state["optimizer"])
@@ -211,21 +230,9 @@ class Training:
         return self.step / options.steps if options.steps else self.seconds / (60 * options.minutes)
 
 
-def shares_of(text):
-    """{sample count: share} of "1:0.3,4:0.7" or "16"; None of None."""
-    pairs = (part.partition(":") for part in text.split(",")) if text else ()
-    return {int(spp): float(share or 1) for spp, _, share in pairs} or None
-
-
-def pairs_of(text):
-    """[(samples of the colour, of the auxiliary images)] of "64-16,16-1"."""
-    return [tuple(int(spp) for spp in pair.split("-")) for pair in text.split(",")]
-
-
-def train(training, scenes, options, report):
+def train(training, crops, options, report):
     """Runs until the budget is spent; evaluates, saves and looks for new shards every few minutes."""
-    crops = Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1),
-                  shares_of(options.colour_shares), shares_of(options.aux_shares), options.denoised_share)
+    scenes = crops.scenes
     last = time.monotonic()
     next_report, next_checkpoint = last + 30, last + options.evaluate_every * 60
     sums, count = torch.zeros(3, device=options.device), 0
@@ -266,9 +273,7 @@ def train(training, scenes, options, report):
 def validation_line(network, options):
     """Averaged weights on the validation folder, in float32: mean PSNR, RelMSE, and PSNR of each scene at the first of the sample counts that
     are measured; PSNR at the others, and of denoised colours if those are trained on."""
-    config = network.config
-    settings = options.validation_spp or (FULL_VALIDATION_SPP if config.full else VALIDATION_SPP)[config.scale]
-    counts = pairs_of(settings)
+    config, counts = network.config, validation_counts(options, network.config)
 
     def rows_of(colour_spp, aux_spp, denoise_first=False):
         cases = evaluate.cases_of(options.validation, config.scale, colour_spp, aux_spp)
@@ -276,7 +281,7 @@ def validation_line(network, options):
             cases = (case.denoised(config.scale) for case in cases)
         return [metrics.all_metrics(evaluate.result_of(network, case, device=options.device), case.reference) for case in cases]
 
-    mean = lambda rows, key: sum(row[key] for row in rows) / len(rows) if rows else math.nan
+    mean = lambda rows, key: sum(row[key] for row in rows) / len(rows)
     with torch.no_grad():
         rows = rows_of(*counts[0])
         others = [f"  {colour_spp}-{aux_spp} {mean(rows_of(colour_spp, aux_spp), 'psnr'):.3f}" for colour_spp, aux_spp in counts[1:]]
@@ -286,31 +291,74 @@ def validation_line(network, options):
             + " ".join(f"{row['psnr']:.2f}" for row in rows) + "".join(others))
 
 
+def validation_counts(options, config):
+    """[(samples of the colour, of the auxiliary images)] that are measured. Raises ValueError where the folder has no such scene."""
+    settings = options.validation_spp or (FULL_VALIDATION_SPP if config.full else VALIDATION_SPP).get(config.scale)
+    if not settings:
+        raise ValueError(f"--scale {config.scale} has no usual samples to be measured at: choose them with --validation-spp")
+    counts = pairs_of(settings)
+    for pair in counts:
+        if not evaluate.scenes_with(options.validation, config.scale, *pair):
+            raise ValueError(f"{evaluate.lacking(options.validation, config.scale, *pair)} (--validation-spp chooses)")
+    return counts
+
+
+def check_scenes(scenes, options):
+    """Raises ValueError where there is nothing to train on."""
+    config, folders = scenes.config, ", ".join(map(str, options.train))
+    if not scenes.read:
+        raise ValueError(f"{folders} has no shards: shards.py makes them")
+    if not len(scenes):
+        wanted = [f"colour of scale {config.scale}", *config.guides, *["colour of the full resolution"] * config.full]
+        raise ValueError(f"none of the {sum(len(shards.scenes_in(path)) for path in scenes.read)} scenes in {folders} has all that the model takes: {', '.join(wanted)}")
+    counts = sorted({spp for scene in scenes.scenes for spp in scene.colours})
+    if options.colour_shares and not shares_of(options.colour_shares).keys() & set(counts):
+        raise ValueError(f"no scene has colour of the samples of --colour-shares; there are {', '.join(map(str, counts))}")
+    for scene in scenes.scenes:
+        height, width = (extent // config.scale for extent in scene.target.shape[-2:])
+        if options.crop > min(height, width):
+            raise ValueError(f"--crop {options.crop} is more than scene {scene.origin[1]} of {scene.origin[0].name} has at scale {config.scale}: {width} x {height} pixels")
+
+
+def prepared(config, options, report):
+    """(Training, Crops) to begin or to go on with. Raises ValueError on options that cannot be followed."""
+    if options.denoised_share and not importlib.util.find_spec("pyoidn"):
+        raise ValueError("--denoised-share needs Open Image Denoise: pip install -r bench/oidn-requirements.txt")
+    if options.validation:
+        validation_counts(options, config)
+    training = Training(config, options)
+    checkpoint = options.output / "checkpoint.pt"
+    if checkpoint.exists():
+        training.load(checkpoint, options)
+        report(f"resumed at step {training.step}")
+    elif options.start:
+        report(f"{training.taken} tensors of {options.start.stem}")
+    scenes = dataset.Scenes(options.train, config, options.device)
+    check_scenes(scenes, options)
+    report(f"{len(scenes)} scenes, {sum(p.numel() for p in training.network.parameters())} parameters")
+    return training, Crops(scenes, options.crop, options.seed + 1000 * (training.step + 1),
+                           shares_of(options.colour_shares), shares_of(options.aux_shares), options.denoised_share)
+
+
 def main():
     options = arguments_of_command_line()
     options.output.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(options.threads)
     torch.backends.cudnn.benchmark = True       # every step has the same shapes
     options.precision, precision_line = arithmetic.choose(options.precision, options.device)
-    config = config_of(options)
-    training = Training(config, options)
-    checkpoint = options.output / "checkpoint.pt"
     with open(options.output / "log.txt", "a") as log:
         def report(line):
             print(line, flush=True)
             print(line, file=log, flush=True)
         report(" ".join(f"{key}={value}" for key, value in vars(options).items() if key not in ("train", "validation", "output", "start")))
         report(precision_line)
-        if checkpoint.exists():
-            training.load(checkpoint, options)
-            report(f"resumed at step {training.step}")
-        elif options.start:
-            report(f"{training.taken} tensors of {options.start.stem}")
-        scenes = dataset.Scenes(options.train, config, options.device)
-        report(f"{len(scenes)} scenes, {sum(p.numel() for p in training.network.parameters())} parameters")
+        try:
+            training, crops = prepared(config_of(options), options, report)
+        except ValueError as error:
+            sys.exit(f"train.py: {error}")
         if options.validation:
             report(validation_line(training.average, options))
-        train(training, scenes, options, report)
+        train(training, crops, options, report)
 
 
 if __name__ == "__main__":
