@@ -36,9 +36,9 @@ CONFIGS = {
     "SwinIR": swinir.Config(channels=72, groups=4, blocks=6, window=8, head_channels=12, upsampler="pixelshuffledirect"),
     "MSSPL": msspl.Config(channels=36, groups=3, blocks=5, aux_inputs=GUIDES),
     "Hou & Liu": NetworkConfig(base="none", **OURS),
-    "xrds-x4-compact": NetworkConfig(kernels=5, aux_skip=1, **OURS),
+    "compact": NetworkConfig(kernels=5, aux_skip=1, **OURS),
 }
-SCENES = CONFIGS["xrds-x4-compact"]     # whose crops all are trained on
+SCENES = CONFIGS["compact"]     # whose crops all are trained on
 CROP, BATCH, RATE, WARM_UP, TONE, RATIO = 32, 4, 5e-4, 100, 0.2, 0.2      # those of ablations.py
 
 
