@@ -1,5 +1,6 @@
-#!/bin/sh
+#!/usr/bin/env bash
 # Renders training scenes in the background of other work; start it again to go on where it stopped.
+# Blender ends with it.
 # usage: render.sh OUT FIRST END [PROCESSES=1] [HDRI] [MODELS]
 set -eu
 here=$(dirname "$0")
@@ -8,15 +9,20 @@ mkdir -p "$out"
 
 # A process for every 20 seeds, so that a crash costs one scene and memory is given back.
 share() {
+    blender=
+    trap 'kill $blender || true; wait; exit 143' TERM
     from=$((first + $1))
     while [ "$from" -lt "$end" ]; do
         to=$((from + 20 * processes))
         nice -n 19 blender -b --factory-startup -noaudio -P "$here/render.py" -- --seeds "$from:$((to < end ? to : end))" \
-            --stride "$processes" --threads 1 --out "$out" --hdri "$hdri" --models "$models" 2>&1 |
-            grep -E "^s[0-9]+ |Error|error" >>"$out/render.$1.log" || true
+            --stride "$processes" --threads 1 --out "$out" --hdri "$hdri" --models "$models" \
+            > >(grep --line-buffered -E "^s[0-9]+ |Error|error" >>"$out/render.$1.log") 2>&1 &
+        blender=$!
+        wait "$blender" || true
         from=$to
     done
 }
 
+trap 'kill $(jobs -p) || true; wait; exit 143' TERM INT
 for process in $(seq 0 $((processes - 1))); do share "$process" & done
 wait
