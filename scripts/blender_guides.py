@@ -13,6 +13,9 @@ the passes of its denoising data; without light it is of no use, which --aux-col
     eevee      paths: EEVEE's rasterizer. It needs a display and is for GPUs. Its layers must be named, --albedo ViewLayer.DiffCol --normal
                ViewLayer.Normal; metals have no albedo in them, and mirrors and glass show themselves
 
+Shadow catchers have the same albedo, normal and depth in all recipes of Cycles. Their alpha on a transparent film, and passes of shadows, are made of
+light: only `full` has them right.
+
 `bench/guides.py` measures their cost and what each does to the result. The .blend file is not changed.
 """
 import argparse

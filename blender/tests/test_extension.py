@@ -209,6 +209,32 @@ class OneClick(WithBlender):
         found = layers.layers_of(self.result("layers_0002_xrds.exr"), ["Front", "Front.001"])
         self.assertEqual([layer.passes.keys() - {"Depth"} for layer in found], [{"Combined", *diffuse}] * 2)
 
+    def test_shadow_catchers_have_their_shadow_with_cheap_guides(self):
+        for shadow_pass, channel in ((False, "Combined.A"), (True, "Shadow Catcher.G")):
+            found = []
+            for guides in ("CYCLES", "CHEAP"):
+                scene = self.open("interior")
+                scene.render.film_transparent, scene.xrds.guides = not shadow_pass, guides
+                scene.view_layers[0].cycles.use_pass_shadow_catcher = shadow_pass
+                self.assertEqual(passes.cheap(scene.xrds), guides == "CHEAP")
+                bpy.data.objects["Floor"].is_shadow_catcher = True
+                self.assertFalse(passes.cheap(scene.xrds))
+                self.assertEqual("The guides are path-traced" in " ".join(checks.notes(scene)), guides == "CHEAP")
+                self.render()
+                found.append(self.result("interior_0001_xrds.exr").channels[f"ViewLayer.{channel}"])
+            self.assertEqual(found[0].tobytes(), found[1].tobytes())
+            self.assertLess(found[0].min(), 1)
+            bpy.data.objects["Floor"].hide_render = True
+            self.assertTrue(passes.cheap(scene.xrds))
+
+    def test_names_as_long_as_files_keep_them(self):
+        scene = self.open("interior")
+        layer, aov = scene.view_layers[0], scene.view_layers[0].aovs.add()
+        layer.name, aov.name, layer.lightgroups[0].name = "L" * 41, "A" * 20, "G" * 11
+        self.render()
+        self.assertLessEqual({f"{layer.name}.{name}" for name in ("Combined.R", f"{aov.name}.R", f"Combined_{layer.lightgroups[0].name}.R")},
+                             self.result("interior_0001_xrds.exr").channels.keys())
+
     def test_without_the_lines_of_freestyle(self):
         scene = self.open("cryptomatte")
         scene.render.use_freestyle = True

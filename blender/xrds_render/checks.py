@@ -162,3 +162,5 @@ def notes(scene):
         yield "The render region is ignored: the whole frame is rendered."
     if render.use_compositing and getattr(scene, "compositing_node_group", None) or getattr(scene, "use_nodes", False) and bpy.app.version < (5, 0):
         yield "The compositor does not run: open the result in it."
+    if scene.xrds.guides == "CHEAP" and not passes.single(scene.xrds) and passes.shows_shadows(scene):
+        yield "The guides are path-traced: shadows of shadow catchers in alpha, and passes of shadows, are made of light."

@@ -140,7 +140,7 @@ class Job:
     def _said(self, wish):
         """What renders depend on, of what is chosen here: those of other choices are of no use."""
         scene, settings = self.scene, self.settings
-        return {"size": list(passes.size(scene, int(settings.scale))), "scale": int(settings.scale), "samples": list(wish.samples), "guides": settings.guides,
+        return {"size": list(passes.size(scene, int(settings.scale))), "scale": int(settings.scale), "samples": list(wish.samples), "light": wish.has_light,
                 "passes": [[layer.name, layer.use, [[aov.name, aov.type] for aov in layer.aovs], [group.name for group in getattr(layer, "lightgroups", ())],
                             *(name for owner, name in passes.flags(layer) if getattr(owner, name))] for layer in scene.view_layers]}
 

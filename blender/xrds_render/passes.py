@@ -23,9 +23,30 @@ def samples(settings):
     return settings.samples, settings.samples if single(settings) else settings.guide_samples
 
 
+def _objects(scene):
+    """Those of the scene, and of the collections that it has instances of."""
+    for item in scene.objects:
+        yield item
+        if item.instance_collection:
+            yield from item.instance_collection.all_objects
+
+
+def shows_shadows(scene):
+    """Whether what the result takes from the guides' render shows shadows: alpha or the pass of shadow catchers, and Blender 3.4's Shadow."""
+    layers = scene.view_layers
+    catching = scene.render.film_transparent or any(layer.cycles.use_pass_shadow_catcher for layer in layers)
+    catchers = (item for item in _objects(scene) if item.is_shadow_catcher and item.type != "LIGHT")  # lights have the flag for what they light
+    return any(layer.use_pass_shadow for layer in layers) or catching and any(not item.hide_render for item in catchers)
+
+
+def cheap(settings):
+    """Whether the guides are rendered without light."""
+    return not single(settings) and settings.guides == "CHEAP" and not shows_shadows(settings.id_data)
+
+
 def has_light(settings):
     """Whether the guides bring light of their own, to be merged into the colour."""
-    return not single(settings) and settings.guides != "CHEAP"
+    return not single(settings) and not cheap(settings)
 
 
 def size(scene, scale):
@@ -87,7 +108,7 @@ def configure_full(scene, settings, path, recorder, merges=False):
         recorder.put(scene.cycles, "use_animated_seed", True)
     scale = int(settings.scale)
     width, height = size(scene, scale)
-    if not single(settings) and settings.guides == "CHEAP":
+    if cheap(settings):
         guides.apply("mirrors", scene, recorder.put)
     _configure(scene, scale * width, scale * height, samples(settings)[1], path, recorder.put, recorder.keep)
     for layer in scene.view_layers:
