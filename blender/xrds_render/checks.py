@@ -6,9 +6,10 @@ import sys
 
 import bpy
 
-from . import passes, temporal, upscaler
+from . import frame, layers, passes, temporal, upscaler
 from .settings import AUTO, device_problem, needs_light
 
+LONGEST_NAME = 64  # bytes of a channel in a file of Blender before 5.0, which cuts longer ones
 BYTES_PER_PIXEL = 4 * 40  # ten passes of four floats, at full resolution
 IMAGE_ENDINGS = frozenset({".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr", ".bmp", ".tga", ".webp", ".jp2", ".mp4", ".mkv", ".avi", ".mov", ".webm"})
 
@@ -73,6 +74,19 @@ def _scene_problem(scene):
     return None
 
 
+def _name_problem(scene):
+    """Channels have the names of view layer, pass and component."""
+    if bpy.app.version >= (5, 0):
+        return None
+    for layer in scene.view_layers:
+        names = [frame.LONGEST_PASS, *(aov.name for aov in layer.aovs), *(layers.LIGHT_GROUP + group.name for group in getattr(layer, "lightgroups", ()))]
+        longest = max(names, key=lambda name: len(name.encode()))
+        if layer.use and len(f"{layer.name}.{longest}.R".encode()) > LONGEST_NAME:
+            return (f"The names of view layer '{layer.name}' and its pass '{longest}' are too long: together {LONGEST_NAME - 3} bytes fit into a file of this Blender. "
+                    "Choose shorter ones.")
+    return None
+
+
 def _size_problem(scene, settings):
     scale = int(settings.scale)
     width, height = passes.size(scene, scale)
@@ -128,7 +142,7 @@ def steady(scene):
 def problem(scene):
     """The first thing that stands in the way, or None."""
     settings = scene.xrds
-    return package_problem() or upscaler.problem() or device_problem() or _scene_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
+    return package_problem() or upscaler.problem() or device_problem() or _scene_problem(scene) or _name_problem(scene) or _size_problem(scene, settings) or _choice_problem(settings) or _output_problem(scene)
 
 
 def _animated(scene):
@@ -154,6 +168,8 @@ def notes(scene):
         yield f"Rendered with {width} x {height} pixels: sides are whole multiples of the scale."
     if scene.xrds.steady and unsteady(scene):
         yield unsteady(scene)
+    if scene.xrds.guides == "CHEAP" and not passes.single(scene.xrds) and passes.shows_shadows(scene):
+        yield "The guides are path-traced: shadows of shadow catchers in alpha, and passes of shadows, are made of light."
     if _animated(scene):
         yield "Render settings are animated or driven: the renders take them as they are, samples and passes, too."
     if render.use_freestyle:
@@ -162,5 +178,3 @@ def notes(scene):
         yield "The render region is ignored: the whole frame is rendered."
     if render.use_compositing and getattr(scene, "compositing_node_group", None) or getattr(scene, "use_nodes", False) and bpy.app.version < (5, 0):
         yield "The compositor does not run: open the result in it."
-    if scene.xrds.guides == "CHEAP" and not passes.single(scene.xrds) and passes.shows_shadows(scene):
-        yield "The guides are path-traced: shadows of shadow catchers in alpha, and passes of shadows, are made of light."

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Open Image Denoise's networks, which take the noise out of both renders before they are upscaled: whether they are there, and where they come from."""
-import contextlib
 import glob
 import os
 
@@ -21,12 +20,15 @@ def libraries():
 
 
 def found():
-    """The first of them out of which the networks can be read, which is done; None: there is none."""
+    """The first of them out of which the networks can be read, which is done; None: there is none. Raises RuntimeError where they cannot be stored."""
     import xrds
 
     for library in libraries():
-        with contextlib.suppress(xrds.Error):
+        try:
             xrds.import_oidn(library)
+        except xrds.Error as error:
+            if "Cannot write" in str(error):
+                raise
         if ready():
             return library
     return None

@@ -8,6 +8,7 @@ from . import exr
 from .layers import is_colour, is_light, layers_of, load, stack
 
 DENOISING = "Denoising "
+LONGEST_PASS = DENOISING + "Albedo"  # of those that every render has
 LEVEL = 4  # of zlib: twice as fast as the usual 6 for 3 % more bytes
 
 

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A render of one or more frames, as a row of steps: the interface runs between them, or waits for each where there is none."""
+import contextlib
+import errno
 import functools
 import os
+import re
 import tempfile
 import time
 
@@ -36,7 +39,8 @@ class Render:
         return not bpy.app.is_job_running("RENDER")
 
     def wait(self):
-        bpy.ops.render.render(write_still=True, scene=self._scene.name)
+        with self._writing():
+            bpy.ops.render.render(write_still=True, scene=self._scene.name)
 
     def finish(self):
         if self._slot is not None and not Render.cancelled:
@@ -49,9 +53,20 @@ class Render:
         slots = self._slots()
         shown, slots.active_index = slots.active_index, self._slot
         try:
-            render_result().save_render(self._path, scene=self._scene)
+            with self._writing():
+                render_result().save_render(self._path, scene=self._scene)
         finally:
             slots.active_index = shown
+
+    @contextlib.contextmanager
+    def _writing(self):
+        """Within it, Blender's lines about a file that it cannot write become the system's reason."""
+        try:
+            yield
+        except RuntimeError as error:
+            if reason := re.search(r"Error writing render result, (.*?)(?: \(see console\))?$", str(error), re.MULTILINE):
+                raise OSError(errno.EIO, reason[1], self._path) from error
+            raise
 
     @staticmethod
     def _slots():

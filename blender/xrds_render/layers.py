@@ -37,7 +37,7 @@ def load(path):
         return exr.load(path)
     except (ValueError, IndexError, KeyError, struct.error, zlib.error) as error:
         os.remove(path)
-        raise Damaged(f"The render {os.path.basename(path)} is damaged: {error}. Is there room on the disk?") from error
+        raise Damaged(f"The render {path} is damaged: {error}. Is there room on the disk?") from error
 
 
 class Layer:

@@ -135,17 +135,23 @@ class XRDS_OT_get_denoiser(bpy.types.Operator):
         try:
             return self._end(context, denoiser.get(self.filepath))
         except (RuntimeError, OSError) as error:
-            self.report({"ERROR"}, str(error).strip())
-            return {"CANCELLED"}
+            return self._failed(error)
 
     def invoke(self, context, event):
         """Asks for a file where no copy that is known has them."""
         if bpy.app.background:
             return self.execute(context)
-        if library := denoiser.found():
-            return self._end(context, library)
+        try:
+            if library := denoiser.found():
+                return self._end(context, library)
+        except RuntimeError as error:
+            return self._failed(error)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
+
+    def _failed(self, error):
+        self.report({"ERROR"}, str(error).strip())
+        return {"CANCELLED"}
 
     def _end(self, context, library):
         self.report({"INFO"}, f"Read the denoiser's networks out of {library}.")
@@ -183,7 +189,7 @@ def _outcome(job, error):
     if isinstance(error, jobs.Stopped):
         return f"Cancelled; the settings are as before.{kept}", "WARNING"
     if isinstance(error, OSError) and error.strerror:
-        return f"{os.path.basename(error.filename or 'A file')} cannot be written or read: {error.strerror}.{kept}", "ERROR"
+        return f"{error.filename or 'A file'} cannot be written or read: {error.strerror}.{kept}", "ERROR"
     if isinstance(error, MemoryError):
         return f"There is too little memory for this frame. Choose a smaller resolution.{kept}", "ERROR"
     return f"{str(error).strip().removeprefix('Error: ')}{kept}", "ERROR"

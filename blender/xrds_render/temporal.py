@@ -4,6 +4,7 @@ import json
 import os
 import re
 
+from . import exr
 from .layers import layers_of, load, stack
 
 NOTE = "settings.json"
@@ -37,7 +38,7 @@ class Renders:
         if before.get("settings") != settings or not (goes_on or state and before.get("state") == state):
             self.forget(None)
         os.makedirs(folder, exist_ok=True)
-        with open(note, "w") as file:
+        with exr.naming(note), open(note, "w") as file:
             json.dump({"settings": settings, "state": state}, file)
 
     def file(self, number, kind):

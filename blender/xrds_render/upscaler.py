@@ -16,6 +16,8 @@ import time
 
 import bpy
 
+from .worker import UNHEARD
+
 GRACE = 5.0  # seconds after which a cancelled frame is ended by force
 IDLE = 600.0  # seconds that the process waits for one more frame, with the device open
 
@@ -90,6 +92,8 @@ class Worker:
     def death(self):
         """What became of it, as a sentence."""
         code = self._process.returncode
+        if code == UNHEARD:
+            return f"Nothing can be written into {os.path.dirname(self._folder)}, where the process that upscales answers. Is there room on the disk?"
         how = f"signal {-code}, {signal.Signals(-code).name}" if -code in set(signal.Signals) else f"code {code}"
         with open(self._log, errors="replace") as file:
             said = file.read().strip().rpartition("\n")[2]

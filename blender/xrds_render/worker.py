@@ -19,6 +19,7 @@ import threading
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+UNHEARD = 3  # the exit code where answers cannot be written
 GRACE = 10.0  # seconds for what runs when nobody needs it any more
 
 
@@ -104,7 +105,10 @@ def main():
         extension()
         import xrds
     for order, cancelled in iter(orders.get, None):
-        answer(order, cancelled)
+        try:
+            answer(order, cancelled)
+        except OSError:
+            leave(UNHEARD)
     surroundings.cache_clear()
     xrds.release()  # so that drivers keep what they compiled
     leave(0)

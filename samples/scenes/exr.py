@@ -1,4 +1,5 @@
 """OpenEXR files of scan lines in one part, as arrays. Needs numpy only."""
+import contextlib
 import os
 import struct
 import zlib
@@ -72,6 +73,16 @@ def _encoding(names, planes):
     }
 
 
+@contextlib.contextmanager
+def naming(path):
+    """Within it, errors of writing name the file, as those of opening do."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = error.filename or path
+        raise
+
+
 def save(path, picture, level=9):
     """Writes a Picture as ZIP, deflated at `level`; the file appears whole or not at all."""
     names = sorted(picture.channels, key=str.encode)
@@ -96,7 +107,7 @@ def save(path, picture, level=9):
     offsets = np.cumsum([len(head) + 8 * len(blocks)] + [len(block) for block in blocks[:-1]])
     part = f"{path}.part"
     try:
-        with open(part, "wb") as file:
+        with naming(part), open(part, "wb") as file:
             file.write(head + offsets.astype("<u8").tobytes())
             file.writelines(blocks)
         os.replace(part, path)
