@@ -52,8 +52,11 @@ def main():
     parser.add_argument("--transfer", choices=("none", "log1p"), default="log1p")
     options = parser.parse_args()
     try:
+        options.target.parent.mkdir(parents=True, exist_ok=True)
         print(convert(options.source, options.target, options.transfer))
-    except (ValueError, LookupError, AttributeError, EOFError, OSError, RuntimeError, pickle.UnpicklingError) as error:
+    except (EOFError, pickle.UnpicklingError):      # PyTorch's own text advises to read it all the same
+        sys.exit(f"{options.source} cannot be converted: it holds more than tensors, or is no checkpoint")
+    except (ValueError, LookupError, AttributeError, OSError, RuntimeError) as error:
         sys.exit(f"{options.source} cannot be converted: {error or type(error).__name__}")
 
 
