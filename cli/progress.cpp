@@ -52,6 +52,9 @@ void catchInterrupts() {
   onTerminal = XRDS_IS_TERMINAL;
   std::signal(SIGINT, setInterrupted);
   std::signal(SIGTERM, setInterrupted);
+#ifdef SIGXFSZ
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grew too large is told as a full disk is
+#endif
 }
 
 bool interrupted() { return interruptFlag != 0; }

@@ -14,9 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// COLOR, AUX and --output as patterns.
-struct Patterns {
-  FilePattern colour, auxiliary, output;
+// COLOR and AUX as patterns.
+struct Inputs {
+  FilePattern colour, auxiliary;
 };
 
 // Also one that is not there: a name without an extension.
@@ -26,18 +26,17 @@ bool isFolder(const std::string& path) {
   return !fs::exists(path, ignored) && !fs::path(path).has_extension() && !FilePattern::mayBeMany(path);
 }
 
-Patterns patternsOf(const UpscaleOptions& options) {
-  const FilePattern colour(options.color), auxiliary(options.aux.empty() ? options.color : options.aux);
-  const FilePattern output = isFolder(options.output) ? (colour.isMany() ? colour : auxiliary).in(options.output)
-                                                      : FilePattern(options.output);
+// --output as a pattern; in a folder files have the names of the colour.
+FilePattern outputOf(const UpscaleOptions& options, const Inputs& inputs) {
+  const FilePattern output = isFolder(options.output) ? inputs.colour.in(options.output) : FilePattern(options.output);
   if (!output.isMany())
     throw Failure{ExitCode::usage, "--output '" + options.output +
                                        "' is one file for many frames: put #### in its name, or name a folder."};
-  for (const FilePattern& input : {colour, auxiliary})
+  for (const FilePattern& input : {inputs.colour, inputs.auxiliary})
     if (input.text() == output.text())
       throw Failure{ExitCode::usage,
                     "--output '" + output.text() + "' is an input, too: choose another name or folder."};
-  return {colour, auxiliary, output};
+  return output;
 }
 
 std::vector<int> framesOf(const UpscaleOptions& options, const FilePattern& input) {
@@ -49,10 +48,10 @@ std::vector<int> framesOf(const UpscaleOptions& options, const FilePattern& inpu
 }
 
 // Whether COLOR and AUX were given the other way round, by the first frame whose two files can be read.
-bool areSwapped(const Patterns& patterns, const std::vector<int>& frames) {
+bool areSwapped(const Inputs& inputs, const std::vector<int>& frames) {
   for (const int frame : frames) try {
-      const fs::path colour = patterns.colour.of(frame);
-      return sortPair(colour, patterns.auxiliary.of(frame)).colour != colour;
+      const fs::path colour = inputs.colour.of(frame);
+      return sortPair(colour, inputs.auxiliary.of(frame)).colour != colour;
     } catch (const Error&) {  // told when its turn comes
     }
   return false;
@@ -88,17 +87,20 @@ bool isMade(const SequenceFrame& frame) {
 }
 
 SequencePlan planSequence(const UpscaleOptions& options) {
-  Patterns patterns = failingWith(ExitCode::usage, [&] { return patternsOf(options); });
-  const std::vector<int> numbers = framesOf(options, patterns.colour.isMany() ? patterns.colour : patterns.auxiliary);
-  if (!options.aux.empty() && areSwapped(patterns, numbers)) std::swap(patterns.colour, patterns.auxiliary);
-  if (!patterns.colour.isMany())
+  Inputs inputs = failingWith(ExitCode::usage, [&] {
+    return Inputs{FilePattern(options.color), FilePattern(options.aux.empty() ? options.color : options.aux)};
+  });
+  const std::vector<int> numbers = framesOf(options, inputs.colour.isMany() ? inputs.colour : inputs.auxiliary);
+  if (!options.aux.empty() && areSwapped(inputs, numbers)) std::swap(inputs.colour, inputs.auxiliary);
+  if (!inputs.colour.isMany())
     throw Failure{ExitCode::usage, "COLOR '" + options.color + "' is one file for many frames: put #### in its name."};
-  requireExtension(patterns.output.of(numbers.front()).string(), ".exr", "--output");
-  makeFolder(patterns.output.of(numbers.front()).parent_path(), patterns.output.text());
-  SequencePlan plan{.output = patterns.output.text()};
-  plan.frame = [patterns, hasAuxiliary = !options.aux.empty()](int number) {
-    SequenceFrame frame{number, patterns.colour.of(number), {}, patterns.output.of(number)};
-    if (hasAuxiliary) frame.auxiliary = patterns.auxiliary.of(number);
+  const FilePattern output = failingWith(ExitCode::usage, [&] { return outputOf(options, inputs); });
+  requireExtension(output.of(numbers.front()).string(), ".exr", "--output");
+  makeFolder(output.of(numbers.front()).parent_path(), output.text());
+  SequencePlan plan{.output = output.text()};
+  plan.frame = [inputs, output, hasAuxiliary = !options.aux.empty()](int number) {
+    SequenceFrame frame{number, inputs.colour.of(number), {}, output.of(number)};
+    if (hasAuxiliary) frame.auxiliary = inputs.auxiliary.of(number);
     return frame;
   };
   for (const int number : numbers) {

@@ -48,7 +48,8 @@ Json jsonOf(const std::array<double, 3>& seconds) {
   return json;
 }
 
-const char* nameOf(Outcome::State state) {
+const char* nameOf(Outcome::State state, ExitCode code) {
+  if (code == ExitCode::interrupted) return "interrupted";
   return state == Outcome::State::done ? "done" : state == Outcome::State::skipped ? "there" : "failed";
 }
 
@@ -115,7 +116,7 @@ void SequenceReport::show(const Row& row) {
   if (style_ == ProgressStyle::bar) {
     std::fprintf(stderr, "\r%s\033[K", progressText().c_str());
   } else if (style_ == ProgressStyle::lines) {
-    std::fprintf(stderr, "frame %d %s; %s\n", number, nameOf(row.outcome.state), progressText().c_str());
+    std::fprintf(stderr, "frame %d %s; %s\n", number, nameOf(row.outcome.state, row.code), progressText().c_str());
   }
   std::fflush(stderr);
 }
@@ -138,7 +139,8 @@ void SequenceReport::writeLog() const {
   Json& rows = json["rows"] = Json::array();
   for (const auto& [index, row] : rows_) {
     const SequenceFrame& frame = plan_.frames[index];
-    Json one{{"frame", frame.number}, {"output", frame.output.string()}, {"state", nameOf(row.outcome.state)}};
+    Json one{
+        {"frame", frame.number}, {"output", frame.output.string()}, {"state", nameOf(row.outcome.state, row.code)}};
     if (row.code != ExitCode::ok) {
       one["stage"] = kStageNames[static_cast<size_t>(row.outcome.stage)];
       one["exitCode"] = static_cast<int>(row.code);

@@ -41,8 +41,8 @@ class Worker {
     if (!group.unreadable.empty()) {
       const std::string frames = describeFrames(group.unreadable);
       made.output.texts[kMergedWithout] = frames;
-      made.warnings.push_back("merged without frames that cannot be read: " + frames + "; when they can be, " +
-                              "--skip-existing makes it again.");
+      made.warnings.push_back("merged without frames that cannot be read or merged: " + frames +
+                              "; --skip-existing makes it again each time until they can be.");
     }
     return made;
   }
@@ -52,8 +52,13 @@ class Worker {
   void withDevice(Action&& action) {
     try {
       failingWith(ExitCode::device, [&] {
-        if (!device_) device_ = openDevice(select_, quiet_);
-        action();
+        try {
+          if (!device_) device_ = openDevice(select_, quiet_);
+          action();
+        } catch (const Cancelled&) {
+          stopIfInterrupted();
+          throw;
+        }
       });
     } catch (const Failure& failure) {
       if (failure.code == ExitCode::device) {
@@ -78,7 +83,10 @@ std::vector<std::string> workersOf(const UpscaleOptions& options) {
     for (size_t i = 0; i < count; ++i) devices.push_back(std::to_string(i));
   } else if (!options.devices.empty()) {
     std::istringstream list(options.devices);
-    for (std::string device; std::getline(list, device, ',');) devices.push_back(device);
+    for (std::string device; std::getline(list, device, ',');) {
+      refuse(device.empty(), "--devices", ("'" + options.devices + "' has an empty name between its commas.").c_str());
+      devices.push_back(device);
+    }
   } else {
     devices.push_back(options.device);
   }

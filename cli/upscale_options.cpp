@@ -131,6 +131,7 @@ void addReports(CLI::App& verb, UpscaleOptions& options) {
 void addSequenceOptions(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("--frames", options.frames,
                   "Of a sequence: 1-240, 1-240:2 or 1-3,7,10-20:5 (default: those whose COLOR is there)")
+      ->check([](const std::string& text) { return std::string(text.empty() ? "'' names no frames" : ""); })
       ->type_name("FRAMES");
   verb.add_flag("--skip-existing", options.skipExisting,
                 "Leave frames out whose output is there: goes on where a run ended");
@@ -150,6 +151,7 @@ void addSequenceOptions(CLI::App& verb, UpscaleOptions& options) {
       ->type_name("LAYER")
       ->needs("--temporal");
   verb.add_option("--devices", options.devices, "Devices that share the frames: all, or numbers with commas")
+      ->check([](const std::string& text) { return std::string(text.empty() ? "'' names no device" : ""); })
       ->type_name("all|N,N")
       ->excludes("--device");
   verb.add_option("--jobs-per-device", options.jobsPerDevice, "Frames that a device computes at once")

@@ -104,6 +104,17 @@ TEST(CliSequence, FoldersOneGuideForAllAndTheOtherOrder) {
     EXPECT_EQ(readColour((sequence.folder / "out" / ("v1_c" + std::to_string(frame) + ".exr")).string()).width, 40);
 }
 
+TEST(CliSequence, OutputsInAFolderAreNamedAsTheColourInAnyOrder) {
+  const Sequence sequence(2);
+  Arguments swapped = sequence.arguments();
+  std::swap(swapped[1], swapped[2]);
+  swapped[4] = (sequence.folder / "out/").string();
+  const Ended ended = runXrds(swapped);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(fs::exists(sequence.at("out/colour", 2))) << ended.output;
+  EXPECT_EQ(sequence.filesOut(), 2U);
+}
+
 TEST(CliSequence, ChosenFramesOfAnySizeAndWithAlpha) {
   const Sequence sequence(6);
   sequence.write(3, 12, 9);
@@ -218,6 +229,8 @@ TEST(CliSequence, WrongUseIsTold) {
     return ended.error;
   };
   EXPECT_TRUE(contains(error(sequence.arguments({"--frames", "1-"}), 2), "names no frames"));
+  EXPECT_TRUE(contains(error(sequence.arguments({"--frames", ""}), 2), "names no frames"));
+  EXPECT_TRUE(contains(error(sequence.arguments({"--devices", "0,,0"}), 2), "empty name between its commas"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--json", "a.json"}), 2), "--log"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--keep-unchanged"}), 2), "--exposure"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--frames", "8-9"}), 3), "No frame can be read"));

@@ -42,6 +42,23 @@ TEST(CliStart, ControlCWhileCompilingEndsWithoutTheRest) {
   EXPECT_FALSE(std::filesystem::exists(frame.out));
 }
 
+TEST(CliStart, ControlCWhileCompilingInASequenceIsNoFailureOfTheDevice) {
+  const SmallFrame frame;
+  largerFrame(frame);
+  for (int number = 1; number <= 3; ++number) {
+    std::filesystem::copy_file(frame.color, frame.folder / ("c" + std::to_string(number) + ".exr"));
+    std::filesystem::copy_file(frame.aux, frame.folder / ("a" + std::to_string(number) + ".exr"));
+  }
+  const auto in = [&](const char* name) { return (frame.folder / name).string(); };
+  auto options = cachesIn(in("cache"));
+  const Ended ended = runOnTerminal({"upscale", in("c#.exr"), in("a#.exr"), "-o", in("out/f#.exr"), "--model",
+                                     goldenModel("s4_guided"), "--frames", "1-3"},
+                                    "compiling programs", "\x03", options);
+  EXPECT_EQ(ended.exitCode, 130) << ended.output;
+  EXPECT_EQ(ended.output.find("failed"), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find("Interrupted"), std::string::npos) << ended.output;
+}
+
 TEST(CliStart, ACacheFolderThatCannotBeWrittenIsNamedOnceAndReplaced) {
   const SmallFrame frame;
   std::ofstream(frame.folder / "file") << "no folder";
