@@ -54,12 +54,13 @@ std::string upscaleCommand(const Way& way) {
 // The steps of a plan, one a line.
 std::vector<std::string> stepsOf(const Advice& advice, const Plan& plan) {
   std::vector<std::string> steps;
+  const auto samples = [](double count) { return text("%g", count) + (count == 1 ? " sample" : " samples"); };
   if (plan.samples.low > 0)
-    steps.push_back("render " + size(advice, plan.way.scale) + " with " + samplesText(plan.samples.low) +
-                    " samples a pixel: low.exr");
+    steps.push_back("render " + size(advice, plan.way.scale) + " with " + samples(plan.samples.low) +
+                    " a pixel: low.exr");
   if (plan.samples.full > 0)
-    steps.push_back("render " + size(advice, 1) + " with " + samplesText(plan.samples.full) +
-                    " samples a pixel, with albedo and normal: full.exr");
+    steps.push_back("render " + size(advice, 1) + " with " + samples(plan.samples.full) +
+                    " a pixel, with albedo and normal: full.exr");
   if (plan.way.guides == Guides::free)
     steps.push_back("make clean albedo and normal of " + size(advice, 1) +
                     (plan.samples.full > 0 ? ": guides.exr" : ": full.exr"));

@@ -146,15 +146,18 @@ void addCases(CLI::App& verb, BenchNetworkOptions& options) {
       ->type_name("MODEL");
   verb.add_option("--size", options.sides, "Sides of the square output in pixels, with commas")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::Range(1, 65536))
       ->capture_default_str()
       ->type_name("N");
   verb.add_option("--precision", options.precisions, "Storage of activations and weights, with commas")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
   verb.add_option("--family", options.families, "Kernels to compare, with commas (default: those that suit the device)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember(Device::kernelFamilies()));
   verb.add_option("--runs", options.runs, "Frames that count, after the first one")
       ->check(CLI::Range(1, 1000))

@@ -123,8 +123,9 @@ void measureScene(const BenchTilesOptions& options, Device& device, const Model&
     const TileOptions tiles{.halo = options.halos[i], .columns = options.columns, .rows = options.rows};
     if (!fits(tiles, model, scene.frame)) {
       if (options.halosAsked || i == 0)
-        throw Error("Scene '" + files.name + "' is too small for " + std::to_string(options.columns) + " x " +
-                    std::to_string(options.rows) + " tiles with a halo of " + std::to_string(options.halos[i]) + ".");
+        throw Failure{ExitCode::usage, "Scene '" + files.name + "' is too small for " +
+                                           std::to_string(options.columns) + " x " + std::to_string(options.rows) +
+                                           " tiles with a halo of " + std::to_string(options.halos[i]) + "."};
       continue;
     }
     const Image tiled = runner.run(tiles);
@@ -181,6 +182,7 @@ void addBenchTiles(CLI::App& group) {
           "--halo", options->halos,
           "Low-resolution pixels around the tiles, with commas: whole windows; by default those that fit all scenes")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--columns", options->columns, "Tiles in a row")->check(CLI::Range(1, 64))->capture_default_str();

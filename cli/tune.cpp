@@ -119,6 +119,7 @@ void addTune(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--precision", options->precisions, "Storage of activations and weights, with commas")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({kFp32, kFp16}))
       ->capture_default_str();
   addDevice(*verb, options->device);
