@@ -64,7 +64,7 @@ TEST(CliSamples, AreCutIntoTiles) {
   auto asked = tiles;
   asked.insert(asked.end(), {"--halo", "48"});
   const Ended refused = runXrds(asked);
-  EXPECT_EQ(refused.exitCode, 5) << refused.error;
+  EXPECT_EQ(refused.exitCode, 2) << refused.error;
   EXPECT_NE(refused.error.find("is too small for 2 x 1 tiles with a halo of 48"), std::string::npos) << refused.error;
 }
 
