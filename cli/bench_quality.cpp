@@ -164,12 +164,7 @@ SceneQuality measureRival(NetworkDenoiser& networks, Device& device, const Scene
   full.load();
   DeviceDenoiser denoiser(networks, device);
   const double before = networks.runSeconds();
-  try {
-    full.denoise(denoiser, false);
-  } catch (const Cancelled&) {
-    stopIfInterrupted();
-    throw;
-  }
+  untilInterrupted([&] { full.denoise(denoiser, false); });
   return {measure(full.colour(), scene.reference), FrameSeconds{.wall = networks.runSeconds() - before}};
 }
 

@@ -60,7 +60,7 @@ Denoised denoised(NetworkDenoiser& networks, Device& device, const Frame& frame,
   const bool prefilters = arePrefiltered(options, images.size()), clean = areClean(options) || prefilters;
   const Image *albedo = images.empty() ? nullptr : &images[0], *normal = images.size() < 2 ? nullptr : &images[1];
   Image cleanAlbedo, cleanNormal;
-  try {
+  return untilInterrupted([&]() -> Denoised {
     if (prefilters) {
       cleanAlbedo = networks.denoisedAlbedo(device, *albedo);
       cleanNormal = networks.denoisedNormal(device, *normal);
@@ -76,10 +76,7 @@ Denoised denoised(NetworkDenoiser& networks, Device& device, const Frame& frame,
     Image picture = networks.denoised(device, frame.colour(), albedo, normal, clean, layers.sets(room));
     room.reports = layers.reports(networks.layerReports());
     return {std::move(picture), std::move(room)};
-  } catch (const Cancelled&) {
-    stopIfInterrupted();
-    throw;
-  }
+  });
 }
 
 size_t runsFor(const Frame& frame, const DenoiseOptions& options) {

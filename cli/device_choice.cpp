@@ -41,12 +41,7 @@ void runOn(const std::string& select, bool quiet, const std::function<void(Devic
   failingWith(ExitCode::device, [&] {
     const auto device = open(select, line);
     printNotes(*device);
-    try {
-      work(*device);
-    } catch (const Cancelled&) {
-      stopIfInterrupted();
-      throw;
-    }
+    untilInterrupted([&] { work(*device); });
   });
 }
 
@@ -54,13 +49,10 @@ void runOn(const std::string& select, bool quiet, const std::function<void(Devic
 
 std::unique_ptr<Device> openDevice(const std::string& select, bool quiet) {
   const auto line = std::make_shared<PreparationLine>(quiet);
-  try {
+  return untilInterrupted([&] {
     return std::make_unique<Device>(Device::Options{
         .select = select, .onPreparation = [line](const Preparation& now) { return line->update(now); }});
-  } catch (const Cancelled&) {
-    stopIfInterrupted();
-    throw;
-  }
+  });
 }
 
 void printNotes(const Device& device) {

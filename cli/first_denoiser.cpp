@@ -72,12 +72,7 @@ void FirstDenoiser::prepare(std::optional<Upscaler>& upscaler, Device& device, c
 void FirstDenoiser::denoise(Device& device, Frame& frame) {
   if (goesAlong(frame)) return frame.levelFor(networks_.name());
   DeviceDenoiser denoiser(networks_, device);
-  try {
-    frame.denoise(denoiser, options_.cleanGuides, options_.ensemble);
-  } catch (const Cancelled&) {
-    stopIfInterrupted();
-    throw;
-  }
+  untilInterrupted([&] { frame.denoise(denoiser, options_.cleanGuides, options_.ensemble); });
 }
 
 }  // namespace xrds

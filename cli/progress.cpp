@@ -53,7 +53,7 @@ void catchInterrupts() {
   std::signal(SIGINT, setInterrupted);
   std::signal(SIGTERM, setInterrupted);
 #ifdef SIGXFSZ
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that grew too large is told as a full disk is
+  std::signal(SIGXFSZ, SIG_IGN);
 #endif
 }
 

@@ -2,16 +2,29 @@
 
 #include <chrono>
 
+#include "xrds/error.h"
 #include "xrds/preparation.h"
 
 namespace xrds {
 
-/// Installs handlers for SIGINT and SIGTERM that only set a flag: a running command then cancels and cleans up.
+/// Installs handlers for SIGINT and SIGTERM that only set a flag: a running command then cancels and cleans up. A file
+/// that outgrows the process's limit fails to be written, and no signal ends the process.
 void catchInterrupts();
 bool interrupted();
 
 /// Throws Failure with ExitCode::interrupted once the process was interrupted; called between the steps of a command.
 void stopIfInterrupted();
+
+/// Returns what the action returns. Where an interrupt cancelled it, throws what stopIfInterrupted() throws.
+template <class Action>
+auto untilInterrupted(Action&& action) {
+  try {
+    return action();
+  } catch (const Cancelled&) {
+    stopIfInterrupted();
+    throw;
+  }
+}
 
 /// While one lives, an interrupt ends the process at once, whatever a driver is busy with: for work that leaves nothing
 /// behind. Not while a file is being written.

@@ -8,6 +8,7 @@
 #include "app/failing_with.h"
 #include "cli/device_choice.h"
 #include "cli/output_file.h"
+#include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/sequence_report.h"
 #include "cli/temporal_frames.h"
@@ -52,13 +53,8 @@ class Worker {
   void withDevice(Action&& action) {
     try {
       failingWith(ExitCode::device, [&] {
-        try {
-          if (!device_) device_ = openDevice(select_, quiet_);
-          action();
-        } catch (const Cancelled&) {
-          stopIfInterrupted();
-          throw;
-        }
+        if (!device_) device_ = openDevice(select_, quiet_);
+        untilInterrupted(action);
       });
     } catch (const Failure& failure) {
       if (failure.code == ExitCode::device) {
@@ -84,7 +80,8 @@ std::vector<std::string> workersOf(const UpscaleOptions& options) {
   } else if (!options.devices.empty()) {
     std::istringstream list(options.devices);
     for (std::string device; std::getline(list, device, ',');) {
-      refuse(device.empty(), "--devices", ("'" + options.devices + "' has an empty name between its commas.").c_str());
+      if (device.empty())
+        throw Failure{ExitCode::usage, "--devices '" + options.devices + "' has an empty name between its commas."};
       devices.push_back(device);
     }
   } else {

@@ -66,18 +66,15 @@ TunedModel tuneModel(ReopenedDevice& reopened, const std::string& name, const Mo
       return tuned;
     }
   ProgressBar bar(options.quiet);
-  try {
-    tuned.report = reopened.run([&](Device& device) {
+  tuned.report = untilInterrupted([&] {
+    return reopened.run([&](Device& device) {
       return Tuning::run(device, model, width, height,
                          {.fp16 = fp16,
                           .label = name,
                           .anew = std::exchange(anew, false),
                           .progress = [&](double share, const std::string&) { return bar.update(share); }});
     });
-  } catch (const Cancelled&) {
-    stopIfInterrupted();
-    throw;
-  }
+  });
   tuned.seconds = timer.seconds();
   return tuned;
 }

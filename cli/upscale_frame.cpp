@@ -33,15 +33,12 @@ void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& 
   requireRoom(device, input, options);
   if (!options.quiet) std::fputs("xrds: finding the fastest kernels of this device, kept for the next time\n", stderr);
   ProgressBar bar(options.quiet);
-  try {
+  untilInterrupted([&] {
     Tuning::run(device, opened.model, frame.width(), frame.height(),
                 {.fp16 = fp16, .label = opened.name(), .progress = [&](double share, const std::string&) {
                    return bar.update(share);
                  }});
-  } catch (const Cancelled&) {
-    stopIfInterrupted();
-    throw;
-  }
+  });
 }
 
 Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, const Upscaler::Progress& progress) {
