@@ -656,9 +656,10 @@ class Trouble(WithBlender):
         self.render()
 
     def test_a_denoiser_that_cannot_be_stored(self):
-        with mock.patch.object(denoiser, "libraries", return_value=["one.so"]), mock.patch.object(xrds, "import_oidn", side_effect=xrds.Error("Cannot write '/there/rt_hdr.safetensors': check.")):
-            with self.assertRaisesRegex(RuntimeError, "Cannot write '/there/rt_hdr.safetensors'"):
-                bpy.ops.xrds.get_denoiser()
+        for sentence in ("Cannot write '/there/rt_hdr.safetensors': check.", "Cannot make the folder '/there': No space left on device."):
+            with mock.patch.object(denoiser, "libraries", return_value=["one.so"]), mock.patch.object(xrds, "import_oidn", side_effect=xrds.Error(sentence)):
+                with self.assertRaisesRegex(RuntimeError, sentence):
+                    bpy.ops.xrds.get_denoiser()
 
     def test_a_path_without_a_folder(self):
         self.open("cryptomatte")

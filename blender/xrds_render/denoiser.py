@@ -27,7 +27,7 @@ def found():
         try:
             xrds.import_oidn(library)
         except xrds.Error as error:
-            if "Cannot write" in str(error):
+            if str(error).startswith(("Cannot make the folder", "Cannot write")):
                 raise
         if ready():
             return library
