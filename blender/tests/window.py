@@ -84,6 +84,21 @@ def invoke(**options):
         return bpy.ops.xrds.render("INVOKE_DEFAULT", **options)
 
 
+def accepted(operator):
+    """What it returns; None where Blender refuses it while it takes itself to be drawing, as it may after a render."""
+    try:
+        return operator()
+    except RuntimeError as error:
+        if "can't modify" not in str(error):
+            raise
+        return None
+
+
+def started(**options):
+    """A click, as soon as Blender takes it."""
+    yield from until(lambda: accepted(lambda: invoke(**options)) == {"RUNNING_MODAL"})
+
+
 def job():
     return sys.modules[f"{MODULE}.operators"].current
 
@@ -191,7 +206,7 @@ def again():
     size, scene.render.resolution_x = scene.render.resolution_x, 64
     scene.xrds.model, scene.xrds.samples = "xrds-x4-nano", 1
     for _ in range(3):
-        invoke()
+        yield from started()
         yield from until(lambda: job() is None)
         yield 0.3
         kinds.append([area.type for area in bpy.context.window_manager.windows[0].screen.areas])
@@ -200,14 +215,9 @@ def again():
 
 
 def push(message):
-    """Keeps a step of undo in the context of the Properties; whether Blender did, which refuses while it takes itself to be drawing, as it may after a render."""
+    """Keeps a step of undo in the context of the Properties; whether Blender did."""
     with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area_of("PROPERTIES")):
-        try:
-            return bpy.ops.ed.undo_push(message=message) == {"FINISHED"}
-        except RuntimeError as error:
-            if "can't modify" not in str(error):
-                raise
-            return False
+        return accepted(lambda: bpy.ops.ed.undo_push(message=message)) == {"FINISHED"}
 
 
 def under_way(stage):
@@ -220,7 +230,7 @@ def pushed():
     scene, count = bpy.context.scene, 0
     scene.xrds.model, scene.xrds.samples = "xrds-x4-nano", 1
     for _ in range(5):
-        invoke()
+        yield from started()
         yield from until(lambda: job() is None or under_way("Upscaling"))
         while job():
             count += sum(push("under way") for _ in range(20))
@@ -241,7 +251,7 @@ def cancelled():
         bpy.ops.ed.undo_push(message="before")
         bpy.ops.ed.undo_push(message="once more")
         before = snapshot()
-        invoke()
+        yield from started()
         yield from until(lambda: job() is None or under_way(stage))
         yield delay
         yield from until(lambda: push("under way"))
@@ -283,13 +293,13 @@ def animation():
     scene.frame_set(3)
     yield 0.5
     before = snapshot()
-    invoke(animation=True)
+    yield from started(animation=True)
     yield from until(lambda: results())
     bpy.ops.xrds.cancel()
     yield from until(lambda: job() is None)
     stopped = results()
     check(0 < len(stopped) < 8 and same(before), f"an animation was stopped after {len(stopped)} frames, every setting is as before")
-    invoke(animation=True)
+    yield from started(animation=True)
     yield from until(lambda: job() is None)
     check(len(results()) == 8 and same(before), "it went on to its end, every setting is as before")
     check(sorted(name for name in os.listdir(HOME) if name.startswith("shot_")) == results(), "nothing else is left beside the frames")
@@ -300,13 +310,13 @@ def killed():
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = 1920, 1440
     before = snapshot()
-    invoke()
+    yield from started()
     yield from until(lambda: job() is None or under_way("Upscaling"))
     os.kill(sys.modules[f"{MODULE}.upscaler"].current.pid, signal.SIGKILL)
     yield from until(lambda: job() is None, 10)
     said = sys.modules[f"{MODULE}.operators"].last
     check("ended by itself (signal 9, SIGKILL)" in said and same(before), f"a worker was killed: {said}")
-    invoke()
+    yield from started()
     yield from until(lambda: job() is None)
     check("Saved" in sys.modules[f"{MODULE}.operators"].last, "the next click starts another")
 
@@ -316,7 +326,7 @@ def loaded():
         scene = bpy.context.scene
         scene.render.resolution_x, scene.render.resolution_y = 1920, 1440
         scene.xrds.model, scene.xrds.samples, scene.xrds.guide_samples = "xrds-x4-nano", samples, 1
-        invoke()
+        yield from started()
         yield from until(lambda stage=stage: job() and under_way(stage))
         bpy.ops.wm.open_mainfile(filepath=os.path.join(HOME, "shot.blend"))
         yield 0.5
