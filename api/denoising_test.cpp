@@ -87,6 +87,33 @@ TEST_F(Denoising, IsWhatTheNetworksGiveOneAfterTheOther) {
   EXPECT_GT(relativeRms(through(guided_, colour_, 1, {&albedo_, &normal_}), expected), 1e-2);
 }
 
+// Of what this model changes in a denoised colour, 0.75 where it makes it darker, 0.25 where brighter.
+TEST_F(Denoising, TakesThePartOfTheChangeThatTheModelStates) {
+  const Model restrained = golden("s1_restrained");
+  const Pixels albedo = noise(1, 0, 1, 2), normal = noise(1, -1, 1, 3);
+  const auto run = [&](const Pixels& colour, const Upscaler::Options& options) {
+    return through(restrained, colour, 1, {&albedo, &normal}, options);
+  };
+  const Pixels clean = through(colourNetwork_, colour_, 1, {&albedo, &normal});
+  Pixels expected = run(clean, {});
+  for (size_t i = 0; i < expected.size(); ++i)
+    expected[i] = clean[i] + (expected[i] < clean[i] ? 0.75F : 0.25F) * (expected[i] - clean[i]);
+  EXPECT_GT(relativeRms(run(clean, {}), expected), 1e-2);
+  EXPECT_LT(relativeRms(run(clean, {.denoisedColour = true}), expected), 1e-6);
+  EXPECT_LT(relativeRms(run(colour_, {.denoisers = {.colour = &colourNetwork_}}), expected), 1e-6);
+  const TileOptions inTiles{.exact = true, .columns = 2};
+  EXPECT_EQ(run(clean, {.tiles = inTiles, .denoisedColour = true}), run(clean, {.denoisedColour = true}));
+  EXPECT_NE(run(clean, {.ensemble = 2}), run(clean, {.ensemble = 2, .denoisedColour = true}));
+}
+
+// Of other models all of it.
+TEST_F(Denoising, LeavesModelsAsTheyAreThatStateNoPart) {
+  const Model model = golden("s1_kernels_aux_skip");
+  const Pixels albedo = noise(1, 0, 1, 2), normal = noise(1, -1, 1, 3);
+  EXPECT_EQ(through(model, colour_, 1, {&albedo, &normal}, {.denoisedColour = true}),
+            through(model, colour_, 1, {&albedo, &normal}));
+}
+
 TEST_F(Denoising, TakesCleanGuidesAsTheyAre) {
   const Pixels lowAlbedo = boxMean(albedo_), lowNormal = boxMean(normal_);
   const Pixels colour = through(colourNetwork_, colour_, 1, {&lowAlbedo, &lowNormal});

@@ -36,7 +36,12 @@ FrameInput inputOf(const NetworkConfig& config, const PixelView& colour, std::sp
 struct FrameUpscaler::State {
   State(Gpu& device, const NetworkModel& weights, FrameShape shape, const Options& given,
         const DenoisingModels& denoisers)
-      : gpu(device), model(weights), denoising(denoisers), config(model.config()), frame(shape), options(given) {
+      : gpu(device),
+        model(denoisers || given.denoisedColour ? weights.behindDenoiser() : weights),
+        denoising(denoisers),
+        config(model.config()),
+        frame(shape),
+        options(given) {
     if (options.ensemble == 8 && frame.width != frame.height) {
       options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
       Options once = options;
@@ -150,7 +155,7 @@ struct FrameUpscaler::State {
   }
 
   Gpu& gpu;
-  const NetworkModel& model;
+  const NetworkModel model;
   const DenoisingModels denoising;
   NetworkConfig config;
   FrameShape frame;
@@ -249,9 +254,9 @@ std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, 
   checkOptions(options);
   checkShape(model.config(), frame);
   checkImages(model.config(), frame, colour, auxiliary);
-  const CheckResult result =
-      checkAgainstReference(gpu, model, frame, inputOf(model.config(), colour, auxiliary, options),
-                            sessionOptions(gpu, model, frame, options));
+  const CheckResult result = checkAgainstReference(gpu, options.denoisedColour ? model.behindDenoiser() : model, frame,
+                                                   inputOf(model.config(), colour, auxiliary, options),
+                                                   sessionOptions(gpu, model, frame, options));
   std::vector<Upscaler::CheckRow> rows;
   for (const Divergence& node : result.nodes)
     rows.push_back({node.node, node.relativeRms, node.finite, node.finite && node.relativeRms <= result.bound});

@@ -180,8 +180,9 @@ void measureScene(const BenchQualityOptions& options, Contest& contest, const Sc
   for (EngineMethod& method : contest.engine) {
     FrameSeconds seconds;
     const Frame& frame = frames.at(method.ensemble());
-    const Image image =
-        failingWith(ExitCode::device, [&] { return method.run(device, frame, options.precision == kFp16, seconds); });
+    const Image image = failingWith(ExitCode::device, [&] {
+      return method.run(device, frame, options.precision == kFp16, options.denoiseFirst, seconds);
+    });
     (row++)->scenes.push_back({measure(image, scene.reference), seconds});
     if (!options.write.empty()) writeImage(options, files.name, frame, method, image);
   }

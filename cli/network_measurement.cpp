@@ -165,7 +165,7 @@ ImageError imageError(const NetworkCase& networkCase, const std::string& folder,
     for (const SceneFiles& files : list.scenes) {
       const Scene scene = loadScene(files, setting);
       FrameSeconds taken;
-      const Image image = method.run(device, scene.frame, networkCase.fp16(), taken);
+      const Image image = method.run(device, scene.frame, networkCase.fp16(), false, taken);
       quality.scenes.push_back({measure(image, scene.reference)});
     }
     error.mean = quality.mean();

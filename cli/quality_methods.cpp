@@ -20,13 +20,14 @@ double deviceSeconds(const Upscaler& upscaler) {
 
 }  // namespace
 
-Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, FrameSeconds& seconds) {
+Image EngineMethod::run(Device& device, const Frame& frame, bool fp16, bool denoised, FrameSeconds& seconds) {
   const auto known = upscalers_.find({frame.width(), frame.height()});
   const bool first = known == upscalers_.end();
   Upscaler& upscaler =
       first ? upscalers_
                   .try_emplace({frame.width(), frame.height()}, device, model_, frame.width(), frame.height(),
-                               Upscaler::Options{.fp16 = fp16, .profile = true, .ensemble = ensemble_})
+                               Upscaler::Options{
+                                   .fp16 = fp16, .profile = true, .ensemble = ensemble_, .denoisedColour = denoised})
                   .first->second
             : known->second;
   const int scale = static_cast<int>(model_.scale());

@@ -32,7 +32,8 @@ class EngineMethod {
   /// Upscales a frame that has the model's auxiliary inputs and adds to `seconds` its times. The first frame of a shape
   /// runs twice and the second time counts: the first one may compile. Pixels that are not finite are filled from their
   /// neighbours, with a warning, as `xrds upscale` does. Throws Error, or Failure when interrupted.
-  Image run(Device& device, const Frame& frame, bool fp16, FrameSeconds& seconds);
+  /// denoised: as Upscaler::Options::denoisedColour, the same for each frame.
+  Image run(Device& device, const Frame& frame, bool fp16, bool denoised, FrameSeconds& seconds);
 
  private:
   std::string name_;

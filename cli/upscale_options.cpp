@@ -167,6 +167,7 @@ Upscaler::Options UpscaleOptions::upscaler() const {
   options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
   options.skip = {.bound = parseSkip(skip), .keepUnchanged = keepUnchanged};
   options.ensemble = ensemble;
+  options.denoisedColour = denoiseFirst;
   options.tune = Upscaler::Tune::never;  // what there is to tune is tuned before
   return options;
 }

@@ -18,6 +18,13 @@ enum class BlockKind : uint8_t { rdst, rstb, rdb };
 /// How a group joins colour and auxiliary features: by the cross module XM, or by a 1x1 convolution of both.
 enum class CrossKind : uint8_t { attention, concat };
 
+/// What is taken of the change that a network makes in a colour that was denoised before: of d to y',
+/// y = d + darker min(y' - d, 0) + brighter max(y' - d, 0), in linear radiance.
+struct Restraint {
+  float darker = 1, brighter = 1;  // from 0 to 1
+  bool isAny() const { return darker < 1 || brighter < 1; }
+};
+
 /// How frames that are no multiple of the window are padded: to whole windows by edge replication or by reflection, or
 /// their rows alone to whole windows, by edge replication.
 enum class Padding : uint8_t { edge, reflection, columns };
@@ -46,6 +53,8 @@ struct NetworkConfig {
   uint32_t prefilter = 0;      // levels of the filter of the low-resolution colour, 0 to 3
   uint32_t outputSide = 3;     // of the output convolution, 3 or 1
   Padding padding = Padding::edge;
+  Restraint restraint{};                      // of a model that may stand behind a denoiser
+  bool behindDenoiser = false;                // whether it does: no field of the file
   std::string architecture = "xrds";          // see network/architecture.h
   std::map<std::string, uint32_t> symbols{};  // numbers that only this architecture has
 

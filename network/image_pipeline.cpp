@@ -181,6 +181,11 @@ void decodeRows(const NetworkConfig& config, Graph& graph, const Decoded& decode
     decode.aux = decoded.base.aux;
     decode.albedoOffset = config.auxOffset(kAlbedo.name);
   }
+  if (config.behindDenoiser && config.restraint.isAny()) {
+    decode.colour = graph.colour;
+    decode.darker = config.restraint.darker;
+    decode.brighter = config.restraint.brighter;
+  }
   graph.nodes.push_back({"decode_radiance", decode});
   for (size_t i = 0; i < graph.layers.size(); ++i)
     filterRows(config, graph, decoded.base, network, graph.layers[i], graph.layerMeans[i], "layers", rows);

@@ -73,6 +73,12 @@ NetworkModel NetworkModel::random(const NetworkConfig& config, uint32_t seed) {
   return fromTensors(std::move(file), "random model");
 }
 
+NetworkModel NetworkModel::behindDenoiser() const {
+  NetworkModel model = *this;
+  model.config_.behindDenoiser = true;
+  return model;
+}
+
 uint64_t NetworkModel::parameterCount() const {
   uint64_t count = 0;
   for (const auto& [name, tensor] : file_->tensors) count += tensor.values.size();

@@ -21,6 +21,8 @@ class NetworkModel {
   static NetworkModel random(const NetworkConfig& config, uint32_t seed);
 
   const NetworkConfig& config() const { return config_; }
+  /// The same network for colours that were denoised before; shares the weights.
+  NetworkModel behindDenoiser() const;
   const TensorFile& file() const { return *file_; }
   uint64_t parameterCount() const;
   /// Valid as long as this object or a copy of it lives.

@@ -43,6 +43,8 @@ void checkCombination(const NetworkConfig& config) {
   require(config.groups > 0 || config.prefilter == 0, "has a prefilter but no network");
   require(config.groups > 0 || (config.base != BaseImage::none && config.outputWidth() == 3),
           "has neither a network nor a base image");
+  require(config.scale == 1 || !config.restraint.isAny(),
+          "restrains what it changes in a denoised colour, which needs scale 1");
   require(!config.auxSkip || !config.auxInputs.empty(), "has an auxiliary skip but no auxiliary input");
 }
 
@@ -65,6 +67,7 @@ void parse(const Metadata& metadata, NetworkConfig& config) {
   config.colourKernels = numberOr(metadata, "colour_kernels", 0, 5);
   config.prefilter = numberOr(metadata, "prefilter", 0, 3);
   config.outputSide = numberOr(metadata, "output_side", 3, 3);
+  config.restraint = {shareOrAll(metadata, "denoised_darker"), shareOrAll(metadata, "denoised_brighter")};
   checkCombination(config);
 }
 
@@ -87,6 +90,9 @@ void describe(const NetworkConfig& config, Metadata& metadata) {
   metadata["colour_kernels"] = std::to_string(config.colourKernels);
   metadata["prefilter"] = std::to_string(config.prefilter);
   metadata["output_side"] = std::to_string(config.outputSide);
+  if (!config.restraint.isAny()) return;
+  metadata["denoised_darker"] = shareText(config.restraint.darker);
+  metadata["denoised_brighter"] = shareText(config.restraint.brighter);
 }
 
 // U = low(x, D), D and h of the auxiliary branch; the picture = upsampled(U, h) around the base image of metrics.md.

@@ -47,10 +47,10 @@ std::vector<std::string> namesOfOthers() {
   return names;
 }
 
-/// A golden model with the frame it was given and what PyTorch made of it.
+/// A golden model with the frame it was given and what PyTorch made of it, as of a colour that was denoised before.
 struct Golden {
   explicit Golden(const std::string& name)
-      : model(NetworkModel::read(kFolder / (name + ".model.safetensors"))),
+      : model(NetworkModel::read(kFolder / (name + ".model.safetensors")).behindDenoiser()),
         tensors(readTensors(kFolder / (name + ".io.safetensors"))) {
     const auto& colour = tensors.tensors.at("colour");
     frame = {static_cast<uint32_t>(colour.shape[0]), static_cast<uint32_t>(colour.shape[1])};

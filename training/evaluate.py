@@ -26,7 +26,8 @@ from network import NetworkConfig
 class Case:
     """One scene: low-resolution colour [3, h, w], aux [15, H, W] albedo, normal, relative depth, diffuse and glossy light, or the first of them,
     full [3, H, W] the colour of the auxiliary render and merged [3, h, w] it with the low-resolution one (None and the colour itself for
-    converged auxiliary images and at scale 1), reference [3, H, W]; clean: whether the auxiliary images are converged."""
+    converged auxiliary images and at scale 1), reference [3, H, W]; clean: whether the auxiliary images are converged; is_denoised: whether
+    the images were denoised."""
     name: str
     colour: torch.Tensor
     aux: torch.Tensor
@@ -34,6 +35,7 @@ class Case:
     merged: torch.Tensor
     reference: torch.Tensor
     clean: bool = False
+    is_denoised: bool = False
 
     def denoised(self, scale):
         """The case with its images denoised by denoise.py, the colours merged before, auxiliary images only where they are not clean."""
@@ -41,7 +43,7 @@ class Case:
         full = None if self.full is None else denoise.denoised_full(self.full, self.merged, aux, scale)
         merged = denoise.denoised_low(self.merged, aux, scale)
         colour = merged if full is None else denoise.denoised_low(self.colour, aux, scale)
-        return dataclasses.replace(self, colour=colour, aux=aux, full=full, merged=merged)
+        return dataclasses.replace(self, colour=colour, aux=aux, full=full, merged=merged, is_denoised=True)
 
 
 def prefix_of(scale):
@@ -91,7 +93,10 @@ def result_of(network, case, merge=False, device="cpu"):
     there = lambda image: None if image is None else image[None].to(device)
     aux = pipeline.own_aux(case.aux, config) if config.aux_inputs else None
     colour = case.merged if merge or config.full else case.colour
-    return pipeline.upscale(network, there(colour), there(aux), full=there(case.full))[0][0].cpu()
+    result = pipeline.upscale(network, there(colour), there(aux), full=there(case.full))[0]
+    if case.is_denoised and config.scale == 1:
+        result = pipeline.restrained(result, there(colour), config)
+    return result[0].cpu()
 
 
 def methods_of(scale, model_paths, merge=False):

@@ -102,6 +102,7 @@ CASES = {
     "s4_lights": ((8, 7), dict(kernels=5, aux_skip=1, aux_kernels=3, colour_kernels=5,
                                aux_inputs=("albedo", "normal", "colour", "diffuse", "glossy"))),
     "s2_lights_alone": ((5, 8), dict(scale=2, base="bicubic", transfer="none", aux_inputs=("glossy", "normal", "diffuse"))),
+    "s1_restrained": ((11, 14), dict(scale=1, kernels=5, aux_skip=1, aux_kernels=3, denoised_darker=0.75, denoised_brighter=0.25)),
 }
 
 
@@ -195,6 +196,8 @@ def write_case(folder, name, size, fields, seed):
         weights.save_model(path, network, {"license": "MIT", "data": "random parameters", "seed": str(seed)})
         network, _ = weights.load_model(path, torch.float64)
         output, raw, _ = pipeline.upscale(network, colour.double(), guides, exposure, full)
+        if config.scale == 1:    # as behind a denoiser
+            output = pipeline.restrained(output, colour.double(), config)
     tensors = {"colour": channels_last(colour), "exposure": torch.tensor([exposure]),
                "network": channels_last(raw), "output": channels_last(output)}
     extra = [image for kind, image in zip(config.aux_inputs, aux) if kind not in KEYS]

@@ -321,6 +321,13 @@ def to_radiance(residual, base, ceiling, albedo, exposure, config):
     return radiance / exposure
 
 
+def restrained(radiance, denoised, config):
+    """What is taken of a result [b, 3, h, w] of scale 1 whose colour was denoised before: of the change in it the parts that the model states."""
+    denoised = denoised.clamp(min=0)
+    change = radiance - denoised
+    return denoised + config.denoised_darker * change.clamp(max=0) + config.denoised_brighter * change.clamp(min=0)
+
+
 def pad_inputs(x, aux, config):
     """Edge replication on the right and at the bottom to a multiple of the window (aux: to scale times that)."""
     def pad(image, multiple):

@@ -7,7 +7,7 @@ import denoise
 import evaluate
 import pipeline
 from crops import Crops
-from network import NetworkConfig
+from network import Network, NetworkConfig
 from test_dataset import FULL, FakeScenes
 
 pytest.importorskip("pyoidn")
@@ -101,3 +101,21 @@ def test_what_is_denoised_at_scale_1_was_rendered(monkeypatch):
     for _ in range(60):
         crops.draw()
     assert seen == {(1, 1), (8, 8), (1, 0), (8, 0)}             # of one render, or with converged guides
+
+
+def test_what_changes_in_a_denoised_colour_is_taken_in_parts():
+    config = NetworkConfig(scale=1, denoised_darker=0.75, denoised_brighter=0.25)
+    before, after = torch.tensor([4.0, 1, 2, -1]).view(1, 1, 1, 4), torch.tensor([0.0, 5, 2, 4]).view(1, 1, 1, 4)
+    assert pipeline.restrained(after, before, config).flatten().tolist() == [1, 2, 2, 1]
+    whole = NetworkConfig(scale=1)
+    assert torch.equal(pipeline.restrained(after, before, whole), after)
+
+
+def test_models_of_scale_1_are_measured_behind_the_denoiser(monkeypatch):
+    config, image = NetworkConfig(scale=1, denoised_darker=0.0, denoised_brighter=0.0, channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1), torch.rand(3, 8, 8)
+    network = Network(config)
+    case = evaluate.Case("scene", image, torch.rand(6, 8, 8), None, image, image)
+    monkeypatch.setattr(evaluate.denoise, "denoised_guides", lambda aux, lights: aux)
+    monkeypatch.setattr(evaluate.denoise, "denoised_low", lambda colour, aux, scale: 0.5 * colour)
+    assert torch.equal(evaluate.result_of(network, case.denoised(1)), 0.5 * image)      # nothing of the change
+    assert not torch.equal(evaluate.result_of(network, case), image)

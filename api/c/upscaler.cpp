@@ -58,7 +58,8 @@ xrds::Upscaler::Options xrds::c::optionsOf(const XrdsUpscalerOptions* options) {
                                     .rows = given.tileRows},
                           .skip = {.bound = given.skipBound, .keepUnchanged = given.keepUnchanged != 0},
                           .multiplyAddsPerSubmission = given.multiplyAddsPerSubmission,
-                          .tune = kTunes[given.tune]};
+                          .tune = kTunes[given.tune],
+                          .denoisedColour = given.denoisedColour != 0};
   if (given.exposure != 0) asked.exposure = given.exposure;
   if (given.tileHalo >= 0) asked.tiles.halo = static_cast<uint32_t>(given.tileHalo);
   if (given.tuning)

@@ -55,6 +55,9 @@ class Upscaler {
     uint64_t multiplyAddsPerSubmission = uint64_t{16} << 30;
     Tune tune = Tune::automatic;
     Denoisers denoisers{};
+    /// The colour was denoised before: of what the model changes in it only the part is taken that its file states
+    /// ("denoised_darker", "denoised_brighter"; of most models all). With `denoisers` it is true in any case.
+    bool denoisedColour = false;
     /// Hears how far the tuning is, with the share done in [0, 1]; returning false ends it, and the making of the
     /// upscaler, with Cancelled. What is known by then is kept.
     std::function<bool(double)> onTuning{};

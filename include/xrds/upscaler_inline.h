@@ -29,6 +29,7 @@ inline XrdsUpscalerOptions options(const Upscaler::Options& given) {
   asked.denoiser = handleOf(given.denoisers.colour);
   asked.albedoDenoiser = handleOf(given.denoisers.albedo);
   asked.normalDenoiser = handleOf(given.denoisers.normal);
+  asked.denoisedColour = given.denoisedColour;
   return asked;
 }
 

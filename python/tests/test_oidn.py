@@ -50,6 +50,21 @@ def test_the_full_colour_is_brought_to_the_level_of_the_merged_one(networks, tmp
     same(xrds.upscale(colour, full_colour=full, samples=(16, 1), model="xrds-x4-full", denoise_first=networks, **images), wanted)
 
 
+def test_of_a_denoised_colour_the_part_is_changed_that_the_model_states(networks):
+    model = ROOT / "tests/golden/s1_restrained.model.safetensors"
+    images = {"albedo": noise(24, 32, seed=2), "normal": noise(24, 32, seed=3)}
+    clean = numpy.maximum(xrds.denoise(noise(24, 32), guides="clean", denoisers=networks, **images), 0)
+    whole = xrds.upscale(clean, model=model, **images)
+    wanted = clean + numpy.where(whole < clean, 0.75, 0.25) * (whole - clean)
+    found = xrds.upscale(clean, model=model, denoised_colour=True, **images)
+    numpy.testing.assert_allclose(found, wanted, rtol=1e-5, atol=1e-6)
+    first = {"model": model, "denoise_first": networks, "clean_guides": True, **images}
+    numpy.testing.assert_allclose(xrds.upscale(noise(24, 32), **first), wanted, rtol=1e-3, atol=1e-3 * wanted.mean())
+    picture, layers = xrds.upscale(noise(24, 32), layers={"Emit": noise(24, 32)}, **first)
+    numpy.testing.assert_allclose(picture, wanted, rtol=1e-3, atol=1e-3 * wanted.mean())
+    numpy.testing.assert_allclose(layers["Emit"], picture, rtol=1e-5)
+
+
 def test_networks_that_are_missing_are_named(networks, monkeypatch):
     colour, images = frame(12, 16)
     assert xrds.can_denoise(networks)

@@ -31,7 +31,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
-    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
 
 
@@ -41,7 +41,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
-    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
 
 
@@ -68,6 +68,7 @@ def upscale(
     tune: str = "auto",
     denoise_first: Union[bool, Path] = False,
     clean_guides: bool = False,
+    denoised_colour: bool = False,
     out: Optional[Array] = None,
     progress: Optional[Progress] = None,
 ) -> Union[Result, tuple[Result, dict[str, Result]]]:
@@ -118,6 +119,7 @@ def upscale(
         "tune": tune,
         "denoise_first": denoise_first,
         "clean_guides": clean_guides,
+        "denoised_colour": denoised_colour,
     }
     chosen = model if model is not None else _suitable(scale, given, both is not None, samples)
     model_key = chosen if isinstance(chosen, Model) else os.fspath(chosen)

@@ -42,6 +42,7 @@ class UpscalerOptions:
     memory: int
     exact_tiles: bool
     tune: int
+    denoised_colour: bool
 
 class Upscaler:
     def __init__(

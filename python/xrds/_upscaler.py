@@ -43,6 +43,8 @@ class Upscaler(Held[_native.Upscaler]):
     denoiser_folder(), where import_oidn() puts them; or a folder. Not with ensemble, skip or keep_unchanged. For the
     first frame with layers, each of which goes through the denoiser, the networks are made ready once more.
     clean_guides: albedo and normal have no noise.
+    denoised_colour: the colour was denoised before: of what the model changes in it only the part is taken that its file
+    states ("denoised_darker", "denoised_brighter"; of most models all). With denoise_first it is so in any case.
     progress: hears how it is made ready, see Progress.
 
     A frame: `upscaler(colour, albedo=albedo, normal=normal)`. Threads that use one upscaler wait for each other. Raises
@@ -66,11 +68,13 @@ class Upscaler(Held[_native.Upscaler]):
         tune: str = "auto",
         denoise_first: Union[bool, Path] = False,
         clean_guides: bool = False,
+        denoised_colour: bool = False,
         progress: Optional[Progress] = None,
     ) -> None:
         options = _options(precision, exposure, skip, ensemble, memory, tune)
         options.exact_tiles = _one_of(tiles, "tiles", ("bounded", "exact")) == "exact"
         options.keep_unchanged = keep_unchanged
+        options.denoised_colour = denoised_colour
         self.width, self.height = _size(width, "width"), _size(height, "height")
         self.model = model if isinstance(model, Model) else Model(model)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
@@ -84,7 +88,7 @@ class Upscaler(Held[_native.Upscaler]):
         plainly = {"device": self.device, "precision": precision, "memory": memory}
         self._make_apart = lambda progress: DenoisedFirst(
             self.model, self.width, self.height, self._denoisers,
-            lambda w, h, one: Upscaler(w, h, one, exposure=exposure, tiles=tiles, tune=tune, progress=progress, **plainly),  # type: ignore[arg-type]
+            lambda w, h, one: Upscaler(w, h, one, exposure=exposure, tiles=tiles, tune=tune, denoised_colour=True, progress=progress, **plainly),  # type: ignore[arg-type]
             lambda w, h, one: Upscaler(w, h, one, tiles="exact", tune="never", progress=progress, **plainly),  # type: ignore[arg-type]
         )
         super().__init__(

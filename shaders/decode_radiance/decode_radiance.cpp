@@ -1,6 +1,7 @@
 #include "shaders/decode_radiance/decode_radiance.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "shaders/common/example.h"
 #include "shaders/common/moments.h"
@@ -19,6 +20,7 @@ TensorShape outputShape(const DecodeRadiance& op) {
     checkScale(op.scale);
     checkHolds(op.ceiling, {ceilDivide(shape.height, op.scale), ceilDivide(shape.width, op.scale), 4});
   }
+  if (op.colour.exists()) checkHolds(op.colour, shape);
   if (op.albedoOffset >= 0) checkHolds(op.aux, {shape.height, shape.width, op.albedoOffset + 3u});
   return shape;
 }
@@ -31,17 +33,20 @@ Dispatch dispatch(const DecodeRadiance& op, const DeviceTraits& device) {
   const TensorView& base = op.base.exists() ? op.base : op.network;
   const TensorView& ceiling = op.ceiling.exists() ? op.ceiling : network;
   const TensorView& aux = op.albedoOffset >= 0 ? op.aux : network;
+  const TensorView& colour = op.colour.exists() ? op.colour : network;
   const shader::DecodeRadianceParams params{.network = imageOf(network),
                                             .base = imageOf(base),
                                             .ceiling = imageOf(ceiling),
                                             .aux = imageOf(aux),
+                                            .colour = imageOf(colour),
                                             .target = imageOf(op.output),
                                             .rows = targetRows(op.output, rows),
                                             .exposure = imageOf(op.exposure).offset};
   return imageDispatch("decode_radiance", device, op.output, rows, 1, params,
                        {static_cast<uint32_t>(op.transfer), static_cast<uint32_t>(op.albedoOffset), op.base.exists(),
-                        op.network.exists(), op.ceiling.exists() ? op.scale : 0},
-                       {readTexels(network), readTexels(base), readTexels(ceiling), readTexels(aux),
+                        op.network.exists(), op.ceiling.exists() ? op.scale : 0, op.colour.exists(),
+                        std::bit_cast<uint32_t>(op.darker), std::bit_cast<uint32_t>(op.brighter)},
+                       {readTexels(network), readTexels(base), readTexels(ceiling), readTexels(aux), readTexels(colour),
                         readTexels(op.exposure), writeRows(op.output, rows)});
 }
 
@@ -66,14 +71,20 @@ void reference(const DecodeRadiance& op, HostMemory& memory) {
         }
         value = inverseTransform(op.transfer, value);
         if (op.albedoOffset >= 0) value *= memory.at(op.aux, y, x, op.albedoOffset + c) + shader::kAlbedoEpsilon;
-        memory.at(op.output, y, x, c) = std::clamp(value / exposure, -limit, limit);
+        value = std::clamp(value / exposure, -limit, limit);
+        if (op.colour.exists()) {
+          const double colour = std::max(memory.at(op.colour, y, x, c), 0.0),
+                       share = value < colour ? op.darker : op.brighter;
+          value = share * value + (1 - share) * colour;
+        }
+        memory.at(op.output, y, x, c) = value;
       }
       memory.at(op.output, y, x, 3) = lost ? 1 : 0;
     }
 }
 
 OperatorFacts facts(const DecodeRadiance& op) {
-  return {"decode_radiance", {op.network, op.base, op.ceiling, op.aux, op.exposure}, {1e-6, 1e-6}};
+  return {"decode_radiance", {op.network, op.base, op.ceiling, op.aux, op.colour, op.exposure}, {1e-6, 1e-6}};
 }
 
 // Stored in fp32 always.
@@ -89,6 +100,14 @@ void addExamples(ExampleMaker& maker, std::vector<DecodeRadiance>& examples) {
                       .albedoOffset = 0,
                       .transfer = Transfer::log1p,
                       .scale = 2});
+  examples.push_back({.network = maker.view({16, 16, 4}),
+                      .base = maker.view({16, 16, 4}, DataType::f32),
+                      .colour = maker.view({16, 16, 4}, DataType::f32),
+                      .exposure = maker.exposure(),
+                      .output = maker.view({16, 16, 4}, DataType::f32),
+                      .transfer = Transfer::log1p,
+                      .darker = 0.75F,
+                      .brighter = 0.25F});
 }
 
 }  // namespace xrds

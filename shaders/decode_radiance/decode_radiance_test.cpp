@@ -139,6 +139,37 @@ TEST(DecodeRadiance, NeverOverflows) {
   test::expectMatchesReference(op, {{1, base}, {2, albedo}, {3, {1e-30f, 1e30f, 0, 0}}});
 }
 
+// Colours of the size of the result, some of them negative, in a slice of another tensor.
+TEST(DecodeRadiance, TakesSharesOfWhatChangesInAColour) {
+  for (const Shape& s : {Shape{9, 13, 16, 16, Transfer::log1p, true, 6, 4, {4, 8}}, Shape{64, 64, 64, 64}}) {
+    DecodeRadiance op = decodeOf(s);
+    op.colour = view(5, DataType::f32, s.height, s.width, 4, 4, 12);
+    op.darker = 0.75F;
+    op.brighter = 0.25F;
+    auto contents = contentsOf(op);
+    contents[5] = test::randomNumbers(op.colour.pixelCount() * 12, 6);
+    for (float& value : contents[5]) value = 20 * value + 10;
+    test::expectMatchesReference(op, contents);
+  }
+}
+
+TEST(DecodeRadiance, DarkensAndBrightensAColourByItsShares) {
+  DecodeRadiance op = decodeOf({1, 4, 1, 4, Transfer::none, false, -1});
+  op.colour = view(5, DataType::f32, 1, 4, 4);
+  op.darker = 0.75F;
+  op.brighter = 0.25F;
+  HostMemory memory;
+  memory.storage(op.exposure) = {1, 1, 0, 0};
+  memory.storage(op.network) = {1, 5, 2, 0, 0, 3, 1e30, 0, 2, 2, 2, 0, 0, 0, 0, 0};
+  memory.storage(op.colour) = {5, 1, 2, 0, 1, -1, 0, 0, 2, 2, 2, 0, 0, 0, 0, 0};
+  reference(op, memory);
+  const double expected[] = {2, 2, 2, 0.25, 0.75, 2.5e29, 2, 2, 2, 0, 0, 0};
+  for (uint32_t i = 0; i < 12; ++i) {
+    const double found = memory.at(op.output, 0, i / 3, i % 3);
+    EXPECT_NEAR(found, expected[i], 1e-12 * std::max(1.0, found)) << i;
+  }
+}
+
 TEST(DecodeRadiance, LeavesOutANetworkThatIsNotFinite) {
   const DecodeRadiance op = decodeOf({4, 32, 4, 32});
   auto contents = contentsOf(op);
@@ -196,6 +227,9 @@ TEST(DecodeRadiance, RefusesWhatDoesNotFit) {
   op = decodeOf({8, 8, 8, 8});
   op.ceiling = view(5, DataType::f32, 2, 1, 4);
   op.scale = 4;
+  EXPECT_THROW(dispatch(op, {}), std::logic_error);
+  op = decodeOf({8, 8, 8, 8});
+  op.colour = view(5, DataType::f32, 8, 7, 4);
   EXPECT_THROW(dispatch(op, {}), std::logic_error);
   op = decodeOf({8, 8, 8, 8});
   op.network = op.base = {};

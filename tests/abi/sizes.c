@@ -219,6 +219,7 @@ int main(void) {
   FIELD(XrdsUpscalerOptions, denoiser);
   FIELD(XrdsUpscalerOptions, albedoDenoiser);
   FIELD(XrdsUpscalerOptions, normalDenoiser);
+  FIELD(XrdsUpscalerOptions, denoisedColour);
   SIZE(XrdsVulkanFeatures);
   FIELD(XrdsVulkanFeatures, shaderInt64);
   FIELD(XrdsVulkanFeatures, shaderSubgroupExtendedTypes);

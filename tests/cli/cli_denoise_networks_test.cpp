@@ -175,6 +175,43 @@ TEST(CliDenoiseNetworks, MakeTheSameInFrontOfTheUpscalerAndOneAfterTheOther) {
   }
 }
 
+// Of what this model changes in a denoised colour, 0.75 where it makes it darker, 0.25 where brighter; on the device,
+// between one network and the next, and by the library.
+TEST(CliDenoiseNetworks, TakeThePartOfTheChangeThatTheModelStates) {
+  const DenoisedFrame frame;
+  const std::string render = (frame.folder / "render.exr").string(), clean = (frame.folder / "clean.exr").string(),
+                    whole = (frame.folder / "whole.exr").string(), out = (frame.folder / "part.exr").string();
+  const Layer colour{"", "RGB", [](int x, int y, int c) { return 0.2F + 0.1F * static_cast<float>((x + y + c) % 7); }};
+  writeParts(render, {{boxOf(40, 32), boxOf(40, 32), {colour, albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  const std::string model = XRDS_GOLDEN_FOLDER "/s1_restrained.model.safetensors";
+  const auto make = [&](const std::vector<std::string>& words) {
+    const Ended ended = runXrds(words, frame.both());
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  };
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"--memory", "1G"}, {"--denoise-by", "library"}}) {
+    if (more.empty() || more[0] == "--memory") {
+      make({"denoise", render, "-o", clean, "--guides", "clean"});
+    } else {
+      std::vector<float> half = readColour(render).pixels;
+      for (float& number : half) number /= 2;
+      writeParts(clean, {{boxOf(40, 32), boxOf(40, 32), {layerOf("", half, 40)}}});
+    }
+    std::vector<std::string> first{"upscale", render, "-o", out, "--model", model, "--denoise-first", "--clean-guides"};
+    first.insert(first.end(), more.begin(), more.end());
+    make({"upscale", clean, render, "-o", whole, "--model", model, "--aux-colour", "never"});
+    make(first);
+    const Image before = readColour(clean);
+    Image expected = readColour(whole);
+    for (size_t i = 0; i < expected.pixels.size(); ++i) {
+      const float from = std::max(before.pixels[i], 0.F), change = expected.pixels[i] - from;
+      expected.pixels[i] = from + (change < 0 ? 0.75F : 0.25F) * change;
+    }
+    EXPECT_NE(readColour(whole), expected);
+    expectNear(readColour(out), expected, kRounded);
+  }
+}
+
 // Merged first, of which nothing changes where both frames are the same and still; then denoised.
 TEST(CliDenoiseNetworks, ComeAfterFramesAreMerged) {
   const DenoisedFrame frame;

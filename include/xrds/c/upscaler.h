@@ -48,6 +48,9 @@ typedef struct XrdsUpscalerOptions {
   const XrdsModel* denoiser; /* for HDR colour with as many guides as the model has of albedo and normal, or fewer */
   const XrdsModel* albedoDenoiser;
   const XrdsModel* normalDenoiser;
+  /* 1: the colour was denoised before. Of what the model changes in it only the part is taken that its file states
+   * ("denoised_darker", "denoised_brighter"; of most models all). With `denoiser` it is so in any case. Default 0. */
+  int32_t denoisedColour;
 } XrdsUpscalerOptions;
 
 XRDS_API XrdsUpscalerOptions xrdsUpscalerOptionsDefault(void);
