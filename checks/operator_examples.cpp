@@ -7,7 +7,7 @@ namespace xrds {
 namespace {
 
 OperatorExample exampleOf(const ExampleMaker& maker, Operator op) {
-  OperatorExample example{.graph = {.madeWeights = maker.keptWeights()}};
+  OperatorExample example{.graph = {.exposure = maker.madeExposure(), .madeWeights = maker.keptWeights()}};
   for (const ExampleValue& value : maker.values()) {
     example.graph.create("example", value.type, value.shape);
     example.ranges.push_back(value.range);

@@ -33,8 +33,9 @@ class ExampleMaker {
   /// A value of its own, and the view of all of it.
   TensorView view(TensorShape shape) { return view(shape, stored_); }
   TensorView view(TensorShape shape, DataType type, NumberRange range = {});
-  /// The exposure's, [1, 1, 4].
-  TensorView exposure() { return view({1, 1, 4}, DataType::f32); }
+  /// The exposure's, [1, 1, 4], the same for all examples: e and 1 / e.
+  TensorView exposure() { return exposure_.exists() ? exposure_ : exposure_ = view({1, 1, 4}, DataType::f32); }
+  const TensorView& madeExposure() const { return exposure_; }  // none if it was not asked for
   /// As large as those of trained layers. They live as long as a copy of keptWeights() does.
   std::span<const float> weights(size_t count);
 
@@ -44,6 +45,7 @@ class ExampleMaker {
  private:
   DataType stored_;
   DeviceTraits device_;
+  TensorView exposure_;
   std::vector<ExampleValue> values_;
   std::vector<std::shared_ptr<const std::vector<float>>> weights_;
 };
