@@ -169,6 +169,12 @@ def given(config, images):
     return torch.cat(guides, 1) if guides else None, full[0] if full else None
 
 
+def outputs_of(network, colour, guides, exposure, full):
+    """(radiance, raw output) as of a colour that was denoised before."""
+    output, raw, _ = pipeline.upscale(network, colour, guides, exposure, full)
+    return (pipeline.restrained(output, colour, network.config) if network.config.scale == 1 else output), raw
+
+
 def channels_last(image):
     """[1, c, y, x] -> float32 [y, x, c]"""
     return image[0].permute(1, 2, 0).float().contiguous()
@@ -195,9 +201,7 @@ def write_case(folder, name, size, fields, seed):
         path = folder / f"{name}.model.safetensors"
         weights.save_model(path, network, {"license": "MIT", "data": "random parameters", "seed": str(seed)})
         network, _ = weights.load_model(path, torch.float64)
-        output, raw, _ = pipeline.upscale(network, colour.double(), guides, exposure, full)
-        if config.scale == 1:    # as behind a denoiser
-            output = pipeline.restrained(output, colour.double(), config)
+        output, raw = outputs_of(network, colour.double(), guides, exposure, full)
     tensors = {"colour": channels_last(colour), "exposure": torch.tensor([exposure]),
                "network": channels_last(raw), "output": channels_last(output)}
     extra = [image for kind, image in zip(config.aux_inputs, aux) if kind not in KEYS]
