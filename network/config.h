@@ -18,11 +18,11 @@ enum class BlockKind : uint8_t { rdst, rstb, rdb };
 /// How a group joins colour and auxiliary features: by the cross module XM, or by a 1x1 convolution of both.
 enum class CrossKind : uint8_t { attention, concat };
 
-/// What is taken of the change that a network makes in a colour that was denoised before: of d to y',
-/// y = d + darker min(y' - d, 0) + brighter max(y' - d, 0), in linear radiance.
+/// What is taken of the change that a network makes in a colour that was denoised before, percent: of d to y',
+/// y = d + darker / 100 min(y' - d, 0) + brighter / 100 max(y' - d, 0), in linear radiance.
 struct Restraint {
-  float darker = 1, brighter = 1;  // from 0 to 1
-  bool isAny() const { return darker < 1 || brighter < 1; }
+  uint32_t darker = 100, brighter = 100;
+  bool isAny() const { return darker < 100 || brighter < 100; }
 };
 
 /// How frames that are no multiple of the window are padded: to whole windows by edge replication or by reflection, or

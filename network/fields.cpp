@@ -32,21 +32,6 @@ uint32_t numberOr(const Metadata& metadata, const char* key, uint32_t fallback, 
   return metadata.contains(key) ? number(metadata, key, 0, high) : fallback;
 }
 
-float shareOrAll(const Metadata& metadata, const char* key) {
-  if (!metadata.contains(key)) return 1;
-  const std::string& text = field(metadata, key);
-  float result = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
-  require(error == std::errc{} && end == text.data() + text.size() && result >= 0 && result <= 1,
-          "gives " + std::string(key) + " '" + text + "', expected a number from 0 to 1");
-  return result;
-}
-
-std::string shareText(float share) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, share).ptr};
-}
-
 void checkAuxiliaryInputs(const NetworkConfig& config) {
   const std::vector<std::string>& inputs = config.auxInputs;
   require(inputs.size() <= 8, "names more than 8 auxiliary inputs");

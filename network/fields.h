@@ -21,10 +21,6 @@ uint32_t number(const Metadata& metadata, const char* key, uint32_t low, uint32_
 /// The same of a field that need not be there, from 0 on.
 uint32_t numberOr(const Metadata& metadata, const char* key, uint32_t fallback, uint32_t high);
 
-/// A field that is a number from 0 to 1; 1 if it is not there. Throws Error if it is another.
-float shareOrAll(const Metadata& metadata, const char* key);
-std::string shareText(float share);  // the inverse
-
 /// Which of the names the field is. Throws Error if it is none of them.
 template <size_t count>
 size_t choice(const Metadata& metadata, const char* key, const char* const (&names)[count]) {

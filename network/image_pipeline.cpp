@@ -183,8 +183,8 @@ void decodeRows(const NetworkConfig& config, Graph& graph, const Decoded& decode
   }
   if (config.behindDenoiser && config.restraint.isAny()) {
     decode.colour = graph.colour;
-    decode.darker = config.restraint.darker;
-    decode.brighter = config.restraint.brighter;
+    decode.darker = static_cast<float>(config.restraint.darker) / 100;
+    decode.brighter = static_cast<float>(config.restraint.brighter) / 100;
   }
   graph.nodes.push_back({"decode_radiance", decode});
   for (size_t i = 0; i < graph.layers.size(); ++i)

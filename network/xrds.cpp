@@ -67,7 +67,8 @@ void parse(const Metadata& metadata, NetworkConfig& config) {
   config.colourKernels = numberOr(metadata, "colour_kernels", 0, 5);
   config.prefilter = numberOr(metadata, "prefilter", 0, 3);
   config.outputSide = numberOr(metadata, "output_side", 3, 3);
-  config.restraint = {shareOrAll(metadata, "denoised_darker"), shareOrAll(metadata, "denoised_brighter")};
+  config.restraint = {numberOr(metadata, "denoised_darker", 100, 100),
+                      numberOr(metadata, "denoised_brighter", 100, 100)};
   checkCombination(config);
 }
 
@@ -90,9 +91,8 @@ void describe(const NetworkConfig& config, Metadata& metadata) {
   metadata["colour_kernels"] = std::to_string(config.colourKernels);
   metadata["prefilter"] = std::to_string(config.prefilter);
   metadata["output_side"] = std::to_string(config.outputSide);
-  if (!config.restraint.isAny()) return;
-  metadata["denoised_darker"] = shareText(config.restraint.darker);
-  metadata["denoised_brighter"] = shareText(config.restraint.brighter);
+  metadata["denoised_darker"] = std::to_string(config.restraint.darker);
+  metadata["denoised_brighter"] = std::to_string(config.restraint.brighter);
 }
 
 // U = low(x, D), D and h of the auxiliary branch; the picture = upsampled(U, h) around the base image of metrics.md.

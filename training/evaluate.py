@@ -94,7 +94,7 @@ def result_of(network, case, merge=False, device="cpu"):
     aux = pipeline.own_aux(case.aux, config) if config.aux_inputs else None
     colour = case.merged if merge or config.full else case.colour
     result = pipeline.upscale(network, there(colour), there(aux), full=there(case.full))[0]
-    if case.is_denoised and config.scale == 1:
+    if case.is_denoised:
         result = pipeline.restrained(result, there(colour), config)
     return result[0].cpu()
 

@@ -77,7 +77,7 @@ def fields_of(config):
              f"learned {config.colour_kernels} x {config.colour_kernels} filter of the full-resolution colour" if config.colour_kernels else "",
              f"prefilter of {config.prefilter} level{'s' * (config.prefilter > 1)}" if config.prefilter else "",
              "auxiliary skip" if config.aux_skip else "", "1 x 1 output convolution" if config.output_side == 1 else "", f"block `{config.block}`" if config.block != "rdst" else "",
-             f"of a denoised colour {config.denoised_darker:g} of what it darkens and {config.denoised_brighter:g} of what it brightens" if min(config.denoised_darker, config.denoised_brighter) < 1 else ""]
+             f"of a denoised colour {config.denoised_darker} % of what it darkens and {config.denoised_brighter} % of what it brightens" if min(config.denoised_darker, config.denoised_brighter) < 100 else ""]
     return ", ".join(filter(None, named)) or "plain"
 
 

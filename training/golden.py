@@ -102,7 +102,7 @@ CASES = {
     "s4_lights": ((8, 7), dict(kernels=5, aux_skip=1, aux_kernels=3, colour_kernels=5,
                                aux_inputs=("albedo", "normal", "colour", "diffuse", "glossy"))),
     "s2_lights_alone": ((5, 8), dict(scale=2, base="bicubic", transfer="none", aux_inputs=("glossy", "normal", "diffuse"))),
-    "s1_restrained": ((11, 14), dict(scale=1, kernels=5, aux_skip=1, aux_kernels=3, denoised_darker=0.75, denoised_brighter=0.25)),
+    "s1_restrained": ((11, 14), dict(scale=1, kernels=5, aux_skip=1, aux_kernels=3, denoised_darker=75, denoised_brighter=25)),
 }
 
 
@@ -172,7 +172,7 @@ def given(config, images):
 def outputs_of(network, colour, guides, exposure, full):
     """(radiance, raw output) as of a colour that was denoised before."""
     output, raw, _ = pipeline.upscale(network, colour, guides, exposure, full)
-    return (pipeline.restrained(output, colour, network.config) if network.config.scale == 1 else output), raw
+    return pipeline.restrained(output, colour, network.config), raw
 
 
 def channels_last(image):

@@ -48,7 +48,7 @@ few="--prefilter 2 --rate 1e-3 --aux-shares 0:0.6,1:0.25,4:0.15 --denoised-share
     model xrds-x4-full 70 xrds-x4-compact $full --rate 4e-4 --colour-shares 64:0.45,16:0.55 --aux-shares 1:0.35,2:0.15,4:0.25,8:0.1,16:0.15 $filter
     model xrds-x2-full 60 xrds-x4-full --scale 2 $full --rate 5e-4 --colour-shares 16:0.5,4:0.4,1:0.05,2:0.05 --aux-shares 1:0.33,2:0.12,4:0.33,8:0.1,16:0.12 $filter
     model xrds-x8-compact 25 xrds-x4-compact --scale 8 --output-side 1 --crop 16 --rate 4e-4 $filter
-    model xrds-x1-compact 120 xrds-x4-compact --scale 1 --crop 64 --batch 2 --rate 4e-4 --tone 0.4 --denoised-darker 0.8 --denoised-brighter 0.2 $filter
+    model xrds-x1-compact 120 xrds-x4-compact --scale 1 --crop 64 --batch 2 --rate 4e-4 --tone 0.4 --denoised-darker 80 --denoised-brighter 20 $filter
     model xrds-x4-compact-albedo 50 xrds-x4-compact --aux albedo --output-side 1 $filter
     model xrds-x4-compact-plain 50 xrds-x4-compact --aux "" --base bicubic --kernels 0 --aux-skip 0
     case "$only" in *" xrds-x4 "*) model xrds-x4 100 "" --channels 64 --aux-channels 32 --blocks 5 --batch 16 --rate 3e-4 $filter ;; esac

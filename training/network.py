@@ -26,7 +26,7 @@ class NetworkConfig:
     `prefilter` = 1, 2 or 3 levels adds 25 logits a level at low resolution, of the kernels that filter the colour before the base image is made.
     `output_side` = 1 makes the output convolution 1 x 1.
     `cross` = "concat" puts a 1x1 convolution of [f, e] in the place of the cross module XM.
-    `denoised_darker` and `denoised_brighter` are the parts of what the network darkens and brightens in a colour that was denoised before that are taken.
+    `denoised_darker` and `denoised_brighter` are the parts, percent, of what the network darkens and brightens in a colour that was denoised before that are taken.
     """
     scale: int = 4
     channels: int = 64
@@ -46,8 +46,8 @@ class NetworkConfig:
     prefilter: int = 0
     output_side: int = 3
     cross: str = "attention"
-    denoised_darker: float = 1.0
-    denoised_brighter: float = 1.0
+    denoised_darker: int = 100
+    denoised_brighter: int = 100
 
     def __post_init__(self):
         def require(condition, message):
@@ -82,8 +82,8 @@ class NetworkConfig:
         require(self.aux_skip == 0 or self.aux_inputs, "aux_skip needs auxiliary inputs")
         for name in ("denoised_darker", "denoised_brighter"):
             share = getattr(self, name)
-            require(0 <= share <= 1, f"{name} must be from 0 to 1, found {share}")
-            require(share == 1 or self.scale == 1, f"{name} needs scale 1")
+            require(0 <= share <= 100, f"{name} must be from 0 to 100, found {share}")
+            require(share == 100 or self.scale == 1, f"{name} needs scale 1")
 
     @property
     def steps(self):

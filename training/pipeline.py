@@ -322,10 +322,12 @@ def to_radiance(residual, base, ceiling, albedo, exposure, config):
 
 
 def restrained(radiance, denoised, config):
-    """What is taken of a result [b, 3, h, w] of scale 1 whose colour was denoised before: of the change in it the parts that the model states."""
+    """What is taken of a result [b, 3, H, W] whose colour was denoised before: of the change in it the parts that the model states."""
+    if config.denoised_darker == config.denoised_brighter == 100:
+        return radiance
     denoised = denoised.clamp(min=0)
     change = radiance - denoised
-    return denoised + config.denoised_darker * change.clamp(max=0) + config.denoised_brighter * change.clamp(min=0)
+    return denoised + (config.denoised_darker * change.clamp(max=0) + config.denoised_brighter * change.clamp(min=0)) / 100
 
 
 def pad_inputs(x, aux, config):

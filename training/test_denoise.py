@@ -104,7 +104,7 @@ def test_what_is_denoised_at_scale_1_was_rendered(monkeypatch):
 
 
 def test_what_changes_in_a_denoised_colour_is_taken_in_parts():
-    config = NetworkConfig(scale=1, denoised_darker=0.75, denoised_brighter=0.25)
+    config = NetworkConfig(scale=1, denoised_darker=75, denoised_brighter=25)
     before, after = torch.tensor([4.0, 1, 2, -1]).view(1, 1, 1, 4), torch.tensor([0.0, 5, 2, 4]).view(1, 1, 1, 4)
     assert pipeline.restrained(after, before, config).flatten().tolist() == [1, 2, 2, 1]
     whole = NetworkConfig(scale=1)
@@ -112,7 +112,7 @@ def test_what_changes_in_a_denoised_colour_is_taken_in_parts():
 
 
 def test_models_of_scale_1_are_measured_behind_the_denoiser(monkeypatch):
-    config, image = NetworkConfig(scale=1, denoised_darker=0.0, denoised_brighter=0.0, channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1), torch.rand(3, 8, 8)
+    config, image = NetworkConfig(scale=1, denoised_darker=0, denoised_brighter=0, channels=8, aux_channels=4, head_channels=4, groups=1, blocks=1), torch.rand(3, 8, 8)
     network = Network(config)
     case = evaluate.Case("scene", image, torch.rand(6, 8, 8), None, image, image)
     monkeypatch.setattr(evaluate.denoise, "denoised_guides", lambda aux, lights: aux)

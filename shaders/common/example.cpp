@@ -10,6 +10,11 @@ TensorView ExampleMaker::view(TensorShape shape, DataType type, NumberRange rang
   return {id, type, shape.height, shape.width, shape.channels, 0, shape.channels};
 }
 
+TensorView ExampleMaker::exposure() {
+  if (!exposure_.exists()) exposure_ = view({1, 1, 4}, DataType::f32);
+  return exposure_;
+}
+
 std::span<const float> ExampleMaker::weights(size_t count) {
   std::mt19937 bits(static_cast<uint32_t>(weights_.size()));
   std::vector<float> made(count);

@@ -34,7 +34,7 @@ class ExampleMaker {
   TensorView view(TensorShape shape) { return view(shape, stored_); }
   TensorView view(TensorShape shape, DataType type, NumberRange range = {});
   /// The exposure's, [1, 1, 4], the same for all examples: e and 1 / e.
-  TensorView exposure() { return exposure_.exists() ? exposure_ : exposure_ = view({1, 1, 4}, DataType::f32); }
+  TensorView exposure();
   const TensorView& madeExposure() const { return exposure_; }  // none if it was not asked for
   /// As large as those of trained layers. They live as long as a copy of keptWeights() does.
   std::span<const float> weights(size_t count);
