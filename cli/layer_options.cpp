@@ -1,5 +1,6 @@
 #include "cli/layer_options.h"
 
+#include <CLI/CLI.hpp>
 #include <string>
 
 #include "app/frame_layers.h"

@@ -1,5 +1,6 @@
 #include "cli/typos.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <vector>
 

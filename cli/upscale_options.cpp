@@ -1,5 +1,6 @@
 #include "cli/upscale_options.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdlib>
 
 #include "app/byte_count.h"

@@ -1,10 +1,13 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "image/aov.h"
 #include "xrds/xrds.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace xrds {
 
