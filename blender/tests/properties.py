@@ -30,9 +30,11 @@ def _filled_in(path, before):
 
 
 def _walk(struct, path, found, seen):
-    if struct.as_pointer() in seen and len(path) > 400:
+    """Each struct is walked through once: the parts of a tree of nodes point at each other. The first part of a struct has its address."""
+    key = struct.as_pointer(), struct.bl_rna.identifier
+    if key in seen:
         return
-    seen.add(struct.as_pointer())
+    seen.add(key)
     for prop in struct.bl_rna.properties:
         name = prop.identifier
         if name in OWN_BUSINESS:
