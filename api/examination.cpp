@@ -70,17 +70,27 @@ KernelExamination examine(Gpu& gpu, const Graph& graph, const std::vector<Number
 
 std::vector<KernelExamination> examineKernels(Gpu& gpu, Precision precision, uint32_t runs) {
   const NetworkModel model = KnownFrame().model();
-  std::vector<KernelExamination> kernels;
+  std::vector<std::pair<Graph, std::vector<NumberRange>>> examples;  // of one node each
+  std::vector<LoweredDispatch> dispatches;
   std::set<std::pair<std::string, std::vector<uint32_t>>> known;
   const auto add = [&](const Graph& graph, const std::vector<NumberRange>& ranges) {
     for (const Node& node : graph.nodes) {
-      const Graph one = single(graph, node);
-      const Dispatch first = lower(one, gpu.traits()).front().dispatch;
-      if (known.emplace(first.program, first.specialization).second) kernels.push_back(examine(gpu, one, ranges, runs));
+      Graph one = single(graph, node);
+      const std::vector<LoweredDispatch> lowered = lower(one, gpu.traits());
+      const Dispatch& first = lowered.front().dispatch;
+      if (!known.emplace(first.program, first.specialization).second) continue;
+      dispatches.insert(dispatches.end(), lowered.begin(), lowered.end());
+      examples.emplace_back(std::move(one), ranges);
     }
   };
   add(buildGraph(model.config(), kFrame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})), {});
   for (const auto& [graph, ranges] : operatorExamples(precision, gpu.traits())) add(graph, ranges);
+
+  std::vector<const Dispatch*> programs;
+  for (const LoweredDispatch& lowered : dispatches) programs.push_back(&lowered.dispatch);
+  compilePrograms(gpu, programs);
+  std::vector<KernelExamination> kernels;
+  for (const auto& [graph, ranges] : examples) kernels.push_back(examine(gpu, graph, ranges, runs));
   return kernels;
 }
 
