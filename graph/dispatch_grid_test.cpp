@@ -83,13 +83,16 @@ INSTANTIATE_TEST_SUITE_P(All, DispatchGrid,
                                          KernelFamily::matrix, KernelFamily::fused),
                          [](const auto& info) { return std::string(nameOf(info.param)); });
 
-// Rows whose subgroups cannot be shared out among workgroups: 1047 of 125 subgroups each.
+// Rows whose subgroups cannot be shared out among workgroups, as a residual asks for: 1047 of 125 subgroups each.
 TEST(Lower, HalvesRowsWhoseGridWouldBeTooLarge) {
   const std::vector<float> weight(16, 1), bias(4, 0);
   Graph graph;
   const TensorView x = graph.create("x", DataType::f32, {1048, 1000, 4}),
+                   residual = graph.create("residual", DataType::f32, x.shape()),
                    y = graph.create("y", DataType::f32, x.shape());
-  graph.nodes.push_back({"map", Linear{.input = x, .output = y, .weight = weight, .bias = bias, .rows = {0, 1047}}});
+  graph.nodes.push_back(
+      {"map",
+       Linear{.input = x, .output = y, .residual = residual, .weight = weight, .bias = bias, .rows = {0, 1047}}});
   const DeviceTraits device = usualTraits(KernelFamily::lane);
   const auto lowered = lower(graph, device);
   ASSERT_EQ(lowered.size(), 2u);

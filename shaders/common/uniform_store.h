@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <bit>
 #include <numeric>
 
 #include "engine/dispatch.h"
@@ -33,10 +31,10 @@ inline void readWeightsByAddress(Dispatch& launch) {
   launch.weightsByAddress = true;
 }
 
-/// Subgroups of a workgroup when `count` of them are shared out evenly: the largest power of two up to `limit` that
-/// divides it. Other divisors would be programs of their own, which every other frame size would compile.
+/// Subgroups of a workgroup when `count` of them are shared out evenly: `limit`, 4 or 1. Each number is a program of
+/// its own, and with more of them every other frame size would compile some.
 inline uint32_t subgroupShare(uint64_t count, uint32_t limit) {
-  return static_cast<uint32_t>(std::min<uint64_t>(std::bit_floor(limit), count & (~count + 1)));
+  return count % limit == 0 ? limit : count % 4 == 0 ? 4 : 1;
 }
 
 /// The largest divisor of `count` up to `limit`.

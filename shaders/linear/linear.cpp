@@ -38,6 +38,15 @@ bool readsWeightsByAddress(const Linear& op, const DeviceTraits& device) {
   return inputChannels(op) * 8 <= kMaxLoop && readsWeightsByAddress(device, op.output.type, op.weightType);
 }
 
+// Subgroups of a workgroup of the lane kernel, which share the weights that they stage, for so many in all. Those
+// behind the last token repeat it. With a residual, which the sum may overwrite, they would add it twice: then there
+// are none.
+uint32_t laneRows(const Linear& op, uint64_t subgroups) {
+  constexpr uint32_t kFewRows = 4, kLargeFrame = 256;
+  if (!op.residual.exists()) return subgroups < kLargeFrame ? kFewRows : kMaxRows;
+  return subgroupShare(subgroups, kMaxRows);
+}
+
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of tileStep(N); 0:
 // there is none.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
@@ -45,7 +54,7 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
   const uint32_t subgroups = ceilDivide(op.output.pixelCount(), device.subgroupSize);
   if (device.family != KernelFamily::lane || !device.shaderInt64 ||
       device.subgroupSize * kMaxRows > device.maxGroupInvocations ||
-      subgroups / subgroupShare(subgroups, kMaxRows) > kMaxGroupCount)
+      ceilDivide(subgroups, laneRows(op, subgroups)) > kMaxGroupCount)
     return 0;
   const bool byAddress = readsWeightsByAddress(op, device);
   const auto fits = [&](uint32_t tile) {
@@ -153,7 +162,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
                   .pushConstants = pushBytes(params),
                   .multiplyAdds = tokens * params.inputChannels * op.bias.size()};
   if (const uint32_t tile = laneTile(op, device)) {
-    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = subgroupShare(subgroups, kMaxRows);
+    const uint32_t subgroups = ceilDivide(tokens, device.subgroupSize), rows = laneRows(op, subgroups);
     launch.program = programName("linear", KernelFamily::lane, op.output.type);
     const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin | tile / 4) % 2 == 0;
     launch.specialization = {
@@ -161,7 +170,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
         op.input.channels / 4, takesTurns(op, device)};
     launch.pushConstants = pushBytesWithDigits(params);
     if (readsWeightsByAddress(op, device)) readWeightsByAddress(launch);
-    launch.groupCount = {params.outputChannels / tile, subgroups / rows, 1};
+    launch.groupCount = {params.outputChannels / tile, ceilDivide(subgroups, rows), 1};
   } else if (const MatrixShape shape = matrixShapeOf(op, device); shape.subgroups) {
     launch.program = matrixProgramName("linear", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(shape, device.matrixSize, activation, hasResidual);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "shaders/common/matrix.h"
 #include "tests/harness.h"
 #include "tests/print_case.h"
@@ -24,7 +26,8 @@ struct Case {
 
 // Odd ones first: one token, channels that are no multiple of a tile, slices that start at a 4 or an 8, rows that start
 // inside an aligned block, then the widths of the network, then one that is too wide for the lane kernel, and enough
-// work for the largest tiles; outputs that are no multiple of four; SwinIR's, which are no multiple of eight.
+// work for the largest tiles; outputs that are no multiple of four; SwinIR's, which are no multiple of eight; a large
+// frame whose last workgroup of the lane kernel has subgroups without tokens.
 constexpr Case kCases[] = {{1, 1, 4, 4},
                            {3, 5, 12, 20, Activation::relu},
                            {7, 3, 20, 28, Activation::leakyRelu, true},
@@ -47,7 +50,8 @@ constexpr Case kCases[] = {{1, 1, 4, 4},
                            {9, 40, 24, 3, Activation::relu, false, false, 0, 0, 0, 0, {4, 9}, false, 8},
                            {3, 33, 180, 180, Activation::none, true, true},
                            {2, 35, 360, 180, Activation::none, true, false, 0, 0, 180, 368},
-                           {5, 9, 60, 60, Activation::gelu, false, false, 4, 68, 0, 0, {}, true}};
+                           {5, 9, 60, 60, Activation::gelu, false, false, 4, 68, 0, 0, {}, true},
+                           {67, 63, 8, 12, Activation::relu, false, false, 0, 0, 4, 24}};
 
 std::vector<float> halves(std::vector<float> numbers) {
   for (float& number : numbers) number = static_cast<float>(static_cast<int>(number * 512)) / 512;
@@ -96,6 +100,24 @@ TEST(Linear, IsExactOnMatrixUnits) {
     const DeviceTraits traits = test::traitsOf(KernelFamily::matrix);
     EXPECT_NE(dispatch(op, traits).program.find("_matrix_"), std::string::npos);
     test::expectMatchesReference(op, traits, {}, {{0, test::smallIntegers(op.input.storedElementCount(), 3)}});
+  }
+}
+
+TEST(Linear, HasFewProgramsForFramesOfAllSizes) {
+  const std::vector<float> weight(64), bias(8);
+  for (const bool hasResidual : {false, true}) {
+    std::set<std::vector<uint32_t>> programs;
+    for (uint32_t width = 1; width < 400; ++width) {
+      Linear op{.input = view(0, DataType::f32, 16, width, 8),
+                .output = view(1, DataType::f32, 16, width, 8),
+                .weight = weight,
+                .bias = bias};
+      if (hasResidual) op.residual = op.output;
+      const Dispatch launch = dispatch(op, test::traitsOf(KernelFamily::lane));
+      ASSERT_EQ(launch.program, "linear_lane_f32");
+      programs.insert(launch.specialization);
+    }
+    EXPECT_EQ(programs.size(), hasResidual ? 3u : 2u);
   }
 }
 
