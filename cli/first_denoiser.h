@@ -38,6 +38,10 @@ class FirstDenoiser {
   /// all of it. Throws Error, and Failure when interrupted.
   void denoise(Device& device, Frame& frame);
 
+  /// Of the networks that denoise() ran: seconds with upload and download, and the most device memory in bytes.
+  double seconds() const { return networks_.runSeconds(); }
+  uint64_t deviceBytes() const { return networks_.deviceBytes(); }
+
   /// Of many frames, before the device goes.
   void release() { networks_.release(); }
 

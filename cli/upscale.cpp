@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -92,6 +93,8 @@ void upscaleOn(Device& device, const Task& task) {
   if (!upscaler) upscaler.emplace(device, opened.model, frame.width(), frame.height(), options.upscaler());
   Upscaled result = compute(*upscaler, opened.model, frame, options);
   upscaler.reset();
+  result.seconds += denoiser.seconds();
+  result.deviceBytes = std::max(result.deviceBytes, denoiser.deviceBytes());
   result.checks = std::move(checks);
   std::optional<Image> alpha;
   if (frame.alpha()) {
