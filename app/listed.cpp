@@ -8,4 +8,8 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string counted(size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 }  // namespace xrds

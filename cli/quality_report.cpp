@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/listed.h"
 #include "cli/json_text.h"
 #include "cli/metric_columns.h"
 #include "cli/table.h"
@@ -43,7 +44,7 @@ std::string caption(const QualityReport& report) {
          " samples a pixel" + (setting.mergesColour ? ", merged with that of the full-resolution render" : "") +
          (setting.denoisedBy.empty() ? "" : ", denoised first by " + setting.denoisedBy) + ", albedo and normal " +
          (setting.auxSamples ? "at " + setting.auxText() + ": average samples " + text("%g", *average) : "converged") +
-         ". " + std::to_string(report.sceneNames.size()) + " scenes of " +
+         ". " + counted(report.sceneNames.size(), "scene") + " of " +
          (folder.has_filename() ? folder : folder.parent_path()).filename().string() +
          (report.skipped.empty() ? "" : ", " + std::to_string(report.skipped.size()) + " skipped for missing files") +
          "; " + report.precision + " on " + report.device + "; seconds: median of the scenes, steady " +

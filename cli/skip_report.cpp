@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/listed.h"
 #include "app/skip_bound.h"
 #include "cli/json_text.h"
 #include "cli/table.h"
@@ -99,14 +100,13 @@ std::string plainText(const SkipReport& report) {
   const double worst = largestChange(report), bound = boundOf(report);
   std::string lines = report.run.folder + ", --skip " + report.skip + " (bound " + text("%g", bound) + "), model " +
                       report.run.model + " (" + report.run.precision + "), " + report.run.device.name + ": median of " +
-                      std::to_string(report.runs) + " pairs of runs" + (report.cpuTime ? ", CPU time" : "") + "\n\n" +
+                      counted(report.runs, "pair") + " of runs" + (report.cpuTime ? ", CPU time" : "") + "\n\n" +
                       aligned(rowsOf(report)) + "\nLargest change of a window " + text("%.5f", worst) + ": the bound " +
                       (worst <= bound ? "holds" : "does not hold") + ".\n";
   if (const std::vector<double> slower = costs(report); !slower.empty())
-    lines += "Where nothing is skipped: " + std::to_string(slower.size()) +
-             " pairs of runs, time with --skip over that without: median " + text("%.4f", median(slower)) +
-             ", quartiles " + text("%.4f", quantile(slower, 0.25)) + " and " + text("%.4f", quantile(slower, 0.75)) +
-             ".\n";
+    lines += "Where nothing is skipped: " + counted(slower.size(), "pair") +
+             " of runs, time with --skip over that without: median " + text("%.4f", median(slower)) + ", quartiles " +
+             text("%.4f", quantile(slower, 0.25)) + " and " + text("%.4f", quantile(slower, 0.75)) + ".\n";
   return lines;
 }
 

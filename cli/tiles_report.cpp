@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/listed.h"
 #include "cli/json_text.h"
 #include "cli/table.h"
 
@@ -62,9 +63,9 @@ TileError HaloErrors::worst() const {
 std::string plainText(const TilesReport& report) {
   std::vector<Row> table{{"halo", "RMS, mean", "RMS, worst", "PSNR, mean", "PSNR, worst", "largest step"}};
   for (const HaloErrors& errors : report.halos) table.push_back(rowOf(errors));
-  return report.run.model + ", " + report.run.precision + ", " + std::to_string(report.sceneNames.size()) +
-         " scenes of " + report.run.folder + ", " + std::to_string(report.columns) + " x " +
-         std::to_string(report.rows) + " tiles\n" + markdown(table);
+  return report.run.model + ", " + report.run.precision + ", " + counted(report.sceneNames.size(), "scene") + " of " +
+         report.run.folder + ", " + std::to_string(report.columns) + " x " + std::to_string(report.rows) + " tiles\n" +
+         markdown(table);
 }
 
 std::string jsonText(const TilesReport& report) {
