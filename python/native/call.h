@@ -14,6 +14,13 @@ namespace nb = nanobind;
 /// A sentence of our own as an exception of the package: ArgumentError, which is a ValueError too.
 [[noreturn]] void refuse(const std::string& sentence);
 
+/// The handle of what is named, "upscaler". Raises ArgumentError if it was closed.
+template <class Handle>
+Handle* opened(Handle* handle, const char* name) {
+  if (!handle) refuse(std::string("The ") + name + " was closed: make another one.");
+  return handle;
+}
+
 /// Raises the exception of the package that fits, unless the result is XRDS_OK.
 void require(XrdsResult result, const char* sentence);
 

@@ -52,11 +52,13 @@ class Device {
   }
   nb::dict fields() const {
     XrdsDeviceDescription found{.structSize = sizeof found};
+    XrdsDevice* const device = handle();
     Call call;
-    call.run([&] { return xrdsDescribeOpenDevice(handle_, &found); });
+    call.run([&] { return xrdsDescribeOpenDevice(device, &found); });
     return fieldsOf(found);
   }
-  XrdsDevice* handle() const { return handle_; }
+  /// Raises ArgumentError if it was closed: under Python's lock alone, not within Call::run().
+  XrdsDevice* handle() const { return opened(handle_, "device"); }
 
  private:
   XrdsDevice* handle_ = nullptr;

@@ -83,7 +83,8 @@ class Upscaler {
     const XrdsModel** const places[] = {&options.denoiser, &options.albedoDenoiser, &options.normalDenoiser};
     for (size_t i = 0; i < std::min(denoisers.size(), std::size(places)); ++i)
       if (denoisers[i]) *places[i] = denoisers[i]->handle();
-    call.run([&] { return xrdsCreateUpscaler(device.handle(), model.handle(), width, height, &options, &handle_); });
+    XrdsDevice* const onDevice = device.handle();
+    call.run([&] { return xrdsCreateUpscaler(onDevice, model.handle(), width, height, &options, &handle_); });
   }
   ~Upscaler() { close(); }
   Upscaler(const Upscaler&) = delete;
@@ -94,9 +95,10 @@ class Upscaler {
   void run(const Image& colour, const std::vector<const Image*>& auxiliary, const Image& output, nb::handle progress) {
     std::vector<XrdsImage> images;
     for (const Image* image : auxiliary) images.push_back(image->view());
+    XrdsUpscaler* const upscaler = opened(handle_, "upscaler");
     Call call(progress);
     call.run([&] {
-      return xrdsUpscale(handle_, &colour.view(), images.data(), static_cast<uint32_t>(images.size()), &output.view(),
+      return xrdsUpscale(upscaler, &colour.view(), images.data(), static_cast<uint32_t>(images.size()), &output.view(),
                          Call::hearFrame, &call);
     });
   }
@@ -122,9 +124,10 @@ class Upscaler {
       sets[i].whole = &whole->view();
     }
     std::vector<XrdsLayerReport> reports(given.size(), {.structSize = sizeof(XrdsLayerReport)});
+    XrdsUpscaler* const upscaler = opened(handle_, "upscaler");
     Call call(progress);
     call.run([&] {
-      return xrdsUpscaleLayers(handle_, &colour.view(), images.data(), static_cast<uint32_t>(images.size()),
+      return xrdsUpscaleLayers(upscaler, &colour.view(), images.data(), static_cast<uint32_t>(images.size()),
                                &output.view(), sets.data(), static_cast<uint32_t>(sets.size()), reports.data(),
                                Call::hearFrame, &call);
     });

@@ -45,8 +45,9 @@ std::vector<XrdsTemporalFrame> viewsOf(const std::vector<const Frame*>& frames) 
 class TemporalFilter {
  public:
   TemporalFilter(Device& device, uint32_t width, uint32_t height, uint32_t scale) {
+    XrdsDevice* const onDevice = device.handle();
     Call call;
-    call.run([&] { return xrdsCreateTemporalFilter(device.handle(), width, height, scale, &handle_); });
+    call.run([&] { return xrdsCreateTemporalFilter(onDevice, width, height, scale, &handle_); });
   }
   ~TemporalFilter() { close(); }
   TemporalFilter(const TemporalFilter&) = delete;
@@ -59,9 +60,10 @@ class TemporalFilter {
            const Frame& merged) {
     const XrdsTemporalFrame now = viewOf(present), result = viewOf(merged);
     const std::vector<XrdsTemporalFrame> past = viewsOf(before), future = viewsOf(after);
+    XrdsTemporalFilter* const filter = opened(handle_, "temporal filter");
     Call call;
     call.run([&] {
-      return xrdsMergeFrames(handle_, &now, past.data(), static_cast<uint32_t>(past.size()), future.data(),
+      return xrdsMergeFrames(filter, &now, past.data(), static_cast<uint32_t>(past.size()), future.data(),
                              static_cast<uint32_t>(future.size()), &result);
     });
   }

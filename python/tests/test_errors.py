@@ -22,9 +22,11 @@ ALBEDO, NORMAL = IMAGES["albedo"], IMAGES["normal"]
     ({"model": "xrds-x2-compact"}, "128 x 96"),
     ({"out": noise(5, 5)}, "output image is 5 x 5 pixels, expected 128 x 96"),
     ({"out": ALBEDO}, "shares memory with the albedo"),
-    ({"ensemble": 3}, "3 passes"),
-    ({"ensemble": 2**40}, "ensemble"),
-    ({"memory": -1}, "memory -1"),
+    ({"ensemble": 3}, "ensemble is 3, expected 1, 2, 4 or 8"),
+    ({"ensemble": 0}, "ensemble is 0"),
+    ({"ensemble": 2**40}, "ensemble is 1099511627776"),
+    ({"memory": -1}, "memory is -1, expected a whole number"),
+    ({"memory": 1e6 + 0.5}, r"memory is 1000000\.5"),
     ({"exposure": 0.0}, "exposure is 0"),
     ({"exposure": float("nan")}, "exposure is nan"),
     ({"skip": -1.0}, "skip"),
@@ -32,6 +34,7 @@ ALBEDO, NORMAL = IMAGES["albedo"], IMAGES["normal"]
     ({"precision": "fp8"}, "precision is 'fp8', expected 'fp32' or 'fp16'"),
     ({"tune": "often"}, "tune is 'often'"),
     ({"full_colour": ALBEDO, "samples": (0, 1)}, "samples are 0 and 1"),
+    ({"full_colour": ALBEDO, "samples": (1, 2, 3)}, "samples are 1 and 2 and 3, expected two"),
 ])
 def test_arguments_that_cannot_be(change, words):
     with pytest.raises(ValueError, match=words) as caught:
@@ -89,14 +92,23 @@ def test_a_closed_upscaler_is_refused():
     with xrds.Upscaler(32, 24, MODEL) as upscaler:
         upscaler(COLOUR, **IMAGES)
         assert upscaler.device_bytes > 0 and upscaler.exposure > 0
-    with pytest.raises(xrds.Error):
+    with pytest.raises(xrds.ArgumentError, match="upscaler was closed"):
         upscaler(COLOUR, **IMAGES)
     assert upscaler.device_bytes == 0
+    device = xrds.Device()
+    device.close()
+    with pytest.raises(xrds.ArgumentError, match="device was closed"):
+        xrds.Upscaler(32, 24, MODEL, device=device)
+
+
+def test_numbers_as_the_command_takes_them():
+    wanted = xrds.upscale(COLOUR, model=MODEL, **IMAGES)
+    numpy.testing.assert_array_equal(xrds.upscale(COLOUR, model=MODEL, skip="off", memory=64e6, **IMAGES), wanted)
 
 
 def test_frames_of_another_size_are_refused():
     with xrds.Upscaler(16, 24, MODEL) as upscaler, pytest.raises(ValueError, match="32 x 24 pixels, expected 16 x 24"):
         upscaler(COLOUR, **IMAGES)
     for size in (0, -1, 2**32):
-        with pytest.raises(ValueError, match="pixels, expected"):
+        with pytest.raises(ValueError, match="pixels, expected 1 to 4294967295"):
             xrds.Upscaler(size, 24, MODEL)

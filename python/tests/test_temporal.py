@@ -116,7 +116,7 @@ def test_no_such_filter():
         xrds.TemporalFilter(WIDTH, HEIGHT, 3)
     with pytest.raises(xrds.ArgumentError, match="no frame"):
         xrds.TemporalFilter(0, HEIGHT, 4)
-    with pytest.raises(xrds.ArgumentError):
+    with pytest.raises(xrds.ArgumentError, match="temporal filter was closed"):
         with xrds.TemporalFilter(8, 8, 1) as closed:
             closed.close()
             closed(xrds.TemporalFrame(noise(8, 8)))

@@ -61,7 +61,7 @@ def levelled(full: _native.Image, merged: _native.Image) -> Result:
 def _checked(samples: Optional[Samples]) -> Samples:
     if samples is None:
         return 0, 0
+    if len(samples) != 2 or not all(number > 0 for number in samples):
+        raise ArgumentError(f"The samples are {' and '.join(map(str, samples))}, expected two positive numbers.")
     low, full = samples
-    if not (low > 0 and full > 0):
-        raise ArgumentError(f"The samples are {low} and {full}, expected two positive numbers.")
     return float(low), float(full)

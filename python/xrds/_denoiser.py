@@ -42,7 +42,7 @@ class Denoiser(Held[Networks]):
         device: AnyDevice = None,
         precision: str = "fp32",
         exposure: Optional[float] = None,
-        memory: Optional[int] = None,
+        memory: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> None:
         self.width, self.height, self.inputs = width, height, tuple(inputs)

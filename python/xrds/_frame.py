@@ -30,7 +30,7 @@ def upscale(
     colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
-    precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
+    precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[float] = ...,
     tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
 
@@ -40,7 +40,7 @@ def upscale(
     colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., depth: Optional[Array] = ...,
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
-    precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[int] = ...,
+    precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[float] = ...,
     tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
 
@@ -63,7 +63,7 @@ def upscale(
     exposure: Optional[float] = None,
     skip: Skip = None,
     ensemble: int = 1,
-    memory: Optional[int] = None,
+    memory: Optional[float] = None,
     tiles: str = "bounded",
     tune: str = "auto",
     denoise_first: Union[bool, Path] = False,
@@ -139,7 +139,7 @@ def upscale(
 @overload
 def denoise(
     colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: None = ..., guides: str = ..., quality: str = ...,
-    denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[int] = ...,
+    denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[float] = ...,
     out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
 
@@ -147,7 +147,7 @@ def denoise(
 @overload
 def denoise(
     colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: Layers, guides: str = ..., quality: str = ...,
-    denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[int] = ...,
+    denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[float] = ...,
     out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
 
@@ -164,7 +164,7 @@ def denoise(
     device: AnyDevice = None,
     precision: str = "fp32",
     exposure: Optional[float] = None,
-    memory: Optional[int] = None,
+    memory: Optional[float] = None,
     out: Optional[Array] = None,
     progress: Optional[Progress] = None,
 ) -> Union[Result, tuple[Result, dict[str, Result]]]:

@@ -33,10 +33,10 @@ class Upscaler(Held[_native.Upscaler]):
     device: a Device, or what Device takes; None: the best one.
     precision: "fp32", or "fp16": half the memory.
     exposure: factor on the colour for the network, 1e-30 to 1e30; None: from the mean log luminance of each frame.
-    skip: windows of the frame that change by less are interpolated without the network; "safe": 0.005. None: none are.
+    skip: windows of the frame that change by less are interpolated without the network; "safe": 0.005. None, "off": none are.
     keep_unchanged: windows whose inputs did not change since the last run keep their result, for sequences.
     ensemble: passes over mirrored images, 1, 2, 4 or 8.
-    memory: bytes of the device at most; a larger frame is cut into tiles. None: three quarters.
+    memory: bytes of the device at most, as 64e6; a larger frame is cut into tiles. None: three quarters.
     tiles: "bounded", or "exact": with the bits of the whole frame, for more work.
     tune: "auto", "never" or "now": whether the device's fastest kernels are found before, minutes on a CPU.
     denoise_first: Open Image Denoise's networks take the noise out of all images first, on the same device: True: those of
@@ -63,7 +63,7 @@ class Upscaler(Held[_native.Upscaler]):
         skip: Skip = None,
         keep_unchanged: bool = False,
         ensemble: int = 1,
-        memory: Optional[int] = None,
+        memory: Optional[float] = None,
         tiles: str = "bounded",
         tune: str = "auto",
         denoise_first: Union[bool, Path] = False,
@@ -255,7 +255,7 @@ def _listed(names: tuple[str, ...]) -> str:
 
 def _size(value: int, name: str) -> int:
     if not 0 < value < 2**32:
-        raise ArgumentError(f"The {name} is {value} pixels, expected a positive number.")
+        raise ArgumentError(f"The {name} is {value} pixels, expected 1 to {2**32 - 1}.")
     return value
 
 
@@ -264,7 +264,7 @@ def _options(
     exposure: Optional[float],
     skip: Skip,
     ensemble: int,
-    memory: Optional[int],
+    memory: Optional[float],
     tune: str,
 ) -> _native.UpscalerOptions:
     options = _native.UpscalerOptions()
@@ -275,14 +275,15 @@ def _options(
             raise ArgumentError(f"The exposure is {exposure}, expected a number from 1e-30 to 1e30, or None.")
         options.exposure = exposure
     if isinstance(skip, str):
-        _one_of(skip, "skip", ("safe",))
-        options.skip = _SAFE_SKIP
+        options.skip = _SAFE_SKIP if _one_of(skip, "skip", ("safe", "off")) == "safe" else 0
     elif skip is not None:
         options.skip = skip
-    if not 0 < ensemble <= 8 or not (memory is None or 0 < memory < 2**64):
-        raise ArgumentError(f"The ensemble is {ensemble} and the memory {memory}, expected 1, 2, 4 or 8, and bytes or None.")
+    if ensemble not in (1, 2, 4, 8):
+        raise ArgumentError(f"The ensemble is {ensemble}, expected 1, 2, 4 or 8.")
+    if memory is not None and not (0 < memory < 2**64 and memory == int(memory)):
+        raise ArgumentError(f"The memory is {memory}, expected a whole number of bytes, or None.")
     options.ensemble = ensemble
-    options.memory = memory or 0
+    options.memory = int(memory or 0)
     return options
 
 
