@@ -6,6 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
+#include <sstream>
 
 #include "tests/cli/frames.h"
 #include "tests/cli/process.h"
@@ -36,14 +38,24 @@ class CliTune : public testing::Test {
   Ended run(const std::vector<std::string>& arguments, const std::string& family = "") const {
     return runXrds(arguments, start(family));
   }
-  // Bytes of what tuning keeps.
-  uintmax_t recordBytes() const {
+  // What tuning keeps: the text of its record, nothing before there is one.
+  std::string record() const {
     std::error_code none;
-    uintmax_t bytes = 0;
     for (fs::recursive_directory_iterator entry(folder_ / "cache", none), end; !none && entry != end;
          entry.increment(none))
-      if (entry->path().filename().string().starts_with("tuning-")) bytes = std::max(bytes, entry->file_size(none));
-    return bytes;
+      if (entry->path().filename().string().starts_with("tuning-") && entry->path().extension() == ".bin") {
+        std::ifstream in(entry->path(), std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+      }
+    return "";
+  }
+  // A line for each kernel that was tried, its time with it.
+  std::set<std::string> findings() const {
+    std::set<std::string> found;
+    std::istringstream lines(record());
+    for (std::string line; std::getline(lines, line);)
+      if (line.starts_with("finding\t")) found.insert(line);
+    return found;
   }
   fs::path folder_;
 };
@@ -101,22 +113,29 @@ TEST_F(CliTune, AKilledTuningGoesOnWhereItStopped) {
   const std::string json = (folder_ / "tune.json").string();
   const std::vector<std::string> command{"tune", kModel, "--size", "64x64", "--precision", "fp16", "--json", json};
   const Ended killed = killXrds(
-      command, [&] { return recordBytes() > 1000; }, start());
+      command, [&] { return record().size() > 1000; }, start());
   ASSERT_EQ(killed.exitCode, 1009);
-  const auto tried = [&] {
+  const std::set<std::string> known = findings();
+  EXPECT_FALSE(known.empty());
+  const auto report = [&] {
     std::ifstream in(json);
     return nlohmann::json::parse(in).at("tuned").at(0);
   };
   ASSERT_EQ(run(command).exitCode, 0);
-  const auto resumed = tried();
-  EXPECT_LE(resumed.at("struckOff").size(), 1u) << "at most the kernel that ran when the process was killed";
+  const std::set<std::string> resumed = findings();
+  EXPECT_TRUE(std::includes(resumed.begin(), resumed.end(), known.begin(), known.end()))
+      << "what was known was tried again";
+  EXPECT_GT(resumed.size(), known.size());
+  EXPECT_EQ(report().at("kernelsTried").get<size_t>(), resumed.size() - known.size());
+  EXPECT_LE(report().at("struckOff").size(), 1u) << "at most the kernel that ran when the process was killed";
+
   std::vector<std::string> anew = command;
   anew.emplace_back("--anew");
   ASSERT_EQ(run(anew).exitCode, 0);
-  const int all = tried().at("kernelsTried").get<int>();
-  EXPECT_LT(resumed.at("kernelsTried").get<int>(), all) << "what was known was not tried again";
-  EXPECT_GT(resumed.at("kernelsTried").get<int>(), 0);
-  EXPECT_EQ(tried().at("struckOff").size(), 0u);
+  const std::set<std::string> all = findings();
+  EXPECT_EQ(report().at("kernelsTried").get<size_t>(), all.size());
+  EXPECT_FALSE(std::includes(all.begin(), all.end(), known.begin(), known.end())) << "nothing was tried anew";
+  EXPECT_EQ(report().at("struckOff").size(), 0u);
 }
 
 }  // namespace
