@@ -76,14 +76,17 @@ UpscaleOptions SequenceFrame::alone(const UpscaleOptions& options) const {
   return one;
 }
 
+std::optional<std::string> mergedWithout(const SequenceFrame& frame) {
+  try {
+    return readExrHeader(frame.output).parts.front().attributes.text(kMergedWithout);
+  } catch (const Error&) {  // whoever put it there
+    return {};
+  }
+}
+
 bool isMade(const SequenceFrame& frame) {
   std::error_code ignored;
-  if (!fs::exists(frame.output, ignored)) return false;
-  try {
-    return !readExrHeader(frame.output).parts.front().attributes.text(kMergedWithout);
-  } catch (const Error&) {  // whoever put it there
-    return true;
-  }
+  return fs::exists(frame.output, ignored) && !mergedWithout(frame);
 }
 
 SequencePlan planSequence(const UpscaleOptions& options) {

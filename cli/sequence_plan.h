@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "cli/upscale_options.h"
@@ -27,6 +29,9 @@ struct SequencePlan {
 
 /// The attribute of an output that tells which frames could not be read and so were not merged (--temporal).
 inline constexpr const char* kMergedWithout = "xrds:mergedWithout";
+
+/// The frames that the output of a frame says it was merged without; nothing if it says none, or is not there.
+std::optional<std::string> mergedWithout(const SequenceFrame& frame);
 
 /// Whether the output of a frame is there, for good: not if it says that it was merged without some.
 bool isMade(const SequenceFrame& frame);

@@ -43,7 +43,7 @@ class Worker {
       const std::string frames = describeFrames(group.unreadable);
       made.output.texts[kMergedWithout] = frames;
       made.warnings.push_back("merged without frames that cannot be read or merged: " + frames +
-                              "; --skip-existing makes it again each time until they can be.");
+                              "; --skip-existing makes it again once they can be.");
     }
     return made;
   }
@@ -159,6 +159,7 @@ void runSequence(const UpscaleOptions& options, const SequencePlan& plan, const 
         const SequenceFrame& frame = plan.frames[index];
         if (options.skipExisting && isMade(frame)) return {};
         FrameGroup read = frames.read(frame);
+        if (options.skipExisting && mergedWithout(frame) == describeFrames(read.unreadable)) return {};
         warn(index, read.present->frame.warnings());
         return read;
       },

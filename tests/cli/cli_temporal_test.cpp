@@ -177,6 +177,8 @@ TEST(CliTemporal, FramesMadeWithoutOneThatCannotBeReadAreMadeAgain) {
     EXPECT_EQ(sequence.filesIn("out", ".exr"), 5U);
     const auto untouched = fs::last_write_time(sequence.at("out/f", 2)),
                without = fs::last_write_time(sequence.at("out/f", 3));
+    EXPECT_EQ(sequence.run("out", kResume).exitCode, 8);
+    EXPECT_EQ(fs::last_write_time(sequence.at("out/f", 3)), without) << "it would be the same again";
     fs::remove_all(damaged);
     fs::rename(kept, damaged);
     EXPECT_EQ(sequence.run("out", kResume).exitCode, 0);
