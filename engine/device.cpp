@@ -109,28 +109,14 @@ void loadPipelineCache(Gpu::Handles& gpu) {
   checkResult(gpu.vk.vkCreatePipelineCache(gpu.device, &info, nullptr, &gpu.pipelineCache), "vkCreatePipelineCache");
 }
 
-// The devices of an instance, which is opened anew with narrower vectors where a CPU driver does badly with wide ones:
-// its version is known only then.
-std::vector<FoundDevice> openDevices(std::unique_ptr<Instance>& instance, const DeviceOptions& options) {
-  instance = openInstance(options);
-  if (!instance) return {};
-  auto found = findDevices(*instance);
-  const auto suffers = [](const FoundDevice& each) { return !llvmpipeTraits(each.description.driver).wideVectors; };
-  if (std::none_of(found.begin(), found.end(), suffers) || !narrowCpuVectors()) return found;
-  instance.reset();
-  if (!options.cacheFolder.empty()) separateShaderCache(options.cacheFolder);
-  instance = openInstance(options);
-  return findDevices(*instance);
-}
-
 }  // namespace
 
 std::vector<DeviceDescription> listDevices() {
   const auto held = holdLoader();
   widenCpuVectors();
-  std::unique_ptr<Instance> instance;
   std::vector<DeviceDescription> descriptions;
-  for (const auto& found : openDevices(instance, {})) descriptions.push_back(found.description);
+  if (const auto instance = openInstance({}))
+    for (const auto& found : findDevices(*instance)) descriptions.push_back(found.description);
   return descriptions;
 }
 
@@ -141,8 +127,6 @@ void prepareDrivers(const std::filesystem::path& cacheFolder, bool draws) {
   // llvmpipe (Mesa 22.3) crashes when it compiles a vertex shader for 512-bit vectors.
   if (!draws) widenCpuVectors();
   separateShaderCache(folder);
-  std::unique_ptr<Instance> instance;
-  if (!draws) openDevices(instance, {.cacheFolder = folder});
 }
 
 Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
@@ -152,7 +136,8 @@ Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   gpu.options.cacheFolder = chooseCacheFolder(gpu.options.cacheFolder, gpu.notes);
   widenCpuVectors();
   separateShaderCache(gpu.options.cacheFolder);
-  const auto found = openDevices(gpu.instance, gpu.options);
+  gpu.instance = openInstance(gpu.options);
+  const auto found = gpu.instance ? findDevices(*gpu.instance) : std::vector<FoundDevice>();
   std::vector<DeviceDescription> descriptions;
   descriptions.reserve(found.size());
   for (const auto& device : found) descriptions.push_back(device.description);

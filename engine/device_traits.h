@@ -59,7 +59,7 @@ struct KernelChoice {
 /// How a CPU device hands the value of one lane to all in few instructions.
 enum class LaneCode : uint8_t {
   shuffles,    // by a shuffle with a constant lane
-  broadcasts,  // of 64 bits by a broadcast, outside of control flow: its shuffles of them are loops
+  broadcasts,  // by a broadcast: its shuffles of 64 bits are loops, those of 16 lanes go through memory
   scalars      // by a broadcast: what is equal in all lanes is a scalar to the compiler
 };
 

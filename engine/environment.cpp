@@ -141,13 +141,6 @@ void widenCpuVectors() {
   setVariable(kWidth, ourWidth);
 }
 
-bool narrowCpuVectors() {
-  if (ourWidth != "512" || environmentVariable(kWidth) != ourWidth) return false;
-  ourWidth = "256";
-  setVariable(kWidth, ourWidth);
-  return true;
-}
-
 void separateShaderCache(const std::filesystem::path& cacheFolder) {
   const std::string width = environmentVariable(kWidth), present = environmentVariable(kShaderCache);
   if (present != ourShaderCache) usersShaderCache = present;

@@ -11,7 +11,6 @@ LlvmpipeTraits llvmpipeTraits(std::string_view driver) {
   if (std::sscanf(std::string(driver).c_str(), "llvmpipe Mesa %d.%d", &mesa.first, &mesa.second) != 2) return {};
   LlvmpipeTraits traits{.comparesSharedLoads = true};
   if (mesa > std::pair(22, 3)) traits.laneCode = mesa < std::pair(25, 1) ? LaneCode::broadcasts : LaneCode::scalars;
-  traits.wideVectors = traits.laneCode != LaneCode::broadcasts;
   return traits;
 }
 

@@ -9,11 +9,8 @@ namespace xrds {
 
 /// What is known of Mesa's Vulkan driver for CPUs. Tried: Mesa 22.3, 25.0, 26.1 and 26.2.
 struct LlvmpipeTraits {
-  /// 512-bit vectors are no slower than 256-bit ones. Of Mesa 25.0, whose shuffles of 16 lanes go through memory, they
-  /// take seven times as long; versions that were not tried between 22.3 and 25.1 are taken for such.
-  bool wideVectors = true;
-  /// Shuffles up to Mesa 22.3, scalars from Mesa 25.1 on, broadcasts between. With scalars fma() is one instruction,
-  /// at the latest in Mesa 26.2; in 26.1 it is two.
+  /// Shuffles up to Mesa 22.3, scalars from Mesa 25.1 on, broadcasts between, also in versions that were not tried. With
+  /// scalars fma() is one instruction, at the latest in Mesa 26.2; in 26.1 it is two.
   LaneCode laneCode = LaneCode::shuffles;
   /// It takes long to prepare programs with many loads of shared memory (engine/shared_loads.h): all versions tried.
   bool comparesSharedLoads = false;

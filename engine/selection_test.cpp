@@ -106,21 +106,18 @@ TEST(Device, TraitsAreWhatVulkanGuarantees) {
 }
 
 TEST(Llvmpipe, IsKnownByItsVersion) {
-  EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)").wideVectors);
   EXPECT_EQ(llvmpipeTraits("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)").laneCode, LaneCode::shuffles);
   for (const char* driver : {"llvmpipe Mesa 25.0.7-2+deb13u1 (LLVM 19.1.7)", "llvmpipe Mesa 23.0.0 (LLVM 15.0.6)"}) {
-    EXPECT_FALSE(llvmpipeTraits(driver).wideVectors) << driver;
     EXPECT_EQ(llvmpipeTraits(driver).laneCode, LaneCode::broadcasts) << driver;
     EXPECT_TRUE(llvmpipeTraits(driver).comparesSharedLoads) << driver;
   }
   EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").comparesSharedLoads);
   EXPECT_FALSE(llvmpipeTraits("radv Mesa 22.3.6").comparesSharedLoads);
-  EXPECT_TRUE(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").wideVectors);
   EXPECT_EQ(llvmpipeTraits("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)").laneCode, LaneCode::scalars);
   EXPECT_TRUE(llvmpipeMultiplies("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)", 8));
   EXPECT_FALSE(llvmpipeMultiplies("llvmpipe Mesa 26.2.6-1 (LLVM 22.1.8)", 16));
   EXPECT_TRUE(llvmpipeMultiplies("NVIDIA 580.00", 32));
-  EXPECT_TRUE(llvmpipeTraits("radv Mesa 25.0.7").wideVectors);
+  EXPECT_EQ(llvmpipeTraits("radv Mesa 25.0.7").laneCode, LaneCode::shuffles);
   EXPECT_EQ(llvmpipeTraits("SwiftShader driver").laneCode, LaneCode::shuffles);
 }
 

@@ -22,23 +22,23 @@ const uint kDigitBits = 4;
 layout(push_constant) uniform Push { PARAMS p; uint digit[1 << kDigitBits]; };  // digit[i] = i
 layout(constant_id = 32) const uint kLaneCode = 0;  // engine/dispatch.h: kLaneCodeConstant and LaneCode
 #ifdef XRDS_ADDRESSED
-const bool kBroadcastsWords = true, kKnowsUniforms = true;  // the digits are not all there
+const bool kBroadcasts = true, kKnowsUniforms = true;  // the digits are not all there
 #else
-const bool kBroadcastsWords = kLaneCode >= 1, kKnowsUniforms = kLaneCode == 2;
+const bool kBroadcasts = kLaneCode >= 1, kKnowsUniforms = kLaneCode == 2;
 #endif
 
 // The value of the lane, in all lanes. The lane is constant.
-#define HAND_OUT(type, broadcasts)                       \
+#define HAND_OUT(type)                                   \
   type handedOut(type value, const uint lane) {          \
-    if (broadcasts)                                      \
+    if (kBroadcasts)                                     \
       return subgroupBroadcast(value, lane);             \
     else                                                 \
       return subgroupShuffle(value, lane);               \
   }
-HAND_OUT(float, kKnowsUniforms)
-HAND_OUT(vec4, kKnowsUniforms)
-HAND_OUT(WIDE4, kBroadcastsWords)
-HAND_OUT(WIDE8, kBroadcastsWords)
+HAND_OUT(float)
+HAND_OUT(vec4)
+HAND_OUT(WIDE4)
+HAND_OUT(WIDE8)
 
 // sum + x * w. Where kKnowsUniforms, fma() is one instruction; of the other drivers it only makes compiling slower.
 #define PLUS_PRODUCT(type)                                 \
@@ -67,7 +67,7 @@ uint uniformOf(uint value, const uint digits) {
     const uint begin = (chunk * gl_WorkGroupSize.y + uniformOf(gl_LocalInvocationID.y, 2)) * kLanes;                    \
     const uint own = min(begin + gl_LocalInvocationID.x, count - 1);                                                    \
     const vec4 fetched = texelFetch(weights, int(first + own));                                                         \
-    if (kKnowsUniforms)                                                                                                 \
+    if (kBroadcasts)                                                                                                    \
       tile[own] = fetched;                                                                                              \
     else                                                                                                                \
       [[unroll]] for (uint l = 0; l < kLanes; l++) tile[min(begin + l, count - 1)] = handedOut(fetched, l);             \
