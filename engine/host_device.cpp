@@ -12,14 +12,20 @@
 namespace xrds {
 namespace {
 
-std::unique_ptr<Instance> checkedInstance(const HostDevice& host) {
-  if (!host.instance || !host.physicalDevice)
-    throw InvalidArgument("The Vulkan instance or the physical device is a null handle.");
+// One whose functions are there.
+std::unique_ptr<Instance> loadedInstance(const HostDevice& host) {
   auto instance = takeInstance(host.instance, host.loader);
   if (!vkEnumeratePhysicalDevices || !vkGetPhysicalDeviceProperties2)
     throw InvalidArgument(
         "The Vulkan loader that was given does not know the instance, or it was not made for Vulkan 1.2: set the "
         "apiVersion of its VkApplicationInfo.");
+  return instance;
+}
+
+std::unique_ptr<Instance> checkedInstance(const HostDevice& host) {
+  if (!host.instance || !host.physicalDevice)
+    throw InvalidArgument("The Vulkan instance or the physical device is a null handle.");
+  auto instance = loadedInstance(host);
   const auto devices = physicalDevices(host.instance);
   if (std::find(devices.begin(), devices.end(), host.physicalDevice) == devices.end())
     throw InvalidArgument("The physical device is none of the instance's.");
@@ -56,7 +62,7 @@ uint32_t checkedQueue(const HostDevice& host) {
 
 VkPhysicalDevice selectPhysicalDevice(const HostDevice& host, std::string_view select) {
   const auto held = holdLoader();
-  const auto instance = takeInstance(host.instance, host.loader);
+  const auto instance = loadedInstance(host);
   const auto found = findDevices(*instance);
   std::vector<DeviceDescription> descriptions;
   descriptions.reserve(found.size());

@@ -59,6 +59,23 @@ TEST_F(EmbeddedDoors, RefuseDevicesThatCannotBe) {
   expectNoHarm();
 }
 
+// One that knows nothing, of an instance that it did not make.
+TEST_F(EmbeddedDoors, RefuseALoaderThatDoesNotKnowTheInstance) {
+  const PFN_vkGetInstanceProcAddr knowsNothing = [](VkInstance, const char*) -> PFN_vkVoidFunction { return nullptr; };
+  VkPhysicalDevice found = VK_NULL_HANDLE;
+  refused(xrdsSelectVulkanDevice(knowsNothing, host->instance, nullptr, &found), "does not know the instance");
+  EXPECT_EQ(found, VK_NULL_HANDLE);
+  XrdsVulkanFeatures features{.structSize = sizeof features};
+  refused(xrdsGetVulkanFeatures(knowsNothing, host->instance, host->physicalDevice, &features),
+          "does not know the instance");
+  XrdsVulkanDevice wrong = host->vulkan();
+  wrong.loader = knowsNothing;
+  XrdsDevice* made = nullptr;
+  refused(xrdsOpenVulkanDevice(&wrong, nullptr, &made), "does not know the instance");
+  EXPECT_EQ(made, nullptr);
+  expectNoHarm();
+}
+
 TEST_F(EmbeddedDoors, RefuseFramesThatCannotBe) {
   XrdsRecording* made = nullptr;
   Frame good = frame();
