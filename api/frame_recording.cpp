@@ -1,5 +1,6 @@
 #include "api/frame_recording.h"
 
+#include <limits>
 #include <list>
 
 #include "api/arguments.h"
@@ -68,6 +69,12 @@ HostPixels pixelsOf(const XrdsVulkanImage& image, const std::string& what, uint3
   return pixels;
 }
 
+// Where bytes behind an offset end; beyond all buffers if that is no number.
+uint64_t endOf(uint64_t offset, uint64_t byteSize) {
+  constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
+  return offset > kMost - byteSize ? kMost : offset + byteSize;
+}
+
 Gpu& sharedDevice(const FrameUpscaler& upscaler) {
   Gpu& gpu = upscaler.gpu();
   if (!gpu.isShared())
@@ -100,7 +107,7 @@ HostPicture RecordedFrame::State::pictureOf(const XrdsVulkanImage& image, const 
     picture.image = &images.emplace_back(HostImage{image.image, image.layout, image.width, image.height});
     return picture;
   }
-  const uint64_t end = alignUp(image.offset + picture.pixels.byteSize(), uint64_t{4});
+  const uint64_t end = endOf(image.offset, alignUp(picture.pixels.byteSize(), uint64_t{4}));
   picture.buffer = &buffers.emplace_back(hostBuffer(gpu, image.buffer, end));
   return picture;
 }
@@ -115,7 +122,7 @@ void RecordedFrame::State::takeExposure(const XrdsVulkanFrame& given, HostPictur
     throw InvalidArgument("The exposure lies at byte " + std::to_string(given.exposureOffset) +
                           ", expected a multiple of 4.");
   pictures.exposureBuffer =
-      &buffers.emplace_back(hostBuffer(gpu, given.exposure, given.exposureOffset + sizeof(float)));
+      &buffers.emplace_back(hostBuffer(gpu, given.exposure, endOf(given.exposureOffset, sizeof(float))));
   pictures.exposureOffset = given.exposureOffset;
 }
 

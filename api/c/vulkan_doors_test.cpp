@@ -104,12 +104,26 @@ TEST_F(EmbeddedDoors, RefuseFramesThatCannotBe) {
   colour([](XrdsVulkanImage& image) { image.offset = 2; }, "an offset of 2, expected a multiple of 4");
   colour([](XrdsVulkanImage& image) { image.rowPitch = 4; }, "a row pitch of 4 bytes, expected a multiple of 4");
   colour([](XrdsVulkanImage& image) { image.offset = 1 << 20; }, "was given, expected at least 1050088 from");
+  colour([](XrdsVulkanImage& image) { image.offset = ~uint64_t{3}; }, "was given, expected at least");
   wrong = good.frame, wrong.output = good.colour.image;
   refused(create(wrong), "The output image is 14 x 9 pixels, expected 56 x 36");
   wrong = good.frame, wrong.exposure = good.colour.memory.buffer;
   refused(create(wrong), "computes its own");
   EXPECT_EQ(made, nullptr);
   expectNoHarm();
+}
+
+TEST_F(EmbeddedDoors, RefuseAnExposureBehindItsBuffer) {
+  XrdsUpscalerOptions options = xrdsUpscalerOptionsDefault();
+  options.exposure = 1;
+  open(14, 9, options);
+  Frame mine = frame();
+  mine.frame.auxiliary = mine.images;
+  mine.frame.exposure = mine.colour.memory.buffer;
+  mine.frame.exposureOffset = ~uint64_t{3};
+  XrdsRecording* made = nullptr;
+  refused(xrdsCreateRecording(upscaler, &mine.frame, &made), "was given, expected at least");
+  EXPECT_EQ(made, nullptr);
 }
 
 TEST_F(EmbeddedDoors, RefuseUpscalersThatCannotBeRecorded) {
