@@ -88,8 +88,9 @@ struct FrameUpscaler::State {
     }
   }
 
-  // Plans anew where the last plan was for another number of layers.
+  // Plans anew where the last plan was for another number of layers, or failed.
   void planLayers(uint32_t count) {
+    if (turned) turned->planLayers(count);
     if (count == layerCount && runner) return;
     if (count > 0 && (options.skip.bound > 0 || options.skip.keepUnchanged))
       throw InvalidArgument(
@@ -98,7 +99,6 @@ struct FrameUpscaler::State {
       throw InvalidArgument("An upscaler with denoisers makes no layers: denoise them before, and the colour as well.");
     if (isRecorded)
       throw InvalidArgument("The upscaler is part of a recording, which layers would change: create another one.");
-    if (turned) turned->planLayers(count);
     runner.reset();
     layerCount = count;
     try {
@@ -164,8 +164,8 @@ struct FrameUpscaler::State {
   bool isRecorded = false;                // in a command buffer of the caller, who relies on the runner
   std::vector<LayerReport> layerReports;  // of the last run
   Tiling tiling;
-  std::unique_ptr<FrameRunner> runner;
-  std::unique_ptr<State> turned;  // an ensemble's, of frames that are not square, on their diagonal
+  std::unique_ptr<FrameRunner> runner;  // null where the last plan failed
+  std::unique_ptr<State> turned;        // an ensemble's, of frames that are not square, on their diagonal
   Upscaler::Repairs repairs{};
 };
 
@@ -217,10 +217,11 @@ const std::vector<LayerReport>& FrameUpscaler::layerReports() const { return sta
 
 Upscaler::Repairs FrameUpscaler::repairs() const { return state_->repairs; }
 
-float FrameUpscaler::exposure() const { return state_->runner->exposure(); }
+float FrameUpscaler::exposure() const { return state_->runner ? state_->runner->exposure() : 0; }
 
 uint64_t FrameUpscaler::deviceBytes() const {
-  return state_->runner->byteSize() + (state_->turned ? state_->turned->runner->byteSize() : 0);
+  const uint64_t own = state_->runner ? state_->runner->byteSize() : 0;
+  return state_->turned && state_->turned->runner ? own + state_->turned->runner->byteSize() : own;
 }
 
 SkipMap FrameUpscaler::skipMap() const {
@@ -228,7 +229,7 @@ SkipMap FrameUpscaler::skipMap() const {
   const WindowMask none(state_->frame, config.window, false);
   SkipMap map{.side = config.window * config.scale, .columns = none.columns, .rows = none.rows};
   map.windows.resize(none.marks.size());
-  const SparseRunner* const sparse = state_->runner->sparse();
+  const SparseRunner* const sparse = state_->runner ? state_->runner->sparse() : nullptr;
   map.work = sparse ? sparse->work() : state_->tiling.work;
   for (size_t i = 0; i < map.windows.size() && sparse; ++i) {
     if (sparse->interpolated().marks[i]) map.windows[i] = SkipMap::Window::interpolated;
@@ -246,7 +247,9 @@ std::vector<Upscaler::ProfileRow> profileRows(std::span<const DispatchTime> time
   return rows;
 }
 
-std::vector<Upscaler::ProfileRow> FrameUpscaler::profile() const { return profileRows(state_->runner->times()); }
+std::vector<Upscaler::ProfileRow> FrameUpscaler::profile() const {
+  return state_->runner ? profileRows(state_->runner->times()) : std::vector<Upscaler::ProfileRow>();
+}
 
 std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, const PixelView& colour,
                                            std::span<const PixelView> auxiliary, const Upscaler::Options& options) {
@@ -272,6 +275,7 @@ std::vector<FramePart> FrameUpscaler::parts() const {
   if (state_->options.ensemble > 1)
     throw InvalidArgument("An ensemble of " + std::to_string(state_->options.ensemble) +
                           " passes cannot be recorded: create the upscaler with an ensemble of 1.");
+  state_->planLayers(0);  // the run before may have had some
   auto parts = state_->runner->parts();
   if (parts.empty())
     throw InvalidArgument(

@@ -7,6 +7,8 @@ namespace xrds {
 namespace {
 
 using test::Embedded;
+using test::kScale;
+using test::rgb;
 using test::VulkanHost;
 
 class EmbeddedDoors : public Embedded {
@@ -14,6 +16,21 @@ class EmbeddedDoors : public Embedded {
   static void refused(XrdsResult result, const char* words) {
     EXPECT_EQ(result, XRDS_ERROR_ARGUMENT) << words;
     EXPECT_NE(std::string(xrdsGetMessage()).find(words), std::string::npos) << words << " in " << xrdsGetMessage();
+  }
+  // xrdsUpscaleLayers() of the fixture's pixels, with layers each of which is all of the colour.
+  XrdsResult upscaleWithLayers(uint32_t count) {
+    const uint32_t w = kScale * width, h = kScale * height;
+    const XrdsImage colour = rgb(pixels[0], width, height), auxiliary[] = {rgb(pixels[1], w, h), rgb(pixels[2], w, h)};
+    std::vector<float> picture(pixels[1].size()), light(picture.size());
+    const XrdsImage output = rgb(picture, w, h);
+    XrdsLayer layer = xrdsLayerDefault();
+    layer.light = colour;
+    layer.output = rgb(light, w, h);
+    const std::vector<XrdsLayer> layers(count, layer);
+    XrdsLayerSet set = xrdsLayerSetDefault();
+    set.layerCount = count;
+    set.layers = layers.data();
+    return xrdsUpscaleLayers(upscaler, &colour, auxiliary, 2, &output, &set, 1, nullptr, nullptr, nullptr);
   }
   // That the frame still comes out right.
   void expectNoHarm() {
@@ -186,6 +203,43 @@ TEST_F(EmbeddedDoors, TellOfALostDeviceAndOfNoMemory) {
   VulkanHost::fail(nullptr, VK_SUCCESS);
   EXPECT_EQ(made, nullptr);
   expectNoHarm();
+}
+
+// Planned for as many layers as the run before had, a frame is recorded without.
+TEST_F(EmbeddedDoors, RecordBehindLayers) {
+  ASSERT_EQ(upscaleWithLayers(1), XRDS_OK) << xrdsGetMessage();
+  expectNoHarm();
+}
+
+TEST_F(EmbeddedDoors, TellOfAnUpscalerThatHasNoRoomForLayers) {
+  VulkanHost::fail("vkAllocateMemory", VK_ERROR_OUT_OF_DEVICE_MEMORY);
+  EXPECT_EQ(upscaleWithLayers(1), XRDS_ERROR_OUT_OF_MEMORY) << xrdsGetMessage();
+  EXPECT_EQ(xrdsGetExposure(upscaler), 0);
+  EXPECT_EQ(xrdsGetDeviceBytes(upscaler), 0u);
+  XrdsSkipMap map{.structSize = sizeof map};
+  EXPECT_EQ(xrdsGetSkipMap(upscaler, &map, nullptr, 0), XRDS_OK) << xrdsGetMessage();
+  const XrdsHearProfile hear = [](void*, const XrdsProfileRow*) {};
+  EXPECT_EQ(xrdsGetProfile(upscaler, hear, nullptr), XRDS_OK) << xrdsGetMessage();
+  Frame mine = frame();
+  mine.frame.auxiliary = mine.images;
+  XrdsRecording* made = nullptr;
+  EXPECT_EQ(xrdsCreateRecording(upscaler, &mine.frame, &made), XRDS_ERROR_OUT_OF_MEMORY) << xrdsGetMessage();
+  EXPECT_EQ(made, nullptr);
+  VulkanHost::fail(nullptr, VK_SUCCESS);
+  expectNoHarm();
+}
+
+// Of an ensemble both sessions are planned for the layers, or none.
+TEST_F(EmbeddedDoors, GoOnWithLayersAfterNoRoomForMore) {
+  XrdsUpscalerOptions options = xrdsUpscalerOptionsDefault();
+  options.ensemble = 8;
+  open(14, 9, options);
+  ASSERT_EQ(upscaleWithLayers(1), XRDS_OK) << xrdsGetMessage();
+  VulkanHost::fail("vkAllocateMemory", VK_ERROR_OUT_OF_DEVICE_MEMORY);
+  EXPECT_EQ(upscaleWithLayers(2), XRDS_ERROR_OUT_OF_MEMORY) << xrdsGetMessage();
+  EXPECT_GT(xrdsGetDeviceBytes(upscaler), 0u);
+  VulkanHost::fail(nullptr, VK_SUCCESS);
+  EXPECT_EQ(upscaleWithLayers(1), XRDS_OK) << xrdsGetMessage();
 }
 
 TEST_F(EmbeddedDoors, OpenFromSeveralThreads) {
