@@ -15,6 +15,18 @@ namespace {
 constexpr double kLeastShare = 0.003;      // of a frame's time, for which an operator's other shapes are tried
 constexpr uint32_t kPatienceSeconds = 60;  // for one kernel: less than one is usual
 
+/// The device's patience with one kernel, as long as it lives.
+class ShortPatience {
+ public:
+  explicit ShortPatience(Gpu& gpu) : gpu_(gpu) { gpu.setPatience(kPatienceSeconds); }
+  ~ShortPatience() { gpu_.setPatience(kUsualPatienceSeconds); }
+  ShortPatience(const ShortPatience&) = delete;
+  ShortPatience& operator=(const ShortPatience&) = delete;
+
+ private:
+  Gpu& gpu_;
+};
+
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -157,7 +169,7 @@ TuningResult tune(Gpu& gpu, const NetworkModel& model, FrameShape frame, const T
   const auto start = std::chrono::steady_clock::now();
   const uint32_t size = sizeClassOf(frame);
   KernelTrials trials(gpu, size, familiesOf(gpu, options.precision), options);
-  gpu.setPatience(kPatienceSeconds);
+  const ShortPatience patience(gpu);
   const FrameShape crop = cropOf(gpu, model, frame, options.precision);
   const std::vector<Form> forms = formsOf(gpu, model, crop, options.precision);
   const Form& form = tryKernels(forms, trials);
@@ -172,7 +184,6 @@ TuningResult tune(Gpu& gpu, const NetworkModel& model, FrameShape frame, const T
   if (!result.frame.taken) result.table = {};
   result.struckOff = trials.record().struckOff;
   result.measured = trials.measured();
-  gpu.setPatience(kUsualPatienceSeconds);
   return result;
 }
 
