@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "xrds/xrds.hpp"
 
@@ -43,6 +45,20 @@ TEST(DeviceListener, ThrowsInTheThreadOfTheCall) {
     EXPECT_NO_THROW(Upscaler(device, model, 16, 8, {}));
   }
   std::filesystem::remove_all(cache);
+}
+
+// Whatever the device has to say while it is closed.
+TEST(DeviceListener, LivesUntilItsDeviceIsClosed) {
+  XrdsDevice* handle = nullptr;
+  XrdsResult found = XRDS_OK;
+  std::shared_ptr<void> listener(nullptr, [&](void*) {
+    XrdsDeviceDescription description{.structSize = sizeof description};
+    found = xrdsDescribeOpenDevice(handle, &description);
+  });
+  Device device({.onMessage = [held = std::exchange(listener, nullptr)](std::string_view) {}});
+  handle = device.handle();
+  device = Device();
+  EXPECT_EQ(found, XRDS_ERROR_ARGUMENT) << "the device was still open";
 }
 
 }  // namespace

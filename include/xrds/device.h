@@ -56,6 +56,12 @@ class Device {
   /// Throws Error if no device fits, naming those there are, or if it cannot run the kernels that were asked for.
   explicit Device(const Options& options);
   Device() : Device(Options{}) {}
+  Device(Device&&) noexcept = default;
+  Device& operator=(Device&& other) noexcept {
+    handle_ = std::move(other.handle_);  // closed before its listener goes
+    listener_ = std::move(other.listener_);
+    return *this;
+  }
   Description description() const;
   /// What a user should know of how the device was opened, a sentence each: a cache folder that cannot be written.
   std::vector<std::string> notes() const;
