@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "xrds/xrds.hpp"
 
@@ -59,6 +60,43 @@ TEST(DeviceListener, LivesUntilItsDeviceIsClosed) {
   handle = device.handle();
   device = Device();
   EXPECT_EQ(found, XRDS_ERROR_ARGUMENT) << "the device was still open";
+}
+
+TEST(DeviceListener, IsNotMissedByADeviceThatWasMovedAway) {
+  Device device;
+  const Device moved = std::move(device);
+  const Model model = Model::untrained(2, "bicubic");
+  EXPECT_THROW(Upscaler(device, model, 16, 8, {}), InvalidArgument);
+  EXPECT_NO_THROW(moved.finish(XRDS_OK));
+}
+
+// A run that plans anew: with layers the memory holds tiles alone, whose programs are others.
+TEST(DeviceListener, ThrowsOutOfARun) {
+  bool refuses = false;
+  Device device({.onPreparation = [&](const Preparation&) {
+    if (refuses) throw std::runtime_error("no programs today");
+    return true;
+  }});
+  constexpr uint32_t kSide = 64, kLarge = 4 * kSide;
+  const Model model(XRDS_GOLDEN_FOLDER "/s4_guided.model.safetensors");
+  const Tiling whole = Upscaler(device, model, kSide, kSide, {}).tiling();
+  Upscaler upscaler(device, model, kSide, kSide, {.tiles = {.memoryBytes = whole.arenaBytes + whole.weightBytes}});
+  const std::vector<float> pixels(3 * kSide * kSide, 0.5F);
+  const std::vector<float> guide(16 * pixels.size(), 0.5F);
+  std::vector<float> output(guide.size()), light(guide.size());
+  const PixelView colour{pixels.data(), kSide, kSide},
+      auxiliary[] = {{guide.data(), kLarge, kLarge}, {guide.data(), kLarge, kLarge}};
+  const LayerSet layers{.lights = {{.light = colour, .output = light}}};
+  refuses = true;
+  try {
+    upscaler.run(colour, auxiliary, output, {&layers, 1});
+    ADD_FAILURE() << "not refused";
+  } catch (const std::exception& error) {
+    EXPECT_STREQ(error.what(), "no programs today");
+  }
+  EXPECT_NO_THROW(device.finish(XRDS_OK)) << "it was thrown before";
+  refuses = false;
+  EXPECT_TRUE(upscaler.run(colour, auxiliary, output, {&layers, 1}));
 }
 
 }  // namespace

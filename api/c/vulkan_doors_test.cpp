@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "tests/embedded.h"
+#include "xrds/xrds_vulkan.hpp"
 
 namespace xrds {
 namespace {
@@ -289,6 +290,28 @@ TEST_F(EmbeddedDoors, LockTheQueue) {
   xrdsDestroyRecording(mine.recording);
   xrdsDestroyUpscaler(own);
   xrdsCloseDevice(locked);
+}
+
+TEST_F(EmbeddedDoors, ThrowWhatAListenerThrows) {
+  bool refuses = false;
+  Device own = openVulkanDevice(host->vulkan(), {.onPreparation = [&](const Preparation&) {
+                                  if (refuses) throw std::runtime_error("no programs today");
+                                  return true;
+                                }});
+  const Model network(test::kModel);
+  Upscaler made(own, network, 14, 9, {});
+  Frame mine = frame();
+  mine.frame.auxiliary = mine.images;
+  refuses = true;
+  try {
+    FrameRecording(made, mine.frame);
+    ADD_FAILURE() << "not refused";
+  } catch (const std::exception& error) {
+    EXPECT_STREQ(error.what(), "no programs today");
+  }
+  EXPECT_NO_THROW(own.finish(XRDS_OK)) << "it was thrown before";
+  refuses = false;
+  EXPECT_NO_THROW(FrameRecording(made, mine.frame));
 }
 
 TEST_F(EmbeddedDoors, DoWithoutACacheFolder) {

@@ -74,6 +74,7 @@ class Device {
 
  private:
   friend Device openVulkanDevice(const XrdsVulkanDevice& vulkan, const Options& options);
+  friend class Upscaler;  // which hears what the listener throws during its own calls
 
   // What C calls: behind a pointer, which stays when the device is moved.
   class Listener {
@@ -83,9 +84,11 @@ class Device {
     const std::function<void(std::string_view)> onMessage;
     // A failure to come out of a call of that thread, or, of no thread, out of the next call of any.
     void keep(std::exception_ptr failure, std::thread::id thread);
-    std::exception_ptr taken();
+    // As finish() of the device.
+    void finish(XrdsResult result);
 
    private:
+    std::exception_ptr taken();
     std::mutex access_;
     std::map<std::thread::id, std::exception_ptr> thrown_;
   };
@@ -95,7 +98,7 @@ class Device {
   static int hear(void* listener, int machineCode, size_t done, size_t total) noexcept;
   static void listen(void* listener, const char* text) noexcept;
 
-  std::unique_ptr<Listener> listener_;
+  std::shared_ptr<Listener> listener_;
   call::Owned<XrdsDevice> handle_;  // closed before its listener goes
 };
 

@@ -74,10 +74,12 @@ inline std::exception_ptr Device::Listener::taken() {
   return nullptr;
 }
 
-inline void Device::finish(XrdsResult result) const {
-  if (const std::exception_ptr thrown = listener_->taken()) std::rethrow_exception(thrown);
+inline void Device::Listener::finish(XrdsResult result) {
+  if (const std::exception_ptr thrown = taken()) std::rethrow_exception(thrown);
   call::check(result);
 }
+
+inline void Device::finish(XrdsResult result) const { listener_ ? listener_->finish(result) : call::check(result); }
 
 inline Device::Description Device::described(const XrdsDeviceDescription& found) {
   return {.name = found.name,

@@ -132,7 +132,11 @@ class Upscaler {
   /// For the functions of the C API; valid as long as the upscaler lives.
   XrdsUpscaler* handle() const { return handle_.get(); }
 
+  /// As Device::finish(), of the upscaler's device.
+  void finish(XrdsResult result) const { listener_ ? listener_->finish(result) : call::check(result); }
+
  private:
+  std::shared_ptr<Device::Listener> listener_;
   call::Owned<XrdsUpscaler> handle_;
   std::vector<std::string> inputs_;  // of the model
   uint32_t width_ = 0, height_ = 0;  // of the output

@@ -41,7 +41,10 @@ Upscaler::ProfileRow profileRow(const Report& row) {
 }  // namespace call
 
 inline Upscaler::Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options)
-    : inputs_(model.auxiliaryInputs()), width_(model.scale() * width), height_(model.scale() * height) {
+    : listener_(device.listener_),
+      inputs_(model.auxiliaryInputs()),
+      width_(model.scale() * width),
+      height_(model.scale() * height) {
   XrdsUpscalerOptions asked = call::options(options);
   call::Heard tuning(options.onTuning);
   if (options.onTuning) asked.tuning = decltype(tuning)::template hear<double>;
@@ -75,7 +78,8 @@ inline bool Upscaler::run(const PixelView& colour, std::span<const PixelView> au
       xrdsUpscaleLayers(handle(), &low, images.data(), static_cast<uint32_t>(images.size()), &picture, sets.data(),
                         static_cast<uint32_t>(sets.size()), reports.data(),
                         progress ? decltype(heard)::template hear<double> : nullptr, heard.user());
-  heard.finish(result == XRDS_CANCELLED ? XRDS_OK : result);
+  heard.finish(XRDS_OK);
+  finish(result == XRDS_CANCELLED ? XRDS_OK : result);
   if (result != XRDS_OK) return false;
   layerReports_.clear();
   for (const XrdsLayerReport& report : reports)

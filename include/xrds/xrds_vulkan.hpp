@@ -22,8 +22,9 @@ class FrameRecording {
   /// xrdsCreateRecording(). The upscaler must be of a device of openVulkanDevice(). Throws Error.
   FrameRecording(Upscaler& upscaler, const XrdsVulkanFrame& frame) {
     XrdsRecording* made = nullptr;
-    call::check(xrdsCreateRecording(upscaler.handle(), &frame, &made));
+    const XrdsResult result = xrdsCreateRecording(upscaler.handle(), &frame, &made);
     handle_.reset(made);
+    upscaler.finish(result);
   }
 
   /// xrdsRecord()
