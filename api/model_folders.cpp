@@ -59,8 +59,9 @@ std::vector<fs::path> foldersOfModels() {
 }
 
 fs::path modelFile(const std::string& name) {
+  std::error_code ignored;
   for (const fs::path& folder : foldersOfModels())
-    if (fs::path file = folder / (name + ".safetensors"); fs::exists(file)) return file;
+    if (fs::path file = folder / (name + ".safetensors"); fs::exists(file, ignored)) return file;
   return {};
 }
 

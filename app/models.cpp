@@ -30,8 +30,9 @@ std::string variantOf(int scale, const std::vector<std::string>& inputs, std::op
 }  // namespace
 
 fs::path inModelFolders(const std::string& fileName) {
+  std::error_code ignored;
   for (const fs::path& folder : modelFolders())
-    if (fs::path file = folder / fileName; fs::exists(file)) return file;
+    if (fs::path file = folder / fileName; fs::exists(file, ignored)) return file;
   return {};
 }
 
@@ -50,7 +51,8 @@ std::vector<std::string> shippedModels() {
 fs::path resolveModel(const std::string& nameOrFile) {
   if (nameOrFile.ends_with(kSuffix) || fs::path(nameOrFile).has_parent_path()) return nameOrFile;
   if (fs::path file = findModel(nameOrFile); !file.empty()) return file;
-  if (fs::is_regular_file(nameOrFile)) return nameOrFile;
+  std::error_code ignored;  // a name too long for a file, say
+  if (fs::is_regular_file(nameOrFile, ignored)) return nameOrFile;
   if (shippedModels().empty()) throw Error("There is no model '" + nameOrFile + "', and " + noModels());
   throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
               listed(shippedModels()) + ".");

@@ -11,6 +11,7 @@
 #include "engine/half.h"
 #include "tests/c_api.h"
 #include "tests/environment_variable.h"
+#include "xrds/shipped_models.h"
 
 namespace xrds {
 namespace {
@@ -243,6 +244,10 @@ TEST(CApiModels, AreFoundByName) {
   EXPECT_EQ(xrdsFindModel("/nowhere/none", path, sizeof path), XRDS_ERROR_FAILED);
   EXPECT_EQ(xrdsFindModel("none", path, sizeof path), XRDS_ERROR_FAILED);
   EXPECT_NE(std::string(xrdsGetMessage()).find("There is no model 'none' in '"), std::string::npos);
+  const std::string tooLong(5000, 'm');
+  EXPECT_EQ(xrdsFindModel(tooLong.c_str(), path, sizeof path), XRDS_ERROR_FAILED);
+  EXPECT_EQ(xrdsFindModel((tooLong + "/m").c_str(), path, sizeof path), XRDS_ERROR_FAILED);
+  EXPECT_NO_THROW(EXPECT_TRUE(findModel(tooLong).empty()));
   const EnvironmentVariable folder("XRDS_MODELS", XRDS_GOLDEN_FOLDER);
   ASSERT_EQ(xrdsFindModel("s4_guided.model", path, sizeof path), XRDS_OK) << xrdsGetMessage();
   XrdsModel* model = nullptr;

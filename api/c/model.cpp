@@ -18,8 +18,9 @@ namespace {
 
 // A name without a folder or an ending is a shipped model's.
 std::filesystem::path fileOf(const std::string& nameOrFile) {
+  std::error_code ignored;  // a name too long for a file, say
   if (const auto path = pathOf(nameOrFile.c_str());
-      nameOrFile.ends_with(".safetensors") || path.has_parent_path() || is_regular_file(path))
+      nameOrFile.ends_with(".safetensors") || path.has_parent_path() || is_regular_file(path, ignored))
     return path;
   std::filesystem::path file = xrds::modelFile(nameOrFile);
   if (!file.empty()) return file;
@@ -65,7 +66,8 @@ XrdsResult xrdsChooseModel(uint32_t scale, const char* const* inputs, uint32_t i
 XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity) {
   return guarded([&] {
     const std::filesystem::path file = fileOf(&required(name, "name"));
-    if (!is_regular_file(file)) throw xrds::Error("There is no file '" + file.string() + "'.");
+    std::error_code ignored;
+    if (!is_regular_file(file, ignored)) throw xrds::Error("There is no file '" + file.string() + "'.");
     copyText(xrds::call::text(file), path, "path", capacity);
     return XRDS_OK;
   });

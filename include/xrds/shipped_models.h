@@ -28,8 +28,10 @@ inline std::vector<std::filesystem::path> modelFolders() {
 
 /// The file of a shipped model by its name, as "xrds-x4-compact"; empty if none of the folders has it.
 inline std::filesystem::path findModel(const std::string& name) {
+  std::error_code ignored;
   for (const std::filesystem::path& folder : modelFolders())
-    if (std::filesystem::path file = folder / (name + ".safetensors"); std::filesystem::exists(file)) return file;
+    if (std::filesystem::path file = folder / (name + ".safetensors"); std::filesystem::exists(file, ignored))
+      return file;
   return {};
 }
 
