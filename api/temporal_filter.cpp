@@ -124,9 +124,13 @@ struct FrameMerger::State {
 };
 
 FrameMerger::FrameMerger(Gpu& gpu, uint32_t width, uint32_t height, uint32_t scale) {
-  if (width == 0 || height == 0 || scale == 0 || scale > 16 || (scale & (scale - 1)) != 0)
-    throw InvalidArgument("A temporal filter of " + sizeText(width, height) + " pixels and scale " +
-                          std::to_string(scale) + " was asked for; the scale must be 1, 2, 4, 8 or 16.");
+  constexpr uint32_t kMostPixels = 1 << 24;  // to a side of the large images, as of an upscaler's output
+  const auto fits = [&](uint32_t side) { return side > 0 && side <= kMostPixels / scale; };
+  if (scale == 0 || scale > 16 || (scale & (scale - 1)) != 0 || !fits(width) || !fits(height))
+    throw InvalidArgument(
+        "A temporal filter of " + sizeText(width, height) + " pixels and scale " + std::to_string(scale) +
+        " was asked for; the scale must be 1, 2, 4, 8 or 16, and each side of the large images 1 to " +
+        std::to_string(kMostPixels) + " pixels.");
   state_ = std::make_unique<State>(
       State{{width, height}, {scale * width, scale * height}, HistoryMerger(gpu, height, width, scale)});
 }

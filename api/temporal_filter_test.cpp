@@ -180,6 +180,8 @@ TEST(TemporalFilter, RefusesWhatDoesNotFit) {
   static Device device;
   EXPECT_THROW(TemporalFilter(device, 8, 8, 3), InvalidArgument);
   EXPECT_THROW(TemporalFilter(device, 0, 8, 4), InvalidArgument);
+  EXPECT_THROW(TemporalFilter(device, 1U << 30, 1U << 30, 16), InvalidArgument);
+  EXPECT_THROW(TemporalFilter(device, 1U << 22, 1U << 22, 4), OutOfMemory);
 }
 
 }  // namespace
