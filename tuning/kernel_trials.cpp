@@ -90,6 +90,7 @@ void KernelTrials::compile(const std::vector<FormShape>& todo, bool shapes, doub
     for (const Dispatch& dispatch : dispatches) launches.push_back(&dispatch);
     // The trial of each tells which does not compile.
     marked(program, [&] { blamingKernel([&] { compilePrograms(gpu_, launches); }, [](const std::exception&) {}); });
+    file_.write(record_);  // the caller may cancel next, and nothing is wrong with this program
   }
 }
 

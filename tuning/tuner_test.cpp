@@ -96,6 +96,9 @@ TEST_F(Tuner, FindsTheLaneKernelsByItself) {
 
 TEST_F(Tuner, GoesOnWhereItWasInterrupted) {
   size_t calls = 0;
+  EXPECT_THROW(tuned({.progress = [&](const TuningStep&) { return ++calls < 4; }}), Cancelled);
+  EXPECT_FALSE(record().trying) << "it was compiled before";
+  calls = 0;
   EXPECT_THROW(tuned({.progress = [&](const TuningStep&) { return ++calls < 40; }}), Cancelled);
   EXPECT_EQ(gpu_->handles().patienceSeconds, kUsualPatienceSeconds) << "frames may take longer than a kernel";
   const size_t known = record().findings.size();
