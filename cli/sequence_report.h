@@ -28,6 +28,9 @@ class SequenceReport {
   /// A warning about a frame: printed at its first appearance.
   void warn(int frame, const std::vector<std::string>& warnings);
 
+  /// Writes the log, where one is asked for; a warning tells if it cannot be written.
+  void writeLog() const;
+
   /// Writes the log and prints what was made. Throws Failure if frames failed, or the process was interrupted.
   void finish();
 
@@ -40,7 +43,6 @@ class SequenceReport {
   std::string progressText() const;
   std::string slowestStage() const;
   void show(const Row& row);
-  void writeLog() const;
 
   const UpscaleOptions& options_;
   const SequencePlan& plan_;

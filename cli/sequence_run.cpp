@@ -123,6 +123,7 @@ std::optional<SequencePlan> planMissing(const UpscaleOptions& options) {
   }
   SequencePlan plan = planSequence(options);
   if (!plan.frames.empty()) return plan;
+  SequenceReport(options, plan, {}).writeLog();
   if (!options.quiet) std::printf("%s: all %zu frames are there\n", plan.output.c_str(), plan.there.size());
   return {};
 }

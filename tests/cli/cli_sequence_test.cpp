@@ -160,9 +160,11 @@ TEST(CliSequence, WhatIsThereIsSkipped) {
   EXPECT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_TRUE(contains(ended.output, "3 frames made") && contains(ended.output, "1 were there")) << ended.output;
   EXPECT_EQ(readBytes(sequence.out(2)), "mine");
-  const Ended again = runXrds(sequence.arguments({"--skip-existing"}));
+  const std::string log = (sequence.folder / "run.json").string();
+  const Ended again = runXrds(sequence.arguments({"--skip-existing", "--log", log}));
   EXPECT_EQ(again.exitCode, 0) << again.error;
   EXPECT_TRUE(contains(again.output, "all 4 frames are there")) << again.output;
+  EXPECT_EQ(Json::parse(readBytes(log))["frames"], (Json{{"made", 0}, {"there", 4}, {"failed", 0}, {"notReached", 0}}));
 }
 
 TEST(CliSequence, GoesOnAfterBeingKilled) {
