@@ -31,6 +31,10 @@ bool covers(const Box& outer, const Box& inner) {
   return outer.minX <= inner.minX && outer.minY <= inner.minY && outer.maxX >= inner.maxX && outer.maxY >= inner.maxY;
 }
 
+bool overlap(const Box& a, const Box& b) {
+  return a.minX <= b.maxX && b.minX <= a.maxX && a.minY <= b.maxY && b.minY <= a.maxY;
+}
+
 }  // namespace
 
 Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
@@ -248,6 +252,9 @@ Image Frame::loadAuxiliary(const std::string& input) {
   const ExrSelection& layer = layerOf(input);
   const Box& stored = auxFile_.parts[layer.part].dataWindow;
   const Box wanted = scaledBox(colourPart().dataWindow, fit_->scale);
+  if (!overlap(stored, wanted))
+    throw Error("No pixel of layer '" + nameOf(layer) + "' lies in the frame: expected some of " + toString(wanted) +
+                ", found " + toString(stored) + "; render both from one camera, with the same origin of the windows.");
   if (!covers(stored, wanted))
     warnings_.push_back("Layer '" + nameOf(layer) + "' covers " + toString(stored) + " of the frame's " +
                         toString(wanted) + "; the rest is taken as 0.");

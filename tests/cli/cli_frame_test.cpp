@@ -168,6 +168,15 @@ TEST(CliFrame, ScalesOffsetWindowsAndOverscanExactly) {
   EXPECT_EQ(headerOf(frame.out).displayWindow, boxOf(24, 56));
 }
 
+TEST(CliFrame, AnAuxiliaryImageOutsideOfTheFrameIsRefused) {
+  const SmallFrame frame;
+  const Box elsewhere{100, 0, 139, 31};
+  writeParts(frame.aux, {{elsewhere, elsewhere, {albedoLayer("albedo", 40), normalLayer("normal", 40)}}});
+  const Ended ended = runXrds(frame.arguments());
+  EXPECT_EQ(ended.exitCode, 3) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "No pixel of layer 'albedo' lies in the frame")) << ended.error;
+}
+
 TEST(CliFrame, AnAuxiliaryCropIsPlacedAndReported) {
   const SmallFrame frame;
   writeParts(frame.aux, {{{4, 4, 39, 31}, boxOf(40, 32), {albedoLayer("albedo", 36), normalLayer("normal", 36)}}});
