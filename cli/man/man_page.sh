@@ -25,9 +25,18 @@ cat <<'END'
 \fBXRDS_MODELS\fR
 A folder of models, which is looked at before the installed ones.
 .TP
+\fBXRDS_DENOISERS\fR
+The folder of Open Image Denoise's networks, in place of xrds/denoisers in XDG_DATA_HOME.
+.TP
+\fBXRDS_OIDN\fR
+Open Image Denoise's library, where the system does not find it by itself.
+.TP
 \fBXRDS_KERNEL_FAMILY\fR
 The kernels to use; see \fBxrds devices\fR for those that suit a device.
 .TP
 \fBXDG_CACHE_HOME\fR
 Where the folder xrds keeps compiled kernels; without it, ~/.cache.
+.TP
+\fBXDG_DATA_HOME\fR
+Where the folder xrds/denoisers keeps imported networks; without it, ~/.local/share.
 END
