@@ -40,7 +40,8 @@ void addFiles(CLI::App& verb, UpscaleOptions& options) {
 
 void addNetwork(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("--model", options.model,
-                  "A shipped model's name or a .safetensors file (default: the compact one of the scale)")
+                  "A shipped model's name or a .safetensors file (default: by the scale, the layers that are there, "
+                  "and the samples)")
       ->type_name("MODEL");
   verb.add_flag(
       "--denoise-first", options.denoiseFirst,
