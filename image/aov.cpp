@@ -132,6 +132,13 @@ std::string remedyFor(const ExrFile& file, AovRole role, const std::string& opti
   return "; name the one to use with " + option + " LAYER; " + describe(file);
 }
 
+// What a layer must hold to serve.
+std::string channelsOf(AovRole role) {
+  if (role == AovRole::kDepth) return "one floating-point channel";
+  if (role == AovRole::kNormal) return "floating-point channels X, Y, Z or R, G, B";
+  return "floating-point channels R, G, B";
+}
+
 bool isDeep(const ExrFile& file, AovRole role) {
   return aovCandidates(file, role).empty() &&
          std::any_of(file.parts.begin(), file.parts.end(), [](const ExrPart& part) { return part.deep; });
@@ -146,8 +153,7 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
   }
   if (found.empty()) {
     throw Error("No " + toString(role) + " in '" + file.path.string() + "': expected " +
-                (name.empty() ? "a layer of a known name" : "a layer '" + name + "'") +
-                (role == AovRole::kDepth ? " with one floating-point channel" : " with three floating-point channels") +
+                (name.empty() ? "a layer of a known name" : "a layer '" + name + "'") + " with " + channelsOf(role) +
                 ", found none" + remedy + ".");
   }
   if (found.size() > 1) {

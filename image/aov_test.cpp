@@ -352,6 +352,12 @@ TEST(Aov, PassesOfLightAreNoFullColor) {
   EXPECT_TRUE(hasAov(fileWith({partWith(kCyclesAux + triple("DiffDir", "RGB"))}), AovRole::kColor));
 }
 
+TEST(Aov, SaysWhichChannelsALayerLacks) {
+  const ExrFile file = fileWith({partWith(triple("", "RGB") + triple("Position", "XYZ"))});
+  const std::string message = refusal([&] { static_cast<void>(findAov(file, AovRole::kColor, "Position")); });
+  EXPECT_NE(message.find("a layer 'Position' with floating-point channels R, G, B"), std::string::npos) << message;
+}
+
 TEST(Aov, TwoViewLayersAreAmbiguous) {
   const Names both = kCycles + triple("Hero.Combined", "RGB") + triple("Hero.Denoising Albedo", "RGB") +
                      triple("Hero.Denoising Normal", "XYZ");
