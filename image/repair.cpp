@@ -26,13 +26,17 @@ void visitNeighbours(const Image& image, Position p, Visit&& visit) {
   }
 }
 
+bool isFinite(const Image& image, size_t pixel) {
+  const auto first = image.pixels.begin() + static_cast<ptrdiff_t>(pixel * size_t(image.channels));
+  return std::all_of(first, first + image.channels, [](float value) { return std::isfinite(value); });
+}
+
 /// The holes of an image and the ring of them that is filled next.
 class HoleFiller {
  public:
   explicit HoleFiller(Image& image) : image_(image), states_(image.pixelCount(), PixelState::kFinite) {
     for (size_t pixel = 0; pixel < states_.size(); ++pixel) {
-      const auto first = image.pixels.begin() + static_cast<ptrdiff_t>(pixel * size_t(image.channels));
-      if (!std::all_of(first, first + image.channels, [](float value) { return std::isfinite(value); })) {
+      if (!isFinite(image, pixel)) {
         states_[pixel] = PixelState::kHole;
         ++holeCount_;
       }
@@ -112,22 +116,28 @@ class HoleFiller {
   size_t holeCount_ = 0;
 };
 
+// Sets the negative values of finite pixels to 0; returns how many pixels had one.
+size_t clampNegative(Image& image) {
+  size_t count = 0;
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t pixel = 0; pixel < image.pixelCount(); ++pixel) {
+    float* values = &image.pixels[pixel * channels];
+    if (!isFinite(image, pixel) || *std::min_element(values, values + channels) >= 0.0F) continue;
+    std::replace_if(
+        values, values + channels, [](float value) { return value < 0.0F; }, 0.0F);
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 RepairCounts repairNonFinite(Image& image) { return {HoleFiller(image).fill(), 0}; }
 
+// Negative values go first: no hole is filled with them.
 RepairCounts repairRadiance(Image& image) {
-  RepairCounts counts = repairNonFinite(image);
-  const auto channels = static_cast<size_t>(image.channels);
-  for (size_t first = 0; first < image.pixels.size(); first += channels) {
-    bool negative = false;
-    for (size_t i = first; i < first + channels; ++i) {
-      negative |= image.pixels[i] < 0.0F;
-      image.pixels[i] = std::max(image.pixels[i], 0.0F);
-    }
-    counts.negativePixels += negative ? 1 : 0;
-  }
-  return counts;
+  const size_t negativePixels = clampNegative(image);
+  return {repairNonFinite(image).nonFinitePixels, negativePixels};
 }
 
 }  // namespace xrds

@@ -68,5 +68,12 @@ TEST(Repair, RadianceLosesNegativesAndKeepsHighlights) {
   EXPECT_EQ(image.pixels, (std::vector<float>{0, 0, 3, 1e30F, 0.5F, 0, 1e30F, 0.5F, 0}));
 }
 
+TEST(Repair, FillsHolesWithoutNegativeRadiance) {
+  Image image(3, 1, 1);
+  image.pixels = {-9, kNan, 1};
+  EXPECT_EQ(repairRadiance(image), (RepairCounts{1, 1}));
+  EXPECT_EQ(image.pixels, (std::vector<float>{0, 0.5F, 1}));
+}
+
 }  // namespace
 }  // namespace xrds
