@@ -44,7 +44,7 @@ std::string kernelTable(const Findings& findings) {
       rows.push_back({program, std::to_string(sum.kernels), text("%.2g", sum.rms), text("%.0e", sum.bound),
                       text("%.0f", sum.microseconds), resultText(sum.right, sum.repeatable)});
     const FrameExamination& frame = precision.frame;
-    rows.push_back({std::string("known frame, ") + precisionName(precision.fp16),
+    rows.push_back({"known frame, " + std::string(precisionName(precision.fp16)),
                     std::to_string(frame.width) + "x" + std::to_string(frame.height), text("%.2g", frame.rms),
                     text("%.0e", frame.rmsBound), text("%.0f", frame.microseconds),
                     resultText(frame.withinBound(), frame.repeatable)});

@@ -44,7 +44,9 @@ constexpr RankedName kAlbedoNames[] = {
     {"diffuse_albedo", 4},
     {"diffuse_albedo_noice", 5},  // Arnold
     {"base_color", 6},
-    {"basecolor", 6},  // plain words
+    {"basecolor", 6},          // plain words
+    {"diffusefilter", 7},      // Redshift
+    {"vraydiffusefilter", 7},  // V-Ray in 3ds Max
 };
 
 constexpr RankedName kNormalNames[] = {
@@ -54,8 +56,12 @@ constexpr RankedName kNormalNames[] = {
     {"avg_shading_normal", 1},  // LuxCore
     {"denoise_normal", 2},      // plain word
     {"shading_normal", 3},      // LuxCore, one sample
+    {"bumpnormals", 3},         // Redshift
+    {"bump_normals", 3},        // V-Ray
+    {"vraybumpnormals", 3},     // V-Ray in 3ds Max
     {"normal", 4},
-    {"normals", 4},  // RenderMan, plain words
+    {"normals", 4},      // RenderMan, Redshift, V-Ray, plain words
+    {"vraynormals", 4},  // V-Ray in 3ds Max
     {"n", 5},
     {"nn", 5},       // Arnold, Karma; Mitsuba's manual
     {"n_noice", 6},  // Arnold, for its own denoiser
@@ -66,7 +72,7 @@ constexpr RankedName kNormalNames[] = {
 constexpr RankedName kDepthNames[] = {
     {"denoising_depth", 0},  // Cycles, through mirrors and glass as the other denoising passes
     {"depth", 1},            // Cycles, LuxCore, plain word
-    {"z", 2},                // Arnold, RenderMan, Karma and most others
+    {"z", 2},                // Arnold, RenderMan, Karma, Redshift and most others
 };
 
 // Cycles' alone: it divides its lights by the albedo. Arnold's diffuse_direct, which is told from Blender 5's "Diffuse

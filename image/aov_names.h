@@ -17,9 +17,9 @@ std::string toString(AovRole role);
 [[nodiscard]] AovRole roleOf(std::string_view auxiliaryInput);
 
 /// How well a layer's own name (what follows its last dot, any case; spaces and hyphens count as underscores, but for
-/// lights) fits a role by the conventions of Cycles, pbrt, Mitsuba, Arnold, RenderMan, LuxCore, Karma and by plain
-/// words: 0 is best; nothing when the name says nothing about the role. The name may be empty, as that of pbrt's colour
-/// is.
+/// lights) fits a role by the conventions of Cycles, pbrt, Mitsuba, Arnold, RenderMan, LuxCore, Karma, Redshift, V-Ray
+/// and by plain words: 0 is best; nothing when the name says nothing about the role. The name may be empty, as that of
+/// pbrt's colour is.
 std::optional<int> aovRank(AovRole role, std::string_view name);
 
 /// The name of the indirect light that goes with a layer of direct light of this own name: Cycles' "DiffInd"
