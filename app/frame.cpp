@@ -5,6 +5,7 @@
 #include <functional>
 #include <utility>
 
+#include "app/listed.h"
 #include "app/models.h"
 #include "image/aux_check.h"
 #include "image/edge_check.h"
@@ -79,9 +80,7 @@ ExrOutput Frame::output(int scale) const {
 
 void Frame::addRepaired(size_t count, const ExrSelection& layer, const char* what) {
   repairedPixels_ += count;
-  if (count > 0)
-    warnings_.push_back(std::to_string(count) + (count == 1 ? " pixel" : " pixels") + " of layer '" + nameOf(layer) +
-                        "' " + what + ".");
+  if (count > 0) warnings_.push_back(counted(count, "pixel") + " of layer '" + nameOf(layer) + "' " + what + ".");
 }
 
 void Frame::load() {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/failing_with.h"
+#include "app/listed.h"
 #include "cli/json_text.h"
 #include "cli/output_file.h"
 #include "cli/warnings.h"
@@ -46,6 +47,11 @@ Json jsonOf(const std::array<double, 3>& seconds) {
   Json json;
   for (size_t stage = 0; stage < seconds.size(); ++stage) json[kStageNames[stage]] = seconds[stage];
   return json;
+}
+
+std::string withoutDigits(std::string text) {
+  std::erase_if(text, [](char letter) { return letter >= '0' && letter <= '9'; });
+  return text;
 }
 
 const char* nameOf(Outcome::State state, ExitCode code) {
@@ -122,8 +128,23 @@ void SequenceReport::show(const Row& row) {
 }
 
 void SequenceReport::warn(int frame, const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings)
-    if (warnings_.insert(warning).second) printWarnings({"frame " + std::to_string(frame) + ": " + warning});
+  for (const std::string& warning : warnings) {
+    Alike& alike = warnings_[withoutDigits(warning)];
+    if (alike.frames.empty()) {
+      alike.first = "frame " + std::to_string(frame) + ": " + warning;
+      printWarnings({alike.first});
+    }
+    alike.frames.insert(frame);
+  }
+}
+
+void SequenceReport::printAlike() const {
+  for (const auto& [kind, alike] : warnings_) {
+    if (alike.frames.size() < 2) continue;
+    const std::vector<int> frames(alike.frames.begin(), alike.frames.end());
+    printWarnings(
+        {"frames " + describeFrames(frames) + " had this warning, or one with other numbers: " + alike.first});
+  }
 }
 
 void SequenceReport::writeLog() const {
@@ -160,8 +181,9 @@ void SequenceReport::writeLog() const {
 void SequenceReport::finish() {
   if (style_ == ProgressStyle::bar) std::fprintf(stderr, "\r\033[K");
   writeLog();
+  printAlike();
   if (!options_.quiet) {
-    std::printf("%s: %zu frame%s made in %s", plan_.output.c_str(), done_, done_ == 1 ? "" : "s",
+    std::printf("%s: %s made in %s", plan_.output.c_str(), counted(done_, "frame").c_str(),
                 timeText(whole_.seconds()).c_str());
     if (const size_t there = plan_.there.size() + skipped_; there > 0) std::printf(", %zu were there", there);
     if (done_ > 0) std::printf("; %s", slowestStage().c_str());

@@ -25,11 +25,13 @@ class SequenceReport {
   bool add(const Outcome& outcome);
   static constexpr int kFailuresInARow = 3;
 
-  /// A warning about a frame: printed at its first appearance.
+  /// Warnings about a frame: each is printed at its first appearance, and at the end which other frames had one that
+  /// differs in digits at most, as in the name of a file.
   void warn(int frame, const std::vector<std::string>& warnings);
 
   /// Writes the log, where one is asked for; a warning tells if it cannot be written.
   void writeLog() const;
+  void printAlike() const;
 
   /// Writes the log and prints what was made. Throws Failure if frames failed, or the process was interrupted.
   void finish();
@@ -39,6 +41,10 @@ class SequenceReport {
     Outcome outcome;
     std::string message;
     ExitCode code = ExitCode::ok;
+  };
+  struct Alike {
+    std::string first;
+    std::set<int> frames;
   };
   std::string progressText() const;
   std::string slowestStage() const;
@@ -50,7 +56,7 @@ class SequenceReport {
   const ProgressStyle style_;
   std::map<size_t, Row> rows_;  // by the frame's index
   std::vector<int> failed_;
-  std::set<std::string> warnings_;
+  std::map<std::string, Alike> warnings_;  // by their text without digits
   std::array<double, 3> seconds_{};
   size_t done_ = 0, skipped_ = 0;
   int failuresInARow_ = 0;

@@ -87,6 +87,21 @@ TEST(CliSequence, EveryFrameIsThatOfARunAlone) {
   sequence.expectWhole();
 }
 
+TEST(CliSequence, WarningsThatDifferInNumbersAreToldOnceAndForWhichFrames) {
+  const Sequence sequence(3);
+  for (int frame = 1; frame <= 3; ++frame) {
+    const auto light = [frame](int x, int y, int) { return y == 0 && x <= frame ? -1.0F : 0.5F; };
+    writeParts(sequence.at("colour", frame), {{boxOf(10, 8), boxOf(10, 8), {Layer{"", "RGB", light}}}});
+  }
+  const Ended ended = runXrds(sequence.arguments());
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  size_t told = 0;
+  for (size_t at = 0; (at = ended.error.find(" pixels of layer", at)) != std::string::npos; ++at) ++told;
+  EXPECT_EQ(told, 2U) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "warning: frames 1-3 had this warning, or one with other numbers: frame "))
+      << ended.error;
+}
+
 TEST(CliSequence, FoldersOneGuideForAllAndTheOtherOrder) {
   const Sequence sequence(3);
   const fs::path renders = sequence.folder / "renders";
