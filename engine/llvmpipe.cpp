@@ -10,7 +10,7 @@ LlvmpipeTraits llvmpipeTraits(std::string_view driver) {
   std::pair<int, int> mesa;
   if (std::sscanf(std::string(driver).c_str(), "llvmpipe Mesa %d.%d", &mesa.first, &mesa.second) != 2) return {};
   LlvmpipeTraits traits{.comparesSharedLoads = true};
-  if (mesa > std::pair(22, 3)) traits.laneCode = mesa < std::pair(25, 1) ? LaneCode::broadcasts : LaneCode::scalars;
+  if (mesa >= std::pair(23, 2)) traits.laneCode = mesa < std::pair(25, 1) ? LaneCode::broadcasts : LaneCode::scalars;
   return traits;
 }
 

@@ -9,8 +9,8 @@ namespace xrds {
 
 /// What is known of Mesa's Vulkan driver for CPUs. Tried: Mesa 22.3, 25.0, 26.1 and 26.2.
 struct LlvmpipeTraits {
-  /// Shuffles up to Mesa 22.3, scalars from Mesa 25.1 on, broadcasts between, also in versions that were not tried.
-  /// With scalars fma() is one instruction, at the latest in Mesa 26.2; in 26.1 it is two.
+  /// Shuffles before Mesa 23.2, whose broadcasts search for the first lane in a loop; scalars from Mesa 25.1 on,
+  /// broadcasts between. With scalars fma() is one instruction, at the latest in Mesa 26.2; in 26.1 it is two.
   LaneCode laneCode = LaneCode::shuffles;
   /// It takes long to prepare programs with many loads of shared memory (engine/shared_loads.h): all versions tried.
   bool comparesSharedLoads = false;

@@ -106,8 +106,9 @@ TEST(Device, TraitsAreWhatVulkanGuarantees) {
 }
 
 TEST(Llvmpipe, IsKnownByItsVersion) {
-  EXPECT_EQ(llvmpipeTraits("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)").laneCode, LaneCode::shuffles);
-  for (const char* driver : {"llvmpipe Mesa 25.0.7-2+deb13u1 (LLVM 19.1.7)", "llvmpipe Mesa 23.0.0 (LLVM 15.0.6)"}) {
+  for (const char* driver : {"llvmpipe Mesa 22.3.6 (LLVM 15.0.6)", "llvmpipe Mesa 23.1.9 (LLVM 16.0.6)"})
+    EXPECT_EQ(llvmpipeTraits(driver).laneCode, LaneCode::shuffles) << driver;
+  for (const char* driver : {"llvmpipe Mesa 25.0.7-2+deb13u1 (LLVM 19.1.7)", "llvmpipe Mesa 23.2.1 (LLVM 15.0.7)"}) {
     EXPECT_EQ(llvmpipeTraits(driver).laneCode, LaneCode::broadcasts) << driver;
     EXPECT_TRUE(llvmpipeTraits(driver).comparesSharedLoads) << driver;
   }
