@@ -35,11 +35,10 @@ std::string conclusion(const Tuning::Report& report) {
   if (report.seconds == 0) return "No kernel is faster than the fixed choice, in " + shapes + ".";
   const std::string times = text("%.3f s", report.seconds) + " with the winners and " +
                             text("%.3f s", report.fixedSeconds) + " with the fixed choice";
-  if (!report.taken)
-    return "Of " + shapes + " " + std::to_string(count) + " have a faster kernel, but a frame takes " + times +
-           ": the fixed choice is kept.";
-  return "Of " + shapes + " " + std::to_string(count) + " have a faster kernel: a frame takes " + times + ", " +
-         gainText(report.fixedSeconds, report.seconds) + " times as fast.";
+  const std::string faster =
+      "Of " + shapes + " " + std::to_string(count) + (count == 1 ? " has" : " have") + " a faster kernel";
+  if (!report.taken) return faster + ", but a frame takes " + times + ": the fixed choice is kept.";
+  return faster + ": a frame takes " + times + ", " + gainText(report.fixedSeconds, report.seconds) + " times as fast.";
 }
 
 Json jsonOf(const Tuning::Shape& shape) {
