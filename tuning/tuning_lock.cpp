@@ -1,5 +1,6 @@
 #include "tuning/tuning_lock.h"
 
+#include <cerrno>
 #include <optional>
 
 #include "xrds/error.h"
@@ -15,7 +16,7 @@
 namespace xrds {
 namespace {
 
-// The open file, -1 where it cannot be opened, or nothing if another process holds it.
+// The open file, -1 where it cannot be opened or its file system has no locks, or nothing if another process holds it.
 std::optional<intptr_t> locked(const std::filesystem::path& name) {
 #ifdef _WIN32
   HANDLE const file = CreateFileW(name.c_str(), GENERIC_WRITE, 0, nullptr, OPEN_ALWAYS, FILE_ATTRIBUTE_NORMAL, nullptr);
@@ -24,8 +25,9 @@ std::optional<intptr_t> locked(const std::filesystem::path& name) {
 #else
   const int file = open(name.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (file < 0 || flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  const bool isHeld = errno == EWOULDBLOCK;
   close(file);
-  return {};
+  return isHeld ? std::optional<intptr_t>() : -1;
 #endif
 }
 

@@ -6,7 +6,7 @@
 namespace xrds {
 
 /// Keeps other processes from tuning the same device, whose trials would spoil each other's times. Of no effect where
-/// nothing is kept.
+/// nothing is kept, or on a file system without locks.
 class TuningLock {
  public:
   /// `file`: of the record. Throws Error if another process holds it.

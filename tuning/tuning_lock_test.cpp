@@ -1,0 +1,66 @@
+#include "tuning/tuning_lock.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "xrds/error.h"
+
+#ifndef _WIN32
+#include <dlfcn.h>
+#include <sys/file.h>
+
+#include <atomic>
+#include <cerrno>
+
+namespace {
+std::atomic<int> failure;  // of all locks, as of a file system that has none; 0: the file system's own
+}
+
+// In place of the C library's, in all of this program.
+extern "C" int flock(int file, int operation) {
+  if (failure == 0) return reinterpret_cast<decltype(&flock)>(dlsym(RTLD_NEXT, "flock"))(file, operation);
+  errno = failure;
+  return -1;
+}
+#endif
+
+namespace xrds {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TuningLockFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("xrds_lock_" + std::to_string(std::random_device{}()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+TEST_F(TuningLockFile, IsHeldOnceAtATime) {
+  const fs::path file = folder_ / "tuning.bin";
+  {
+    const TuningLock first(file);
+    EXPECT_THROW(TuningLock{file}, Error);
+    EXPECT_NO_THROW(TuningLock{folder_ / "other.bin"});
+  }
+  EXPECT_NO_THROW(TuningLock{file});
+}
+
+TEST_F(TuningLockFile, GoesWithoutWhereItCannotBe) {
+  EXPECT_NO_THROW(TuningLock{fs::path()});
+  EXPECT_NO_THROW(TuningLock{folder_ / "none" / "tuning.bin"});
+#ifndef _WIN32
+  for (const int none : {ENOLCK, ENOTSUP}) {
+    failure = none;
+    EXPECT_NO_THROW(TuningLock{folder_ / "tuning.bin"}) << none;
+  }
+  failure = 0;
+#endif
+}
+
+}  // namespace
+}  // namespace xrds
