@@ -54,6 +54,13 @@ Tuning::Report reportOf(const TuningResult& result, const DeviceTraits& traits) 
   return report;
 }
 
+std::string unkeptText(const Gpu& gpu) {
+  const auto file = tuningFileOf(gpu).path();
+  return "what tuning found is not kept: " +
+         (file.empty() ? "there is no cache folder" : "'" + file.string() + "' cannot be written") +
+         "; make room there, or let XDG_CACHE_HOME name another folder";
+}
+
 // The choice is the device's own only where nobody made another.
 void requireOwnFamily(const Gpu& gpu) {
   if (gpu.hasAskedFamily())
@@ -80,7 +87,10 @@ Tuning::Report tuneFor(Gpu& gpu, const NetworkModel& network, uint32_t width, ui
                 ", " + sizeText(scale * width, scale * height);
   if (options.progress)
     inner.progress = [&](const TuningStep& step) { return options.progress(step.share, step.text); };
-  return reportOf(xrds::tune(gpu, network, {height, width}, inner), gpu.traits());
+  const TuningResult result = xrds::tune(gpu, network, {height, width}, inner);
+  Tuning::Report report = reportOf(result, gpu.traits());
+  if (!result.isKept) report.unkept = unkeptText(gpu);
+  return report;
 }
 
 std::optional<Tuning::Report> tuningFor(const Gpu& gpu, const NetworkModel& network, uint32_t width, uint32_t height,

@@ -94,12 +94,14 @@ void run(TuneOptions options) {
   const auto device = failingWith(ExitCode::device, [&] {
     ReopenedDevice reopened(options);
     printNotes(reopened.device());
-    bool anew = options.anew;
+    bool anew = options.anew, warned = false;
     for (const auto& [name, model] : models)
       for (const std::string& precision : options.precisions) {
         tuned.push_back(tuneModel(reopened, name, model, precision == kFp16, std::exchange(anew, false), options));
         if (!options.quiet) std::fputs(tuneText(tuned.back()).c_str(), stdout);
         std::fflush(stdout);
+        if (const std::string& unkept = tuned.back().report.unkept; !unkept.empty() && !std::exchange(warned, true))
+          std::fprintf(stderr, "xrds: warning: %s.\n", unkept.c_str());
       }
     return reopened.device().description();
   });

@@ -86,7 +86,8 @@ std::string tuneJson(const Device::Description& device, const std::vector<TunedM
                                                 {"kernelsTried", report.measured},
                                                 {"secondsNow", each.seconds},
                                                 {"tuningSeconds", report.tuningSeconds},
-                                                {"date", report.date}});
+                                                {"date", report.date},
+                                                {"kept", report.unkept.empty()}});
     one["operators"] = Json::array();
     for (const Tuning::Shape& shape : report.shapes) one["operators"].push_back(jsonOf(shape));
     one["struckOff"] = Json::array();

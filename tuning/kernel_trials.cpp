@@ -35,7 +35,7 @@ KernelTrials::KernelTrials(Gpu& gpu, uint32_t size, std::vector<KernelFamily> fa
       lock_(file_.path()) {
   if (!options.anew) record_ = knownRecord(gpu);
   record_.takeStock();
-  file_.write(record_);
+  save();
 }
 
 void KernelTrials::tell(double share, const std::string& text) const {
@@ -57,10 +57,10 @@ std::vector<KernelCandidate> KernelTrials::open(const FormShape& shape, bool sha
 void KernelTrials::marked(const std::string& program, const std::function<void()>& work) {
   const auto finish = [&] {
     record_.trying.reset();
-    file_.write(record_);
+    save();
   };
   record_.trying = stampOf(gpu_, program);
-  file_.write(record_);
+  save();
   try {
     work();
   } catch (const DeviceLost& error) {
@@ -90,7 +90,7 @@ void KernelTrials::compile(const std::vector<FormShape>& todo, bool shapes, doub
     for (const Dispatch& dispatch : dispatches) launches.push_back(&dispatch);
     // The trial of each tells which does not compile.
     marked(program, [&] { blamingKernel([&] { compilePrograms(gpu_, launches); }, [](const std::exception&) {}); });
-    file_.write(record_);  // the caller may cancel next, and nothing is wrong with this program
+    save();  // the caller may cancel next, and nothing is wrong with this program
   }
 }
 
@@ -117,7 +117,7 @@ void KernelTrials::tryOpen(const FormShape& shape, bool shapes, double share, st
     tell(share, shape.shape.substr(0, shape.shape.find(" (")) + ", " + candidate.dispatch.program);
     if (!trial) trial.emplace(gpu_, single(shape.form->graph, shape.node()));
     record_.findings[{keyOf(shape.shape), candidate.kernel}] = tried(*trial, candidate, best(shape.shape));
-    file_.write(record_);
+    save();
   }
 }
 
@@ -165,12 +165,12 @@ void KernelTrials::decide(const FormShape& shape, std::optional<Trial>& trial) {
   winner.isFixed = winner.kernel == fixed.kernel;
   winner.program = record_.findings.at({key, winner.kernel}).program;
   record_.winners[key] = winner;
-  file_.write(record_);
+  save();
 }
 
 void KernelTrials::keep(const std::string& frame, const TunedFrame& tuned) {
   record_.frames[frame] = tuned;
-  file_.write(record_);
+  save();
 }
 
 }  // namespace xrds

@@ -23,6 +23,8 @@ class KernelTrials {
 
   const TuningRecord& record() const { return record_; }
   size_t measured() const { return measured_; }
+  /// Whether the record is on the disk; else this process alone knows it.
+  bool isKept() const { return isKept_; }
 
   /// The kernels of a shape of which nothing is known; with `shapes` those of a family in other shapes, too, if the
   /// family is near the best.
@@ -46,6 +48,7 @@ class KernelTrials {
   TrialKey keyOf(const std::string& shape) const { return {size_, shape}; }
   // Those that are right, with their times, the fastest first.
   std::vector<std::pair<double, KernelChoice>> fastest(const std::string& shape) const;
+  void save() { isKept_ = file_.write(record_); }
   void marked(const std::string& program, const std::function<void()>& work);
   Finding tried(Trial& trial, const KernelCandidate& candidate, double best);
 
@@ -57,6 +60,7 @@ class KernelTrials {
   TuningLock lock_;
   TuningRecord record_;
   size_t measured_ = 0;
+  bool isKept_ = false;
 };
 
 }  // namespace xrds

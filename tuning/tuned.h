@@ -25,6 +25,7 @@ struct TuningResult {
   std::vector<TunedShape> shapes{};                                     // of the chosen form, the slowest first
   std::map<std::string, std::pair<uint64_t, std::string>> struckOff{};  // as in TuningRecord
   size_t measured = 0;                                                  // kernels that were not known before
+  bool isKept = true;  // else the record cannot be written, and this process alone knows it
 };
 
 /// What tuning found for the model in frames of that size, or else of a quarter to four times as many pixels; nothing

@@ -184,6 +184,7 @@ TuningResult tune(Gpu& gpu, const NetworkModel& model, FrameShape frame, const T
   if (!result.frame.taken) result.table = {};
   result.struckOff = trials.record().struckOff;
   result.measured = trials.measured();
+  result.isKept = trials.isKept();
   return result;
 }
 

@@ -25,9 +25,9 @@ struct TuningOptions {
 
 /// Proves and times the kernels that may make each operator shape of the model in frames of that size, and whole frames
 /// at last, and keeps what it finds: a second call, also after one that was cancelled or killed, goes on where that
-/// stopped. The device must run the family that is its own, not one that was asked for. Throws DeviceLost if a kernel
-/// loses the device, which is then struck off: open the device anew and go on. Throws Error if another process tunes
-/// the device, or if not even the fixed choice runs.
+/// stopped. Where that cannot be written this process alone knows it. The device must run the family that is its own,
+/// not one that was asked for. Throws DeviceLost if a kernel loses the device, which is then struck off: open the
+/// device anew and go on. Throws Error if another process tunes the device, or if not even the fixed choice runs.
 TuningResult tune(Gpu& gpu, const NetworkModel& model, FrameShape frame, const TuningOptions& options);
 
 }  // namespace xrds

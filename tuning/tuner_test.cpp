@@ -184,6 +184,15 @@ TEST_F(Tuner, AWrongKernelIsNamedAndNotTaken) {
   EXPECT_TRUE(named);
 }
 
+TEST_F(Tuner, UsesWhatItCannotKeep) {
+  fs::create_directories(tuningFileOf(*gpu_).path());  // a folder in the place of the file
+  const TuningResult result = tuned();
+  EXPECT_FALSE(result.isKept);
+  EXPECT_EQ(tunedKernels(*gpu_, model_, kFrame, Precision::fp32), result.table);
+  fs::remove(tuningFileOf(*gpu_).path());
+  EXPECT_TRUE(tuned().isKept);
+}
+
 TEST_F(Tuner, OneProcessAtATime) {
   const TuningOptions options{.progress = [&](const TuningStep&) {
     EXPECT_THROW(tuned(), Error);

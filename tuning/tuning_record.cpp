@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdio>
 #include <locale>
+#include <mutex>
 #include <sstream>
 
 #include "engine/bytes.h"
@@ -131,6 +132,16 @@ void readLine(std::string_view line, TuningRecord& record) {
   }
 }
 
+/// Records that could not be written, by file and driver.
+struct Unwritten {
+  static Unwritten& ofProcess() {
+    static Unwritten records;
+    return records;
+  }
+  std::mutex access;
+  std::map<std::pair<std::filesystem::path, std::string>, TuningRecord> records;
+};
+
 }  // namespace
 
 void TuningRecord::takeStock() {
@@ -202,15 +213,27 @@ TuningFile::TuningFile(const std::filesystem::path& folder, std::string driverKe
 }
 
 TuningRecord TuningFile::read() const {
+  {
+    Unwritten& unwritten = Unwritten::ofProcess();
+    const std::lock_guard lock(unwritten.access);
+    const auto found = unwritten.records.find({path_, driverKey_});
+    if (found != unwritten.records.end()) return found->second;
+  }
   if (path_.empty()) return {};
   const std::vector<std::byte> content = readCacheFile(path_, driverKey_);
   return fromText({reinterpret_cast<const char*>(content.data()), content.size()});
 }
 
 bool TuningFile::write(const TuningRecord& record) const {
-  if (path_.empty()) return false;
   const std::string text = toText(record);
-  return writeCacheFile(path_, driverKey_, std::as_bytes(std::span(text)));
+  const bool isWritten = !path_.empty() && writeCacheFile(path_, driverKey_, std::as_bytes(std::span(text)));
+  Unwritten& unwritten = Unwritten::ofProcess();
+  const std::lock_guard lock(unwritten.access);
+  if (isWritten)
+    unwritten.records.erase({path_, driverKey_});
+  else
+    unwritten.records[{path_, driverKey_}] = record;
+  return isWritten;
 }
 
 }  // namespace xrds

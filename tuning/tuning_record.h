@@ -71,12 +71,13 @@ std::string toText(const TuningRecord& record);
 TuningRecord fromText(std::string_view text);
 
 /// The record of a device, read from its cache folder and written back whole. A file that is missing, damaged or of
-/// another device or driver is an empty record; where there is no folder nothing is kept.
+/// another device or driver is an empty record. What cannot be written, as where there is no folder, this process alone
+/// knows.
 class TuningFile {
  public:
   TuningFile(const std::filesystem::path& folder, std::string driverKey);
   TuningRecord read() const;
-  /// Returns false if it cannot be written.
+  /// Returns false if it cannot be written; read() gives it all the same.
   bool write(const TuningRecord& record) const;
   const std::filesystem::path& path() const { return path_; }
 

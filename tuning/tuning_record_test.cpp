@@ -71,6 +71,22 @@ TEST_F(TuningRecordFile, OfAnotherDriverIsNotRead) {
   EXPECT_EQ(toText(other.read()), toText({}));
 }
 
+TEST_F(TuningRecordFile, WhatCannotBeWrittenIsKnownToTheProcess) {
+  const TuningFile file(folder_, "driver"), none({}, "driver");
+  fs::create_directories(file.path());
+  for (const TuningFile* each : {&file, &none}) {
+    EXPECT_FALSE(each->write(fullRecord()));
+    EXPECT_EQ(toText(each->read()), toText(fullRecord()));
+    EXPECT_FALSE(each->write({}));
+    EXPECT_EQ(toText(each->read()), toText({}));
+  }
+  EXPECT_FALSE(file.write(fullRecord()));
+  fs::remove(file.path());
+  ASSERT_TRUE(file.write(fullRecord()));
+  fs::remove(file.path());
+  EXPECT_EQ(toText(file.read()), toText({})) << "what is written is the file's";
+}
+
 TEST_F(TuningRecordFile, DamagedIsEmpty) {
   const TuningFile file(folder_, "driver");
   ASSERT_TRUE(file.write(fullRecord()));

@@ -75,7 +75,8 @@ void tellTuning(const xrds::Tuning::Report& report, XrdsHearTuning hear, void* u
                               .shapes = shapeList.data(),
                               .struckOff = struckList.data(),
                               .shapeCount = static_cast<uint32_t>(shapes.size()),
-                              .struckOffCount = static_cast<uint32_t>(struckOff.size())};
+                              .struckOffCount = static_cast<uint32_t>(struckOff.size()),
+                              .unkept = report.unkept.empty() ? nullptr : report.unkept.c_str()};
   hear(user, &told);
 }
 

@@ -48,6 +48,7 @@ struct Tuning {
     std::vector<Shape> shapes{};         // the slowest first
     uint64_t measured = 0;               // kernels that were tried now; 0: all was known
     std::vector<StruckOff> struckOff{};  // of the device's driver
+    std::string unkept{};                // why this process alone knows what run() found; empty: it is kept
   };
 
   /// Tunes for frames of width x height low-resolution pixels; what is known already is not tried again. Seconds on a
@@ -90,6 +91,7 @@ inline Tuning::Report Tuning::of(const XrdsTuningReport& found) {
   }
   for (uint32_t i = 0; i < found.struckOffCount; ++i)
     report.struckOff.push_back({found.struckOff[i]->program, found.struckOff[i]->why});
+  if (found.unkept) report.unkept = found.unkept;
   return report;
 }
 

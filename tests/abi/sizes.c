@@ -199,6 +199,7 @@ int main(void) {
   FIELD(XrdsTuningReport, struckOff);
   FIELD(XrdsTuningReport, shapeCount);
   FIELD(XrdsTuningReport, struckOffCount);
+  FIELD(XrdsTuningReport, unkept);
   SIZE(XrdsUpscalerOptions);
   FIELD(XrdsUpscalerOptions, fp16);
   FIELD(XrdsUpscalerOptions, exposure);

@@ -109,6 +109,16 @@ TEST_F(CliTune, KeepsWhatItFoundWhichDoctorAndUpscaleUse) {
   EXPECT_EQ(run({"compare", tuned, plain, "--min-psnr", "90"}).exitCode, 0) << "the winners give another picture";
 }
 
+TEST_F(CliTune, WarnsOnceOfARecordThatItCannotWrite) {
+  StartOptions full = start();
+  full.largestFileBytes = 1000;
+  const Ended ended = runXrds({"tune", kModel, "--size", "64x64"}, full);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  const size_t first = ended.error.find("xrds: warning: what tuning found is not kept: '");
+  ASSERT_NE(first, std::string::npos) << ended.error;
+  EXPECT_EQ(ended.error.find("not kept", first + 40), std::string::npos) << ended.error;
+}
+
 TEST_F(CliTune, AKilledTuningGoesOnWhereItStopped) {
   const std::string json = (folder_ / "tune.json").string();
   const std::vector<std::string> command{"tune", kModel, "--size", "64x64", "--precision", "fp16", "--json", json};

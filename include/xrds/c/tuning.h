@@ -49,6 +49,7 @@ typedef struct XrdsTuningReport {
   const XrdsTunedShape* const* shapes;   /* the slowest first */
   const XrdsStruckOff* const* struckOff; /* of the device's driver */
   uint32_t shapeCount, struckOffCount;
+  const char* unkept; /* why this process alone knows what xrdsTune() found; NULL: it is kept */
 } XrdsTuningReport;
 typedef void (*XrdsHearTuning)(void* user, const XrdsTuningReport* report);
 
