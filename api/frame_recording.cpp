@@ -28,6 +28,7 @@ struct RecordedFrame::State {
   std::list<Buffer> buffers;
   std::list<HostImage> images;
   std::vector<FramePart> parts, alphaParts;
+  std::shared_ptr<const void> hold;  // of the parts
   std::optional<HostFrame> frame;
   std::optional<DenoisedFrame> denoised;  // in place of the frame
   std::optional<HostRecording> recording;
@@ -144,6 +145,7 @@ RecordedFrame::State::State(FrameUpscaler& upscaler, const XrdsVulkanFrame& give
   takeExposure(given, pictures);
   pictures.binnedExposure = takesBinnedExposure(config);
   parts = upscaler.parts();
+  hold = upscaler.hold();
   if (const DenoisingParts* const denoising = upscaler.denoising())
     denoised.emplace(gpu, *denoising, parts, inputs, pictures, alphaParts);
   else

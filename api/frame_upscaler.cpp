@@ -97,8 +97,10 @@ struct FrameUpscaler::State {
           "Layers are made of every pixel of the frame: an upscaler that leaves out windows cannot make them.");
     if (denoising)
       throw InvalidArgument("An upscaler with denoisers makes no layers: denoise them before, and the colour as well.");
-    if (isRecorded)
-      throw InvalidArgument("The upscaler is part of a recording, which layers would change: create another one.");
+    if (hold.use_count() > 1)
+      throw InvalidArgument(
+          "The upscaler is part of a recording, which layers would change: destroy that, or create another "
+          "upscaler.");
     runner.reset();
     layerCount = count;
     try {
@@ -160,9 +162,9 @@ struct FrameUpscaler::State {
   NetworkConfig config;
   FrameShape frame;
   Options options;
-  uint32_t layerCount = 0;                // images beside the colour that the runner filters
-  bool isRecorded = false;                // in a command buffer of the caller, who relies on the runner
-  std::vector<LayerReport> layerReports;  // of the last run
+  uint32_t layerCount = 0;  // images beside the colour that the runner filters
+  const std::shared_ptr<const bool> hold = std::make_shared<bool>();  // shared with recordings, which use the runner
+  std::vector<LayerReport> layerReports;                              // of the last run
   Tiling tiling;
   std::unique_ptr<FrameRunner> runner;  // null where the last plan failed
   std::unique_ptr<State> turned;        // an ensemble's, of frames that are not square, on their diagonal
@@ -281,9 +283,10 @@ std::vector<FramePart> FrameUpscaler::parts() const {
     throw InvalidArgument(
         "An upscaler that leaves out windows cannot be recorded, as their pixels decide: create it without skipBound "
         "and keepUnchanged.");
-  state_->isRecorded = true;
   return parts;
 }
+
+std::shared_ptr<const void> FrameUpscaler::hold() const { return state_->hold; }
 
 const DenoisingParts* FrameUpscaler::denoising() const { return state_->runner->denoising(); }
 

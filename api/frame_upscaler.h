@@ -41,6 +41,8 @@ class FrameUpscaler {
   FrameShape shape() const;  // of the low-resolution colour
   /// What a frame is made of. Throws InvalidArgument where that depends on its pixels, or it takes several passes.
   std::vector<FramePart> parts() const;
+  /// While a copy lives, the parts stay as they are: layers, which would change them, are refused.
+  std::shared_ptr<const void> hold() const;
   /// What stands in front of it; null: no denoiser.
   const DenoisingParts* denoising() const;
 

@@ -212,6 +212,19 @@ TEST_F(EmbeddedDoors, RecordBehindLayers) {
   expectNoHarm();
 }
 
+TEST_F(EmbeddedDoors, RefuseLayersWhileARecordingLives) {
+  Frame one = frame(), two = frame();
+  prepare(one);
+  prepare(two);
+  for (const Frame* each : {&one, &two}) {
+    refused(upscaleWithLayers(1), "part of a recording");
+    xrdsDestroyRecording(each->recording);
+  }
+  EXPECT_EQ(upscaleWithLayers(1), XRDS_OK) << xrdsGetMessage();
+  expectNoHarm();
+  refused(upscaleWithLayers(1), "part of a recording");
+}
+
 TEST_F(EmbeddedDoors, TellOfAnUpscalerThatHasNoRoomForLayers) {
   VulkanHost::fail("vkAllocateMemory", VK_ERROR_OUT_OF_DEVICE_MEMORY);
   EXPECT_EQ(upscaleWithLayers(1), XRDS_ERROR_OUT_OF_MEMORY) << xrdsGetMessage();

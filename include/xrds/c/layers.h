@@ -46,8 +46,8 @@ XRDS_API XrdsLayerColour xrdsLayerColourDefault(void);
 XRDS_API XrdsLayerSet xrdsLayerSetDefault(void);
 
 /* xrdsUpscale() with layers, which are upscaled so that each of the sets still adds up to the output: radiance, and
- * lights times their colour. Refused if the upscaler leaves out windows or is part of a recording. Another number of
- * layers than in the run before plans anew. reports: one a set, whose structSize the caller sets, or NULL. */
+ * lights times their colour. Refused if the upscaler leaves out windows, and while it is part of a recording. Another
+ * number of layers than in the run before plans anew. reports: one a set, whose structSize the caller sets, or NULL. */
 XRDS_API XrdsResult xrdsUpscaleLayers(XrdsUpscaler* upscaler, const XrdsImage* colour, const XrdsImage* auxiliary,
                                       uint32_t auxiliaryCount, const XrdsImage* output, const XrdsLayerSet* sets,
                                       uint32_t setCount, XrdsLayerReport* reports, XrdsProgress progress, void* user);
