@@ -184,13 +184,22 @@ TEST_F(Denoising, TellsItsTimesItsProgressAndItsEnd) {
 }
 
 TEST_F(Denoising, RefusesWhatItCannotDo) {
-  const auto refusal = [&](const Upscaler::Options& options, const Model& model) {
+  const PixelView views[] = {viewOf(albedo_, kScale), viewOf(normal_, kScale)};
+  const auto messageOf = [](const auto& action) {
     try {
-      Upscaler(device(), model, kWidth, kHeight, options);
+      action();
     } catch (const InvalidArgument& error) {
       return std::string(error.what());
     }
     return std::string("nothing");
+  };
+  const auto refusal = [&](const Upscaler::Options& options, const Model& model) {
+    const std::span images = std::span(views).first(model.auxiliaryInputs().size());
+    const std::string message = messageOf([&] { Upscaler(device(), model, kWidth, kHeight, options); });
+    const std::string ofCheck =
+        messageOf([&] { Upscaler::check(device(), model, viewOf(colour_, 1), images, options); });
+    EXPECT_EQ(ofCheck, message);
+    return message;
   };
   const auto has = [](const std::string& message, const char* word) {
     EXPECT_NE(message.find(word), std::string::npos) << word << " in: " << message;
@@ -206,7 +215,6 @@ TEST_F(Denoising, RefusesWhatItCannotDo) {
   has(refusal({.tiles = {.wrap = true}, .denoisers = denoisers_}, guided_), "panoramas");
   Upscaler upscaler(device(), guided_, kWidth, kHeight, {.denoisers = denoisers_});
   Pixels output(albedo_.size()), mean(albedo_.size());
-  const PixelView views[] = {viewOf(albedo_, kScale), viewOf(normal_, kScale)};
   const LayerSet layers{.lights = {{.light = viewOf(colour_, 1), .output = mean}}};
   EXPECT_THROW(upscaler.run(viewOf(colour_, 1), views, output, std::span(&layers, 1)), InvalidArgument);
   EXPECT_TRUE(upscaler.run(viewOf(colour_, 1), views, output));

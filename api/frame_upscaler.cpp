@@ -254,12 +254,15 @@ std::vector<Upscaler::ProfileRow> FrameUpscaler::profile() const {
 }
 
 std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, const PixelView& colour,
-                                           std::span<const PixelView> auxiliary, const Upscaler::Options& options) {
+                                           std::span<const PixelView> auxiliary, const Upscaler::Options& options,
+                                           const DenoisingModels& denoising) {
   const FrameShape frame{colour.height, colour.width};
   checkOptions(options);
   checkShape(model.config(), frame);
+  checkDenoising(model.config(), denoising, options);
   checkImages(model.config(), frame, colour, auxiliary);
-  const CheckResult result = checkAgainstReference(gpu, options.denoisedColour ? model.behindDenoiser() : model, frame,
+  const bool isBehind = denoising || options.denoisedColour;
+  const CheckResult result = checkAgainstReference(gpu, isBehind ? model.behindDenoiser() : model, frame,
                                                    inputOf(model.config(), colour, auxiliary, options),
                                                    sessionOptions(gpu, model, frame, options));
   std::vector<Upscaler::CheckRow> rows;

@@ -54,7 +54,8 @@ class FrameUpscaler {
 /// Upscaler::paysToTune, ::check and ::stress.
 bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, bool fp16);
 std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, const PixelView& colour,
-                                           std::span<const PixelView> auxiliary, const Upscaler::Options& options);
+                                           std::span<const PixelView> auxiliary, const Upscaler::Options& options,
+                                           const DenoisingModels& denoising);
 
 std::vector<Upscaler::ProfileRow> profileRows(std::span<const DispatchTime> times);
 

@@ -171,6 +171,11 @@ TEST_F(CApi, RefusesWhatCannotBe) {
   options = xrdsUpscalerOptionsDefault();
   options.tune = static_cast<XrdsTune>(3);
   refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "expected XRDS_TUNE_AUTO");
+  options = xrdsUpscalerOptionsDefault();
+  options.denoiser = reinterpret_cast<const XrdsModel*>(&options);
+  refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "The denoiser is not open");
+  const XrdsHearCheck hear = [](void*, const XrdsCheckRow*) {};
+  refused(xrdsCheckFrame(device, model, &colour, auxiliary, 2, &options, hear, nullptr), "The denoiser is not open");
   options.structSize = 4;
   refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "structSize of 4");
   EXPECT_EQ(made, nullptr);

@@ -96,6 +96,7 @@ class Handles {
 /// What a caller has given; null: the defaults. Throws InvalidArgument if it cannot be.
 Device::Options optionsOf(const XrdsDeviceOptions& given);
 Upscaler::Options optionsOf(const XrdsUpscalerOptions* given);
+XrdsDenoisers denoisersOf(const XrdsUpscalerOptions* given);
 /// Text and paths of the C API, which are UTF-8.
 inline std::string textOf(const char* words) { return words ? words : ""; }
 inline std::filesystem::path pathOf(const char* words) { return call::path(textOf(words)); }

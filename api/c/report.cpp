@@ -119,7 +119,9 @@ XrdsResult xrdsCheckFrame(XrdsDevice* device, const XrdsModel* model, const Xrds
     required(hear, "hear");
     const ReadImages images(of->inputs(), required(colour, "colour"), auxiliary, auxiliaryCount);
     const std::lock_guard lock(on->access);
-    const auto rows = xrds::checkFrame(on->gpu, of->model, images.colour.view(), images.views, optionsOf(options));
+    const XrdsDenoisers denoisers = denoisersOf(options);
+    const auto rows = xrds::checkFrame(on->gpu, of->model, images.colour.view(), images.views, optionsOf(options),
+                                       denoisers.models());
     for (const xrds::Upscaler::CheckRow& row : rows) {
       const XrdsCheckRow told{.structSize = sizeof told,
                               .label = row.label.c_str(),

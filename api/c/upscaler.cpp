@@ -67,9 +67,7 @@ xrds::Upscaler::Options xrds::c::optionsOf(const XrdsUpscalerOptions* options) {
   return asked;
 }
 
-namespace {
-
-XrdsDenoisers denoisersOf(const XrdsUpscalerOptions* options) {
+XrdsDenoisers xrds::c::denoisersOf(const XrdsUpscalerOptions* options) {
   if (!options) return {};
   const XrdsUpscalerOptions given = taken(*options, xrdsUpscalerOptionsDefault());
   const auto opened = [](const XrdsModel* model, const char* what) {
@@ -78,6 +76,8 @@ XrdsDenoisers denoisersOf(const XrdsUpscalerOptions* options) {
   return {opened(given.denoiser, "denoiser"), opened(given.albedoDenoiser, "albedoDenoiser"),
           opened(given.normalDenoiser, "normalDenoiser")};
 }
+
+namespace {
 
 void checkOutput(const XrdsUpscaler& upscaler, const XrdsImage& output) {
   checkImage(output, "output", 3);

@@ -116,8 +116,8 @@ typedef struct XrdsCheckRow {
 } XrdsCheckRow;
 typedef void (*XrdsHearCheck)(void* user, const XrdsCheckRow* row);
 
-/* Runs one frame and compares each operator with its reference on the host: seconds for 16 x 16 pixels. options may be
- * NULL. */
+/* Runs one frame and compares each operator with its reference on the host: seconds for 16 x 16 pixels. Denoisers are
+ * not among them: the colour is taken as it is. options may be NULL. */
 XRDS_API XrdsResult xrdsCheckFrame(XrdsDevice* device, const XrdsModel* model, const XrdsImage* colour,
                                    const XrdsImage* auxiliary, uint32_t auxiliaryCount,
                                    const XrdsUpscalerOptions* options, XrdsHearCheck hear, void* user);
