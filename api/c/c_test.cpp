@@ -154,6 +154,11 @@ TEST_F(CApi, RefusesWhatCannotBe) {
   XrdsImage without = colour;
   without.channels[1] = nullptr;
   refused(upscale(&without, auxiliary, 2, &output), "The colour image has no channel 1");
+  for (const uint32_t height : {1U, 9U}) {
+    const XrdsImage absurd = xrdsInterleavedImage(colourPixels.data(), XRDS_FLOAT, ~0U, ~0U, height);
+    EXPECT_GT(absurd.rowStride, 0);
+    refused(upscale(&absurd, auxiliary, 2, &output), "The colour image is 4294967295 x");
+  }
   XrdsImage strange = colour;
   strange.format = static_cast<XrdsFormat>(7);
   refused(upscale(&strange, auxiliary, 2, &output), "expected XRDS_FLOAT or XRDS_HALF");

@@ -1,6 +1,7 @@
 #include "api/c/images.h"
 
 #include <cstring>
+#include <limits>
 
 #include "api/arguments.h"
 #include "api/c/result.h"
@@ -43,9 +44,10 @@ void setNumber(std::byte* place, XrdsFormat format, float value) {
 bool isInterleaved(const XrdsImage& image) {
   const auto* const first = static_cast<const float*>(image.channels[0]);
   const bool together = image.channels[1] == first + 1 && image.channels[2] == first + 2;
-  const ptrdiff_t size = sizeof(float), row = ptrdiff_t{image.width} * image.pixelStride;
+  const ptrdiff_t size = sizeof(float);
   return image.format == XRDS_FLOAT && together && image.pixelStride >= 3 * size && image.pixelStride % size == 0 &&
-         (image.height == 1 || image.rowStride == row) && reinterpret_cast<uintptr_t>(first) % alignof(float) == 0;
+         (image.height == 1 || image.rowStride == rowBytes(image.pixelStride, image.width)) &&
+         reinterpret_cast<uintptr_t>(first) % alignof(float) == 0;
 }
 
 ReadImage readAuxiliary(const XrdsImage& image, const std::string& input) {
@@ -68,6 +70,11 @@ void checkImage(const XrdsImage& image, const std::string& what, uint32_t channe
   if (image.width == 0 || image.height == 0)
     throw InvalidArgument("The " + what + " image is " + sizeText(image.width, image.height) +
                           " pixels, expected some.");
+}
+
+ptrdiff_t rowBytes(ptrdiff_t pixelStride, uint32_t width) {
+  constexpr ptrdiff_t kMost = std::numeric_limits<ptrdiff_t>::max();
+  return width > 0 && pixelStride > kMost / width ? kMost : pixelStride * width;
 }
 
 bool isPacked(const XrdsImage& image) { return isInterleaved(image) && image.pixelStride == 3 * sizeof(float); }

@@ -42,6 +42,9 @@ std::vector<float> readChannel(const XrdsImage& image, uint32_t channel);
 /// Writes it, from every `step`th of the values on.
 void writeChannel(const XrdsImage& image, uint32_t channel, const float* values, size_t step);
 
+/// Bytes of a row without gaps, of pixels with a stride of 0 or more; the largest number where they are more than it.
+ptrdiff_t rowBytes(ptrdiff_t pixelStride, uint32_t width);
+
 /// Whether the image is rows of three floats a pixel without gaps.
 bool isPacked(const XrdsImage& image);
 

@@ -221,7 +221,7 @@ XrdsImage xrdsInterleavedImage(void* pixels, XrdsFormat format, uint32_t channel
                                uint32_t height) {
   const ptrdiff_t number = format == XRDS_HALF ? 2 : 4, pixel = number * ptrdiff_t{channelCount};
   XrdsImage image{
-      .pixelStride = pixel, .rowStride = pixel * ptrdiff_t{width}, .width = width, .height = height, .format = format};
+      .pixelStride = pixel, .rowStride = rowBytes(pixel, width), .width = width, .height = height, .format = format};
   for (uint32_t c = 0; c < channelCount && c < 4 && pixels; ++c)
     image.channels[c] = static_cast<std::byte*>(pixels) + ptrdiff_t{c} * number;
   return image;
