@@ -79,6 +79,22 @@ TEST(Api, NamesWhatDoesNotFitTheFrame) {
   EXPECT_NE(refusal({.tiles = {.wrap = true}, .skip = {.bound = 0.01f}}).find("panorama"), std::string::npos);
 }
 
+// Of an ensemble the frame and the turned one share the memory.
+TEST(Api, NamesTheMemoryThatIsNeededAndAllowed) {
+  for (const uint32_t ensemble : {1U, 8U}) {
+    Upscaler::Options options{.ensemble = ensemble, .tiles = {.memoryBytes = 1000, .columns = 1, .rows = 1}};
+    const auto refusal = [&] { return messageOf([&] { Upscaler(device(), guided(), 160, 96, options); }); };
+    const std::string message = refusal();
+    const size_t number = message.find("need ");
+    ASSERT_NE(number, std::string::npos) << message;
+    const uint64_t needed = 1'000'000 * std::stoull(message.substr(number + 5));
+    options.tiles.memoryBytes = needed - 1'000'000;
+    EXPECT_NE(refusal().find(" " + std::to_string(needed / 1'000'000 - 1) + " MB are allowed"), std::string::npos);
+    options.tiles.memoryBytes = needed;
+    EXPECT_EQ(refusal(), "nothing");
+  }
+}
+
 TEST(Api, RefusesFramesOfNoOrTooLargeSize) {
   for (const auto& [width, height] :
        std::vector<std::pair<uint32_t, uint32_t>>{{0, 4}, {4, 0}, {0, 0}, {1u << 30, 1}, {~0u, ~0u}, {1, 1u << 31}}) {

@@ -63,11 +63,11 @@ uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {
 }
 
 Tiling tilingIn(uint64_t memory, const Gpu& gpu, const NetworkModel& model, FrameShape frame,
-                const Upscaler::Options& options, const SessionOptions& of) {
+                const Upscaler::Options& options, const SessionOptions& of, uint32_t sharers) {
   DeviceTraits traits = gpu.traits();
   traits.family = *of.family;
-  traits.memoryBytes = std::min(traits.memoryBytes, memory);
-  return tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels, of.layers});
+  traits.memoryBytes = std::min(traits.memoryBytes, memory / sharers);
+  return tilingOf(model, frame, options.fp16, options.tiles, {memory, traits, of.kernels, of.layers, sharers});
 }
 
 void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Upscaler::Options& options) {

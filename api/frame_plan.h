@@ -24,9 +24,10 @@ void tuneIfAsked(Gpu& gpu, const NetworkModel& model, FrameShape frame, const Up
 /// The device memory that a frame may take, bytes.
 uint64_t memoryOf(const Gpu& gpu, const TileOptions& options);
 
-/// The tiles of the frame, `of` its sessions' options. Throws Error if the memory has no room for the smallest.
+/// The tiles of the frame, `of` its sessions' options, `sharers` as in MemoryLimits. Throws Error if the memory has no
+/// room for the smallest.
 Tiling tilingIn(uint64_t memory, const Gpu& gpu, const NetworkModel& model, FrameShape frame,
-                const Upscaler::Options& options, const SessionOptions& of);
+                const Upscaler::Options& options, const SessionOptions& of, uint32_t sharers = 1);
 
 /// What runs it so. Throws OutOfMemory if the device has less memory than it says.
 std::unique_ptr<FrameRunner> runnerOf(Gpu& gpu, const NetworkModel& model, FrameShape frame,

@@ -35,18 +35,20 @@ FrameInput inputOf(const NetworkConfig& config, const PixelView& colour, std::sp
 
 struct FrameUpscaler::State {
   State(Gpu& device, const NetworkModel& weights, FrameShape shape, const Options& given,
-        const DenoisingModels& denoisers)
+        const DenoisingModels& denoisers, uint32_t sharing = 1)
       : gpu(device),
         model(denoisers || given.denoisedColour ? weights.behindDenoiser() : weights),
         denoising(denoisers),
         config(model.config()),
         frame(shape),
-        options(given) {
+        options(given),
+        sharers(sharing) {
     if (options.ensemble == 8 && frame.width != frame.height) {
-      options.tiles.memoryBytes = memoryOf(gpu, options.tiles) / 2;
+      sharers = 2;
       Options once = options;
       once.ensemble = 1;
-      turned = std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once, DenoisingModels());
+      turned =
+          std::make_unique<State>(gpu, model, FrameShape{frame.width, frame.height}, once, DenoisingModels(), sharers);
     }
     prepareAsFits();
   }
@@ -61,7 +63,7 @@ struct FrameUpscaler::State {
 
   void prepare(uint64_t memory) {
     SessionOptions of = sessionOptions(gpu, model, frame, options);
-    of.memoryBytes = memory;
+    of.memoryBytes = memory / sharers;
     of.layers = layerCount;
     if (denoising) {
       auto plan = planDenoised(gpu, model, frame, denoising, options, of, memory);
@@ -69,7 +71,7 @@ struct FrameUpscaler::State {
       runner = std::move(plan.runner);
       return;
     }
-    tiling = tilingIn(memory, gpu, model, frame, options, of);
+    tiling = tilingIn(memory, gpu, model, frame, options, of, sharers);
     runner = runnerOf(gpu, model, frame, options, of, tiling);
   }
 
@@ -78,7 +80,7 @@ struct FrameUpscaler::State {
     while (true) {
       runner.reset();
       try {
-        return prepare((tiling.arenaBytes + tiling.weightBytes) / 2);
+        return prepare(sharers * (tiling.arenaBytes + tiling.weightBytes) / 2);
       } catch (const OutOfMemory&) {
       } catch (const Cancelled&) {
         throw;
@@ -162,6 +164,7 @@ struct FrameUpscaler::State {
   NetworkConfig config;
   FrameShape frame;
   Options options;
+  uint32_t sharers;         // of the memory: 2 with `turned`
   uint32_t layerCount = 0;  // images beside the colour that the runner filters
   const std::shared_ptr<const bool> hold = std::make_shared<bool>();  // shared with recordings, which use the runner
   std::vector<LayerReport> layerReports;                              // of the last run

@@ -74,7 +74,8 @@ class TilePlanner {
       : model_(model), precision_(precision), traits_(limits.traits), kernels_(limits.kernels), layers_(limits.layers) {
     const uint32_t window = model.config().window;
     weightByteSize = memoryNeeds(graphOf({window, window}), traits_).weights;
-    room_ = std::min(limits.byteSize - std::min(limits.byteSize, weightByteSize), traits_.maxAllocationBytes);
+    const uint64_t share = limits.byteSize / limits.sharers;
+    room_ = std::min(share - std::min(share, weightByteSize), traits_.maxAllocationBytes);
   }
 
   Needs needs(FrameShape crop) const {
@@ -119,7 +120,7 @@ class TilePlanner {
                 " texels, but the device binds at most " + std::to_string(limits.traits.maxTexelBufferElements) +
                 ": take " + orBounded + "a smaller model or another device.");
   throw Error("The smallest tiles of the frame need " +
-              std::to_string((least.arenaByteSize + planner.weightByteSize + 999'999) / 1'000'000) +
+              std::to_string((limits.sharers * (least.arenaByteSize + planner.weightByteSize) + 999'999) / 1'000'000) +
               " MB of device memory, but " + std::to_string(limits.byteSize / 1'000'000) +
               " MB are allowed: allow more, or take fp16, " + orBounded + "or a smaller model.");
 }

@@ -13,6 +13,7 @@ struct MemoryLimits {
   DeviceTraits traits{};
   KernelTable kernels{};  // as in GraphOptions
   uint32_t layers = 0;    // the same
+  uint32_t sharers = 1;   // frames that are ready at once, each of which takes that part of the bytes
 };
 
 /// A grid of tiles, and the device memory that it takes.
