@@ -31,13 +31,18 @@ FrameInput inputOf(const NetworkConfig& config, const PixelView& colour, std::sp
   return input;
 }
 
+// The model as it runs: behind a denoiser, or on colours that were denoised, it may change a part of them alone.
+NetworkModel modelFor(const NetworkModel& model, const DenoisingModels& denoising, const Upscaler::Options& options) {
+  return denoising || options.denoisedColour ? model.behindDenoiser() : model;
+}
+
 }  // namespace
 
 struct FrameUpscaler::State {
   State(Gpu& device, const NetworkModel& weights, FrameShape shape, const Options& given,
         const DenoisingModels& denoisers, uint32_t sharing = 1)
       : gpu(device),
-        model(denoisers || given.denoisedColour ? weights.behindDenoiser() : weights),
+        model(modelFor(weights, denoisers, given)),
         denoising(denoisers),
         config(model.config()),
         frame(shape),
@@ -264,8 +269,7 @@ std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, 
   checkShape(model.config(), frame);
   checkDenoising(model.config(), denoising, options);
   checkImages(model.config(), frame, colour, auxiliary);
-  const bool isBehind = denoising || options.denoisedColour;
-  const CheckResult result = checkAgainstReference(gpu, isBehind ? model.behindDenoiser() : model, frame,
+  const CheckResult result = checkAgainstReference(gpu, modelFor(model, denoising, options), frame,
                                                    inputOf(model.config(), colour, auxiliary, options),
                                                    sessionOptions(gpu, model, frame, options));
   std::vector<Upscaler::CheckRow> rows;

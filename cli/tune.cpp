@@ -13,6 +13,7 @@
 #include "cli/progress.h"
 #include "cli/timer.h"
 #include "cli/tune_report.h"
+#include "cli/warnings.h"
 
 namespace xrds {
 namespace {
@@ -101,7 +102,7 @@ void run(TuneOptions options) {
         if (!options.quiet) std::fputs(tuneText(tuned.back()).c_str(), stdout);
         std::fflush(stdout);
         if (const std::string& unkept = tuned.back().report.unkept; !unkept.empty() && !std::exchange(warned, true))
-          std::fprintf(stderr, "xrds: warning: %s.\n", unkept.c_str());
+          printWarnings({unkept + "."});
       }
     return reopened.device().description();
   });

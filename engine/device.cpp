@@ -9,7 +9,6 @@
 #include "engine/handles.h"
 #include "engine/host_device.h"
 #include "engine/kernel_family.h"
-#include "engine/llvmpipe.h"
 #include "engine/matrix_units.h"
 #include "engine/selection.h"
 #include "engine/traits.h"
