@@ -95,6 +95,13 @@ std::string processorName() {
   return brandOfProcessor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
 }
 
+uint64_t secondCacheBytes() {
+#ifdef _SC_LEVEL2_CACHE_SIZE
+  if (const long bytes = sysconf(_SC_LEVEL2_CACHE_SIZE); bytes > 0) return static_cast<uint64_t>(bytes);
+#endif
+  return uint64_t{512} << 10;
+}
+
 std::filesystem::path defaultCacheFolder() {
   if (const auto folder = environmentVariable("XDG_CACHE_HOME"); !folder.empty())
     return std::filesystem::path(folder) / "xrds";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -27,6 +28,9 @@ std::string wantedKernelFamily();
 
 /// The processor's own name of itself and the number of its threads: "AMD EPYC, 2 threads".
 std::string processorName();
+
+/// Bytes of the second-level cache of a core; 512 KiB where the system does not tell.
+uint64_t secondCacheBytes();
 
 /// Lets lavapipe use the CPU's whole vector width unless the user chose one, or it is loaded already. Changes the
 /// environment, so call it before an instance is created and while no other thread reads the environment.

@@ -1,5 +1,6 @@
 #include "engine/traits.h"
 
+#include "engine/environment.h"
 #include "engine/llvmpipe.h"
 #include "engine/matrix_units.h"
 
@@ -25,6 +26,7 @@ DeviceTraits traitsOf(VkPhysicalDevice device, const DeviceDescription& descript
           .maxTexelBufferElements = limits.maxTexelBufferElements,
           .maxAllocationBytes = version11.maxMemoryAllocationSize,
           .memoryBytes = description.kind == DeviceKind::cpu ? 0 : description.memoryBytes,
+          .secondCacheBytes = secondCacheBytes(),
           .maxSharedBytes = limits.maxComputeSharedMemorySize,
           .maxGroupInvocations = limits.maxComputeWorkGroupInvocations,
           .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes,

@@ -114,7 +114,7 @@ TEST(Linear, HasFewProgramsForFramesOfAllSizes) {
                 .bias = bias};
       if (hasResidual) op.residual = op.output;
       const Dispatch launch = dispatch(op, test::traitsOf(KernelFamily::lane));
-      ASSERT_EQ(launch.program, "linear_lane_f32");
+      ASSERT_TRUE(launch.program.starts_with("linear_lane_f32")) << launch.program;
       programs.insert(launch.specialization);
     }
     EXPECT_EQ(programs.size(), hasResidual ? 3u : 2u);
@@ -235,7 +235,7 @@ TEST(Linear, ReadsWeightsByAddressWhereTheCompilerKnowsScalars) {
 }
 
 TEST(Linear, TakesTurnsOnVectorsOf256BitsWhereTheCodeIsLong) {
-  const std::vector<float> numbers(96 * 96, 1);
+  const std::vector<float> numbers(size_t{192} * 96, 1);
   const auto takesTurns = [&](uint32_t inputs, DeviceTraits device) {
     const Linear op{.input = view(0, DataType::f32, 32, 32, inputs),
                     .output = view(1, DataType::f32, 32, 32, 96),
@@ -247,6 +247,9 @@ TEST(Linear, TakesTurnsOnVectorsOf256BitsWhereTheCodeIsLong) {
   };
   EXPECT_TRUE(takesTurns(64, {.subgroupSize = 8}));
   EXPECT_FALSE(takesTurns(32, {.subgroupSize = 8}));
+  EXPECT_FALSE(takesTurns(96, {.subgroupSize = 8})) << "the tokens leave a second-level cache of 512 KiB";
+  EXPECT_TRUE(takesTurns(128, {.subgroupSize = 8, .secondCacheBytes = uint64_t{1} << 20}));
+  EXPECT_FALSE(takesTurns(192, {.subgroupSize = 8, .secondCacheBytes = uint64_t{1} << 20}));
   EXPECT_FALSE(takesTurns(64, {.subgroupSize = 16}));
   EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::broadcasts}));
   EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::scalars}));

@@ -26,7 +26,10 @@ const uint kParts = kLanes / (2 * kKeys);
 const uint kPartQuads = kQuads / kParts;
 const uint kSteps = (kTokens + kKeys - 1) / kKeys;
 const uint kBlocks = (kTokens + kLanes * kQueries - 1) / (kLanes * kQueries);  // subgroups for a window and head
-const uint kTile = kQueries < 4 ? kQueries : 4;  // queries whose sums stay in registers, times 4 keys or channels
+// Queries, and keys or channels of a value, whose sums stay in registers: of 8 lanes (AVX2) 16, some of them for factors.
+const uint kTile = kQueries < 4 ? kQueries : 4;
+const uint kPieces = kLanes <= 8 && kTile > 2 ? 2 : 1, kPiece = 4 / kPieces;
+const uint kKeyPiece = kKeys < kPiece ? kKeys : kPiece;
 layout(binding = 0) uniform samplerBuffer queries;
 layout(binding = 1) uniform samplerBuffer keys;
 layout(binding = 2) uniform samplerBuffer values;
@@ -108,11 +111,14 @@ void main() {
     }
     biasFrom += biasStep;
     [[unroll]] for (uint i0 = 0; i0 < kQueries; i0 += kTile)
-      [[unroll]] for (uint c = 0; c < kHeadChannels; c++)
-        [[unroll]] for (uint j = 0; j < kKeys; j++) {
-          const float key = handedOut(held[c / 4 % kPartQuads][c % 4], c / 4 / kPartQuads * kKeys + j);
-          [[unroll]] for (uint i = 0; i < kTile; i++) weight[i0 + i][j] = plusProduct(weight[i0 + i][j], q[i0 + i][c / 4][c % 4], key);
-        }
+      [[unroll]] for (uint piece = 0; piece < kKeys / kKeyPiece; piece++)
+        [[unroll]] for (uint c = 0; c < kHeadChannels; c++)
+          [[unroll]] for (uint n = 0; n < kKeyPiece; n++) {
+            const uint j = piece * kKeyPiece + n;
+            const float key = handedOut(held[c / 4 % kPartQuads][c % 4], c / 4 / kPartQuads * kKeys + j);
+            [[unroll]] for (uint i = i0; i < i0 + kTile; i++)
+              weight[i][j] = plusProduct(weight[i][j], q[i][c / 4][c % 4], key);
+          }
 
     float kept[kQueries];
     [[unroll]] for (uint i = 0; i < kQueries; i++) {
@@ -129,10 +135,14 @@ void main() {
     [[unroll]] for (uint i0 = 0; i0 < kQueries; i0 += kTile)
       [[unroll]] for (uint c = 0; c < kQuads; c++) {
         [[unroll]] for (uint i = 0; i < kTile; i++) result[i0 + i][c] *= kept[i0 + i];
-        [[unroll]] for (uint j = 0; j < kKeys; j++) {
-          const vec4 value = handedOut(held[c % kPartQuads], kLanes / 2 + c / kPartQuads * kKeys + j);
-          [[unroll]] for (uint i = 0; i < kTile; i++) result[i0 + i][c] = plusProduct(result[i0 + i][c], weight[i0 + i][j], value);
-        }
+        [[unroll]] for (uint piece = 0; piece < kPieces; piece++)
+          [[unroll]] for (uint j = 0; j < kKeys; j++)
+            [[unroll]] for (uint n = 0; n < kPiece; n++) {
+              const uint o = piece * kPiece + n;
+              const float value = handedOut(held[c % kPartQuads][o], kLanes / 2 + c / kPartQuads * kKeys + j);
+              [[unroll]] for (uint i = i0; i < i0 + kTile; i++)
+                result[i][c][o] = plusProduct(result[i][c][o], weight[i][j], value);
+            }
       }
   }
 
