@@ -117,9 +117,11 @@ def save(path, picture, level=9):
         raise
 
 
-def write(path, channels):
-    """Writes equally sized 2-D arrays as half floats, ZIP; the file appears whole or not at all."""
-    save(path, Picture({}, {name: np.asarray(plane).clip(-65504, 65504).astype(KINDS[HALF]) for name, plane in channels.items()}))
+def write(path, channels, samples=0):
+    """Writes equally sized 2-D arrays as half floats, ZIP; the file appears whole or not at all. samples: of a pixel, noted
+    as Cycles does; 0: not noted."""
+    noted = {"cycles.ViewLayer.samples": ("string", str(samples).encode())} if samples else {}
+    save(path, Picture(noted, {name: np.asarray(plane).clip(-65504, 65504).astype(KINDS[HALF]) for name, plane in channels.items()}))
 
 
 def _header(content):

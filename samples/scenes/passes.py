@@ -88,6 +88,11 @@ def colour(image, bits=10):
     return {name: exr.rounded(image[name], bits) for name in COMBINED}
 
 
+def full(image):
+    """Colour, albedo and normal to store."""
+    return {**colour(image), **auxiliaries(image)}
+
+
 def auxiliaries(image, albedo_step=1 / 512, normal_step=1 / 512):
     """Albedo and normal to store, on a grid finer than their noise; albedo above 1 (lamps) keeps nine bits."""
     kept = {name: exr.on_grid(image[name], normal_step) for name in NORMAL}
