@@ -5,6 +5,7 @@
 #include "app/upscale_frame.h"
 #include "cli/progress.h"
 #include "cli/timer.h"
+#include "cli/warnings.h"
 #include "xrds/tuning.h"
 
 namespace xrds {
@@ -32,13 +33,16 @@ void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& 
   if (Tuning::known(device, opened.model, frame.width(), frame.height(), fp16)) return;
   requireRoom(device, input, options);
   if (!options.quiet) std::fputs("xrds: finding the fastest kernels of this device, kept for the next time\n", stderr);
-  ProgressBar bar(options.quiet);
-  untilInterrupted([&] {
-    Tuning::run(device, opened.model, frame.width(), frame.height(),
-                {.fp16 = fp16, .label = opened.name(), .progress = [&](double share, const std::string&) {
-                   return bar.update(share);
-                 }});
-  });
+  const Tuning::Report report = [&] {
+    ProgressBar bar(options.quiet);
+    return untilInterrupted([&] {
+      return Tuning::run(device, opened.model, frame.width(), frame.height(),
+                         {.fp16 = fp16, .label = opened.name(), .progress = [&](double share, const std::string&) {
+                            return bar.update(share);
+                          }});
+    });
+  }();
+  if (!report.unkept.empty()) printWarnings({report.unkept + "."});
 }
 
 Upscaled upscaledBy(Upscaler& upscaler, const Model& model, const Frame& frame, const Upscaler::Progress& progress) {

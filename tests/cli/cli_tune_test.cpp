@@ -117,6 +117,12 @@ TEST_F(CliTune, WarnsOnceOfARecordThatItCannotWrite) {
   const size_t first = ended.error.find("xrds: warning: what tuning found is not kept: '");
   ASSERT_NE(first, std::string::npos) << ended.error;
   EXPECT_EQ(ended.error.find("not kept", first + 40), std::string::npos) << ended.error;
+
+  const std::string colour = (folder_ / "colour.exr").string(), aux = (folder_ / "aux.exr").string();
+  writeHalfEvenFrame(colour, aux, 16);
+  const Ended upscaled = runXrds(
+      {"upscale", colour, "-o", (folder_ / "out.exr").string(), "--model", kModel, "--tune", "now", "--quiet"}, full);
+  EXPECT_TRUE(contains(upscaled.error, "xrds: warning: what tuning found is not kept: '")) << upscaled.error;
 }
 
 TEST_F(CliTune, AKilledTuningGoesOnWhereItStopped) {
