@@ -74,16 +74,17 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
 }
 
 // Whether the subgroups of a workgroup of the lane kernel take turns. The code for vectors of 256 bits is longer,
-// because AVX2 reads a weight by an instruction of its own; from 48 inputs on it leaves the instruction cache. Where
-// the tokens of all subgroups take more than a seventh of the second-level cache, those that wait for their turn leave
-// it, which is worse: measured with 512 KiB and 1 MiB. Newer drivers have a fence of memory at each barrier, which
-// costs more than the turns gain.
+// because AVX2 reads a weight by an instruction of its own: that of kLongBody multiply-adds leaves the instruction
+// cache. Where the tokens of all subgroups take more than a seventh of the second-level cache, those that wait for
+// their turn leave it, which is worse: measured with 512 KiB and 1 MiB. Newer drivers have a fence of memory at each
+// barrier, which costs more than the turns gain.
 bool takesTurns(const Linear& op, const DeviceTraits& device) {
-  constexpr uint32_t kLanes = 8, kLeastInputs = 48, kTokenShare = 7;
-  if (laneTile(op, device) <= 8) return false;  // one turn
+  constexpr uint32_t kLanes = 8, kLongBody = 1536, kTokenShare = 7;
+  const uint32_t tile = laneTile(op, device);
+  if (tile <= 8) return false;  // one turn
   if (device.shape.rows > 0) return device.shape.rows == kInTurns;
   const uint64_t inputs = inputChannels(op), tokenBytes = inputs * byteSize(DataType::f32) * kLanes * kMaxRows;
-  return device.subgroupSize == kLanes && inputs >= kLeastInputs &&
+  return device.subgroupSize == kLanes && inputs * tile >= kLongBody &&
          kTokenShare * tokenBytes <= device.secondCacheBytes && device.laneCode == LaneCode::shuffles;
 }
 
