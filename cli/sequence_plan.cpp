@@ -1,5 +1,6 @@
 #include "cli/sequence_plan.h"
 
+#include <algorithm>
 #include <system_error>
 
 #include "app/failing_with.h"
@@ -26,14 +27,28 @@ bool isFolder(const std::string& path) {
   return !fs::exists(path, ignored) && !fs::path(path).has_extension() && !FilePattern::mayBeMany(path);
 }
 
+// The same names in the same folder, however that was spelled.
+FilePattern resolved(const FilePattern& pattern) {
+  const fs::path folder = pattern.of(0).parent_path();
+  std::error_code ignored;
+  return pattern.in(fs::weakly_canonical(folder.empty() ? "." : folder, ignored));
+}
+
+// Whether a frame of both has one file.
+bool meet(const FilePattern& a, const FilePattern& b, const std::vector<int>& frames) {
+  return std::any_of(frames.begin(), frames.end(), [first = resolved(a), second = resolved(b)](int frame) {
+    return first.of(frame) == second.of(frame);
+  });
+}
+
 // --output as a pattern; in a folder files have the names of the colour.
-FilePattern outputOf(const UpscaleOptions& options, const Inputs& inputs) {
+FilePattern outputOf(const UpscaleOptions& options, const Inputs& inputs, const std::vector<int>& frames) {
   const FilePattern output = isFolder(options.output) ? inputs.colour.in(options.output) : FilePattern(options.output);
   if (!output.isMany())
     throw Failure{ExitCode::usage, "--output '" + options.output +
                                        "' is one file for many frames: put #### in its name, or name a folder."};
   for (const FilePattern& input : {inputs.colour, inputs.auxiliary})
-    if (input.text() == output.text())
+    if (meet(input, output, frames))
       throw Failure{ExitCode::usage,
                     "--output '" + output.text() + "' is an input, too: choose another name or folder."};
   return output;
@@ -97,7 +112,7 @@ SequencePlan planSequence(const UpscaleOptions& options) {
   if (!options.aux.empty() && areSwapped(inputs, numbers)) std::swap(inputs.colour, inputs.auxiliary);
   if (!inputs.colour.isMany())
     throw Failure{ExitCode::usage, "COLOR '" + options.color + "' is one file for many frames: put #### in its name."};
-  const FilePattern output = failingWith(ExitCode::usage, [&] { return outputOf(options, inputs); });
+  const FilePattern output = failingWith(ExitCode::usage, [&] { return outputOf(options, inputs, numbers); });
   requireExtension(output.of(numbers.front()).string(), ".exr", "--output");
   makeFolder(output.of(numbers.front()).parent_path(), output.text());
   SequencePlan plan{.output = output.text()};

@@ -27,10 +27,8 @@ struct SequencePlan {
   std::function<SequenceFrame(int number)> frame;  // any frame, whether it is asked for, or there, or not
 };
 
-/// The attribute of an output that tells which frames could not be read and so were not merged (--temporal).
-inline constexpr const char* kMergedWithout = "xrds:mergedWithout";
-
-/// The frames that the output of a frame says it was merged without; nothing if it says none, or is not there.
+/// The frames that the output of a frame says it was merged without (kMergedWithout); nothing if it says none, or is
+/// not there.
 std::optional<std::string> mergedWithout(const SequenceFrame& frame);
 
 /// Whether the output of a frame is there, for good: not if it says that it was merged without some.

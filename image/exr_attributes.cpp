@@ -68,7 +68,7 @@ bool describesPicture(std::string_view attributeName) {
       "zipCompressionLevel",
   };
   return std::find(kEncoding.begin(), kEncoding.end(), attributeName) == kEncoding.end() &&
-         !attributeName.starts_with("cryptomatte/");
+         attributeName != kMergedWithout && !attributeName.starts_with("cryptomatte/");
 }
 
 bool describesLayers(std::string_view attributeName) {

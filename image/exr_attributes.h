@@ -8,6 +8,10 @@
 
 namespace xrds {
 
+/// The attribute of a merged frame that tells which frames could not be read and so were not merged. It speaks of this
+/// one file: none that is made of it has it.
+inline constexpr const char* kMergedWithout = "xrds:mergedWithout";
+
 /// What an EXR header says about its picture rather than about its own encoding: camera, frame, colour space and
 /// whatever the renderer added. Opaque, so that types which this library does not know travel unharmed; a plain value.
 class ExrAttributes {

@@ -108,6 +108,7 @@ Imf::Header richHeader(const FixturePart& part) {
   header.insert("cycles.ViewLayer.samples", Imf::StringAttribute("64"));
   header.insert("cryptomatte/542cafa/name", Imf::StringAttribute("ViewLayer.CryptoObject"));
   header.insert("BlenderMultiChannel", Imf::StringAttribute("Blender V2.55.1 and newer"));
+  header.insert(kMergedWithout, Imf::StringAttribute("3"));
   header.insert("renderer/seed", Imf::IntAttribute(7));
   header.insert("strange", Imf::StringAttribute("abc"));
   header.pixelAspectRatio() = 1.5F;
@@ -150,6 +151,7 @@ TEST(ExrWrite, KeepsAttributesAndScalesWindows) {
   EXPECT_FALSE(Imf::hasMultiView(header));
   EXPECT_EQ(header.find("cryptomatte/542cafa/name"), header.end());
   EXPECT_EQ(header.find("BlenderMultiChannel"), header.end());
+  EXPECT_EQ(header.find(kMergedWithout), header.end());
 }
 
 TEST(ExrWrite, AttributesAreAValue) {
