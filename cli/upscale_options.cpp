@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <utility>
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
@@ -206,8 +207,12 @@ void requireOutputs(const UpscaleOptions& options) {
   if (!options.sideBySide.empty()) requireExtension(options.sideBySide, ".png", "--side-by-side");
   if (!options.skipMap.empty()) requireExtension(options.skipMap, ".png", "--skip-map");
   if (!options.json.empty()) requireExtension(options.json, ".json", "--json");
-  if (!options.preview.empty() && options.preview == options.sideBySide)
-    throw Failure{ExitCode::usage, "--preview and --side-by-side name the same file '" + options.preview + "'."};
+  const std::pair<const char*, std::string> pngs[] = {
+      {"--preview", options.preview}, {"--side-by-side", options.sideBySide}, {"--skip-map", options.skipMap}};
+  for (const auto& [first, path] : pngs)
+    for (const auto& [second, other] : pngs)
+      if (&path < &other && !path.empty() && path == other)
+        throw Failure{ExitCode::usage, std::string(first) + " and " + second + " name the same file '" + path + "'."};
   for (const std::string& path : {options.output, options.preview, options.sideBySide, options.skipMap, options.json})
     if (!path.empty()) requireWritable(path);
 }

@@ -47,6 +47,9 @@ PendingFile::PendingFile(const fs::path& path) {
                 "'; create it or choose another place.");
   }
   const fs::file_status status = fs::status(path_, failure);
+  if (status.type() == fs::file_type::none) {
+    throw Error("Cannot write '" + path.string() + "': " + failure.message() + "; choose another name.");
+  }
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw Error("Cannot write '" + path.string() +
                 "': expected a free name or a regular file, found something else; choose another name.");

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "image/test_files.h"
+#include "xrds/error.h"
 
 namespace xrds::test {
 namespace {
@@ -25,6 +26,11 @@ TEST(PendingFile, WhatKilledProcessesLeftIsRemovedWhenItIsOld) {
   EXPECT_FALSE(fs::exists(old.temporaryPath()));
   EXPECT_EQ(folder.fileCount(), 3U);
   removeAbandonedFiles(folder / "none");  // does nothing
+}
+
+TEST(PendingFile, NamesThatNoFileCanHaveAreRefusedAtOnce) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(PendingFile(folder / (std::string(300, 'a') + ".exr")), Error);
 }
 
 }  // namespace

@@ -70,7 +70,8 @@ TEST(CliFailure, OutputsThatCannotBeWritten) {
                 frame.folder, 2);
   expectFailure(upscale(frame, {"--preview", (frame.folder / "p.jpg").string()}), 2, "ends in .png", frame.folder, 2);
   const std::string png = (frame.folder / "p.png").string();
-  expectFailure(upscale(frame, {"--preview", png, "--side-by-side", png}), 2, "same file", frame.folder, 2);
+  for (const char* option : {"--side-by-side", "--skip-map"})
+    expectFailure(upscale(frame, {"--preview", png, option, png}), 2, "same file", frame.folder, 2);
 }
 
 TEST(CliFailure, AFullDisk) {
