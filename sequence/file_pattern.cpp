@@ -37,13 +37,6 @@ std::optional<int> numberOf(const std::string& text, int digits, bool withSign) 
   return static_cast<int>(number);
 }
 
-bool isExr(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".exr";
-}
-
 std::vector<fs::path> filesIn(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code failure;
@@ -55,6 +48,13 @@ std::vector<fs::path> filesIn(const fs::path& folder) {
 }
 
 }  // namespace
+
+bool isExr(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".exr";
+}
 
 bool FilePattern::mayBeMany(const std::string& text) {
   std::error_code ignored;

@@ -6,6 +6,9 @@
 
 namespace xrds {
 
+/// Whether a file's name ends in .exr, in upper or lower case.
+bool isExr(const std::filesystem::path& file);
+
 /// The names of a sequence's files: a path whose file name has the frame's number in it.
 class FilePattern {
  public:

@@ -87,15 +87,20 @@ LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const M
 FrameFiles newestFrame(const fs::path& folder) {
   constexpr size_t kMost = 12;  // renderers keep old frames: only the latest files are looked at
   std::vector<fs::directory_entry> entries;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".exr" && entry.is_regular_file(error)) entries.push_back(entry);
+  std::error_code error, broken;  // the folder, and a link to nowhere in it, say
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (isExr(entry->path()) && entry->is_regular_file(broken)) entries.push_back(*entry);
   std::sort(entries.begin(), entries.end(), [&](const auto& a, const auto& b) {
-    const auto timeA = a.last_write_time(error), timeB = b.last_write_time(error);
+    const auto timeA = a.last_write_time(broken), timeB = b.last_write_time(broken);
     return timeA != timeB ? timeA > timeB : a.path() < b.path();
   });
+  if (error) throw Error("Cannot read the folder '" + folder.string() + "': " + error.message() + ".");
   std::vector<ExrFile> headers;
-  for (size_t i = 0; i < std::min(entries.size(), kMost); ++i) headers.push_back(readExrHeader(entries[i].path()));
+  for (size_t i = 0; i < std::min(entries.size(), kMost); ++i) try {
+      headers.push_back(readExrHeader(entries[i].path()));
+    } catch (const Error&) {
+      if (i == 0) throw;  // it may still be written; an older one stays broken
+    }
   if (headers.empty()) throw Error("The folder '" + folder.string() + "' holds no EXR file yet.");
   return sortHeaders(headers);
 }

@@ -35,8 +35,8 @@ LoadedFrame loadedFrame(const FrameFiles& files, const Frame& frame);
 /// Reads a frame. Throws Error if a file cannot be read or they do not fit together.
 LoadedFrame loadFrame(const FrameFiles& files, const AovRequest& layers, const MergeRequest& merge = {});
 
-/// The frame that a renderer wrote last into a folder: its newest colour, auxiliary and reference file.
-/// Throws Error if the folder holds no EXR file.
+/// The frame that a renderer wrote last into a folder: its newest colour, auxiliary and reference file. Older files
+/// that are damaged are left out. Throws Error if the folder holds no EXR file, or the newest cannot be read.
 FrameFiles newestFrame(const std::filesystem::path& folder);
 
 /// Whether the name stands for a numbered sequence (sequence/file_pattern.h): it has a run of '#' or %04d.

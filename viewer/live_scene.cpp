@@ -33,7 +33,8 @@ std::vector<std::string> LiveScene::names() { return builtInSceneNames(); }
 
 void LiveScene::requireExisting(const std::string& scene) {
   const auto known = names();
-  if (std::find(known.begin(), known.end(), scene) != known.end() || std::filesystem::exists(scene)) return;
+  std::error_code ignored;
+  if (std::find(known.begin(), known.end(), scene) != known.end() || std::filesystem::exists(scene, ignored)) return;
   throw Error("There is no scene '" + scene + "': give a glTF or OBJ file or a built-in scene, " + listed(known) + ".");
 }
 

@@ -22,6 +22,7 @@ std::vector<ScriptLine> readScript(const std::filesystem::path& file) {
     for (std::string word; words >> word;) line.arguments.push_back(word);
     lines.push_back(std::move(line));
   }
+  if (stream.bad()) throw Error("The script '" + file.string() + "' cannot be read.");  // a folder, say
   return lines;
 }
 

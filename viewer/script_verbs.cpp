@@ -30,7 +30,7 @@ const std::vector<ScriptVerb>& scriptVerbs() {
       {"restore", "", "bring it back"},
       {"screenshot", "PNG", "write what the window shows"},
       {"save", "EXR", "write the upscaled picture"},
-      {"print", "", "print what is shown, the pixel under the mouse, errors and warnings, in one line"},
+      {"print", "", "print what is shown, the pixel under the mouse, errors, notices and warnings, in one line"},
       {"times", "", "print what each stage of the last picture took, in ms, in one line"},
       {"clock", "", "print time, processor time and turns since the last clock"},
       {"copy", "FROM TO", "copy a file, in a renderer's place"},

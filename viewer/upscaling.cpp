@@ -64,11 +64,15 @@ Report Upscaling::report() const {
   return report_;
 }
 
-void Upscaling::fail(const std::string& error) {
+void Upscaling::fail(const Failure& failure) {
   tell([&](Report& report) {
-    report.error = error;
-    report.failure = ExitCode::input;
+    report.error = failure.message;
+    report.failure = failure.code;
   });
+}
+
+void Upscaling::note(const std::string& notice) {
+  tell([&](Report& report) { report.notice = notice; });
 }
 
 void Upscaling::tell(const std::function<void(Report&)>& change) {
@@ -131,6 +135,7 @@ void Upscaling::tellFailure(const Wanted& wanted, const Failure& failure) {
     if (!wanted.watching) report.waiting.clear();
     report.share = 1;
     report.settled = report.current = asked_ == serving_;
+    if (report.settled && !std::exchange(saveTo_, {}).empty()) report.notice = kNothingToSave;
   });
 }
 

@@ -71,12 +71,16 @@ class Upscaling {
   void save(const std::filesystem::path& path);
   Report report() const;
   /// Shows a failure of the asking thread's, over files, as if it were the worker's.
-  void fail(const std::string& error);
+  void fail(const Failure& failure);
+  /// Shows what the asking thread has to tell.
+  void note(const std::string& notice);
   /// Cancels everything for good and waits for its end, as long at most: returns false if something that cannot be
   /// cancelled still goes on, such as reading files or measuring. A file that is being saved is waited for.
   bool stop(std::chrono::milliseconds patience);
 
  private:
+  static constexpr const char* kNothingToSave = "There is no picture to save yet.";
+
   void loop();
   std::optional<Wanted> nextWanted();
   void tellFailure(const Wanted& wanted, const Failure& failure);

@@ -60,7 +60,7 @@ void Upscaling::saveIfAsked() {
 
 // Returns what to tell. Throws Error if the file cannot be written.
 std::string Upscaling::savedTo(const fs::path& path) const {
-  if (!network_ || !upscaled_) return "There is no picture to save yet.";
+  if (!network_ || !upscaled_) return kNothingToSave;
   ExrOutput output = frame_ ? frame_->output : ExrOutput{};
   const Image image = network_->download();
   if (output.dataWindow.width() != image.width || output.dataWindow.height() != image.height)

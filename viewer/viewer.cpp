@@ -159,7 +159,7 @@ void Viewer::takeTurn() {
   if (!wanted_.live.scene.empty() && !orbit_ && report_.scene == wanted_.live.scene)
     orbit_.emplace(report_.startCamera);
   advancePlayback();
-  if (script_) script_->step(ready());
+  if (script_) failingWith(ExitCode::usage, [this] { script_->step(ready()); });
   // The first drawing says what is prepared; after that a CPU's queue may be busy compiling.
   if (measured_.drawings > 0 || display_.minimized()) updateWanted();
   if (dirty_ > 0 && !display_.minimized()) {
@@ -171,6 +171,7 @@ void Viewer::takeTurn() {
   if (options_.frames > 0 && report_.pictures >= static_cast<uint64_t>(options_.frames) && dirty_ == 0) {
     if (!options_.screenshot.empty() && screenshotTo_.empty()) {
       screenshotTo_ = std::exchange(options_.screenshot, {});
+      screenshotByKey_ = false;
       needDrawing(1);
     } else {
       quit_ = true;
@@ -274,8 +275,13 @@ void Viewer::saveScreenshot(const fs::path& path) {
   Image image(static_cast<int>(shot.width), static_cast<int>(shot.height), 3);
   for (size_t i = 0; i < shot.pixels.size(); ++i)
     image.pixels[i] = static_cast<float>(linearFromSrgb(shot.pixels[i] / 255.0));
-  failingWith(ExitCode::output, [&] { writePng(path, image); });
-  report_.notice = "Saved " + path.string();
+  try {
+    writePng(path, image);
+    upscaling_->note("Saved " + path.string());
+  } catch (const Error& failure) {
+    if (!screenshotByKey_) throw Failure{ExitCode::output, failure.what()};
+    upscaling_->fail({ExitCode::output, failure.what()});
+  }
 }
 
 void Viewer::printStatistics() const {

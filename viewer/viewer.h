@@ -135,6 +135,7 @@ class Viewer {
   uint64_t awaited_ = 0;         // pictures, by the script
   uint32_t awaitedSamples_ = 0;  // 0: all
   std::filesystem::path screenshotTo_;
+  bool screenshotByKey_ = false;  // the user is told of a failure, which else ends the viewer
   std::chrono::steady_clock::time_point nextFrame_{}, lastBar_{};
   Measured measured_;
   Clocked clocked_;

@@ -22,7 +22,7 @@ fs::path freeName(const std::string& extension) {
   for (int number = 1;; ++number) {
     char name[32];
     std::snprintf(name, sizeof name, "xrds-%04d%s", number, extension.c_str());
-    if (!fs::exists(name)) return name;
+    if (std::error_code ignored; !fs::exists(name, ignored)) return name;
   }
 }
 
@@ -47,7 +47,7 @@ void Viewer::openAsked(const std::vector<std::string>& files) {
   try {
     open(files);
   } catch (const Error& failure) {
-    upscaling_->fail(failure.what());
+    upscaling_->fail({ExitCode::input, failure.what()});
   }
   needDrawing();
 }
@@ -65,7 +65,7 @@ void Viewer::open(const std::vector<std::string>& files) {
   playback.frames.reset();
   playback.index = 0;
   playback.playing = false;
-  if (files.size() == 1 && fs::is_directory(files[0])) {
+  if (std::error_code ignored; files.size() == 1 && fs::is_directory(files[0], ignored)) {
     wanted.folder = files[0];
     wanted.watching = true;
   } else if (isSequence(files[0])) {
@@ -135,6 +135,7 @@ void Viewer::perform(Command command, int digit) {
       break;
     case Command::screenshot:
       screenshotTo_ = freeName(".png");
+      screenshotByKey_ = true;
       break;
     case Command::save:
       upscaling_->save(freeName(".exr"));

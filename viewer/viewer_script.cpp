@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 #include "viewer/viewer.h"
@@ -18,6 +20,14 @@ namespace {
 using Words = std::vector<std::string>;
 
 double number(const std::string& text) { return std::atof(text.c_str()); }
+
+// The whole file, or so many bytes of it.
+void copyFile(const fs::path& from, const fs::path& to, std::optional<uintmax_t> byteSize = {}) {
+  std::error_code failure;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, failure);
+  if (byteSize && !failure) fs::resize_file(to, *byteSize, failure);
+  if (failure) throw Error("Cannot copy '" + from.string() + "' to '" + to.string() + "': " + failure.message() + ".");
+}
 
 }  // namespace
 
@@ -37,6 +47,7 @@ void Viewer::printReport() {
   for (const PixelProbe::Row& row : probe_.rows)
     std::printf(" %s@%d,%d=%.4g,%.4g,%.4g", row.name.c_str(), probe_.x, probe_.y, row.red, row.green, row.blue);
   if (!report_.error.empty()) std::printf(" error=\"%s\"", report_.error.c_str());
+  if (!report_.notice.empty()) std::printf(" notice=\"%s\"", report_.notice.c_str());
   for (const std::string& warning : report_.warnings) std::printf(" warning=\"%s\"", warning.c_str());
   if (!report_.whyNotSkipped.empty()) std::printf(" not-skipped=\"%s\"", report_.whyNotSkipped.c_str());
   if (!report_.waiting.empty()) std::printf(" waiting=\"%s\"", report_.waiting.c_str());
@@ -118,6 +129,7 @@ void Viewer::addWindowActions(Script::Actions& actions) {
   };
   actions["screenshot"] = [this](const Words& words) {
     screenshotTo_ = words[0];
+    screenshotByKey_ = false;
     needDrawing(1);
   };
 }
@@ -125,10 +137,9 @@ void Viewer::addWindowActions(Script::Actions& actions) {
 void Viewer::addFileActions(Script::Actions& actions) {
   actions["drop"] = [this](const Words& words) { events_.drop(words); };
   actions["save"] = [this](const Words& words) { upscaling_->save(words[0]); };
-  actions["copy"] = [](const Words& words) { fs::copy_file(words[0], words[1], fs::copy_options::overwrite_existing); };
+  actions["copy"] = [](const Words& words) { copyFile(words[0], words[1]); };
   actions["part"] = [](const Words& words) {
-    fs::copy_file(words[1], words[2], fs::copy_options::overwrite_existing);
-    fs::resize_file(words[2], std::stoull(words[0]));
+    copyFile(words[1], words[2], static_cast<uintmax_t>(std::max(0.0, number(words[0]))));
   };
 }
 

@@ -56,6 +56,17 @@ TEST(FrameFiles, OfAFolderAreTheNewest) {
   EXPECT_EQ(newestFrame(folder / "").colour, folder / "m.exr");
 }
 
+TEST(FrameFiles, OfAFolderMayBeInUpperCaseAndBesideDamagedOnes) {
+  const TemporaryFolder folder;
+  fs::copy_file(kOutdoor.colour, folder / "C.EXR");
+  fs::copy_file(kOutdoor.auxiliary, folder / "A.EXR");
+  writeBytes(folder / "old.exr", "half");
+  fs::last_write_time(folder / "old.exr", fs::file_time_type::clock::now() - std::chrono::hours(1));
+  EXPECT_EQ(newestFrame(folder / ""), (FrameFiles{folder / "C.EXR", folder / "A.EXR", {}}));
+  fs::last_write_time(folder / "old.exr", fs::file_time_type::clock::now() + std::chrono::hours(1));
+  EXPECT_THROW(newestFrame(folder / ""), Error);  // it may still be written
+}
+
 TEST(Sequence, IsOrderedByNumber) {
   const TemporaryFolder folder;
   for (const char* name : {"a.0010.exr", "a.0009.exr", "a.12345.exr", "a.x.exr", "b.0009.exr", "b.0010.exr", "a.9.exr"})

@@ -43,5 +43,40 @@ TEST_F(ViewerDisplay, StaysWhereTheUserIsAtIt) {
   EXPECT_GT(reddest, 100) << "the failure is told";
 }
 
+TEST_F(ViewerDisplay, NamesWhatNoFileCanHave) {
+  std::filesystem::create_symlink("circle.exr", folder / "circle.exr");
+  const std::string tooLong(300, 'a');
+  for (const std::string& name : {std::string("circle.exr"), tooLong})
+    expectRefused(runViewer(desktop, folder, "wait\n", {name}), 3, "there is no such file");
+  expectRefused(runViewer(desktop, folder, "wait\n", {"--live", tooLong}), 3, "There is no scene");
+}
+
+TEST_F(ViewerDisplay, ScriptsThatCannotGoOnAreAMistakeOfTheirs) {
+  const auto played = [&](const std::string& script) { return runViewer(desktop, folder, script, smallDisplay({})); };
+  expectRefused(played("key Foo\n"), 2, "Line 1 of the script: There is no key 'Foo'");
+  expectRefused(played("wait\ncopy none.exr a.exr\n"), 2, "Line 2 of the script: Cannot copy 'none.exr' to 'a.exr'");
+  expectRefused(played("part 3 none.exr a.exr\n"), 2, "Cannot copy 'none.exr'");
+  expectRefused(runXrds({"view", "--script", (folder / "").string()}, {.environment = {{"DISPLAY", desktop.name()}}}),
+                2, "cannot be read");
+}
+
+TEST_F(ViewerDisplay, TellsWhatBecameOfFilesToWrite) {
+  copy(kColour, "cut.exr");
+  std::filesystem::resize_file(folder / "cut.exr", 20000);
+  const std::string script =
+      "key Ctrl+S\nwait\nprint\nkey S\nwait\nprint\ndrop cut.exr\nwait\nsave cut_out.exr\nwait\nprint\n";
+  const Ended ended = run(script, smallDisplay({kColour, kAuxiliary}));
+  EXPECT_TRUE(has(ended.output, "notice=\"Saved xrds-0001.exr\"")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "notice=\"Saved xrds-0001.png\"")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "notice=\"There is no picture to save yet.\"")) << ended.output;
+}
+
+TEST_F(ViewerDisplay, GoesOnWhereAScreenshotCannotBeWritten) {
+  std::filesystem::create_symlink("xrds-0001.png", folder / "xrds-0001.png");
+  const Ended ended = run("key S\nwait\nprint\n", smallDisplay({kColour, kAuxiliary}));
+  EXPECT_TRUE(has(ended.output, "error=\"Cannot write 'xrds-0001.png'")) << ended.output;
+  EXPECT_EQ(runViewer(desktop, folder, "screenshot none/a.png\nwait\n", smallDisplay({})).exitCode, 6);
+}
+
 }  // namespace
 }  // namespace xrds::test
