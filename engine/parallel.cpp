@@ -8,6 +8,7 @@
 namespace xrds {
 
 void inParallel(uint64_t count, uint64_t least, const std::function<void(uint64_t, uint64_t)>& work) {
+  if (count == 0) return;
   constexpr uint64_t kMostThreads = 8;
   const uint64_t cores = std::clamp<uint64_t>(std::thread::hardware_concurrency(), 1, kMostThreads);
   const uint64_t parts = std::clamp<uint64_t>(count / std::max<uint64_t>(least, 1), 1, cores);

@@ -30,6 +30,10 @@ TEST(InParallel, PartsHaveTheLeastSize) {
   EXPECT_EQ(parts, 1);
 }
 
+TEST(InParallel, CallsNothingForNothing) {
+  inParallel(0, 1, [](uint64_t, uint64_t) { FAIL(); });
+}
+
 TEST(InParallel, ThrowsWhatAPartThrows) {
   std::atomic<uint64_t> taken = 0;
   const auto work = [&](uint64_t begin, uint64_t end) {
