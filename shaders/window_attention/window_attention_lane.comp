@@ -27,6 +27,7 @@ const uint kPartQuads = kQuads / kParts;
 const uint kSteps = (kTokens + kKeys - 1) / kKeys;
 const uint kBlocks = (kTokens + kLanes * kQueries - 1) / (kLanes * kQueries);  // subgroups for a window and head
 // Queries, and keys or channels of a value, whose sums stay in registers: of 8 lanes (AVX2) 16, some of them for factors.
+// Loops count from 0: Mesa 25.0 does not unroll those that begin at another loop's counter.
 const uint kTile = kQueries < 4 ? kQueries : 4;
 const uint kPieces = kLanes <= 8 && kTile > 2 ? 2 : 1, kPiece = 4 / kPieces;
 const uint kKeyPiece = kKeys < kPiece ? kKeys : kPiece;
@@ -116,8 +117,8 @@ void main() {
           [[unroll]] for (uint n = 0; n < kKeyPiece; n++) {
             const uint j = piece * kKeyPiece + n;
             const float key = handedOut(held[c / 4 % kPartQuads][c % 4], c / 4 / kPartQuads * kKeys + j);
-            [[unroll]] for (uint i = i0; i < i0 + kTile; i++)
-              weight[i][j] = plusProduct(weight[i][j], q[i][c / 4][c % 4], key);
+            [[unroll]] for (uint i = 0; i < kTile; i++)
+              weight[i0 + i][j] = plusProduct(weight[i0 + i][j], q[i0 + i][c / 4][c % 4], key);
           }
 
     float kept[kQueries];
@@ -140,8 +141,8 @@ void main() {
             [[unroll]] for (uint n = 0; n < kPiece; n++) {
               const uint o = piece * kPiece + n;
               const float value = handedOut(held[c % kPartQuads][o], kLanes / 2 + c / kPartQuads * kKeys + j);
-              [[unroll]] for (uint i = i0; i < i0 + kTile; i++)
-                result[i][c][o] = plusProduct(result[i][c][o], weight[i][j], value);
+              [[unroll]] for (uint i = 0; i < kTile; i++)
+                result[i0 + i][c][o] = plusProduct(result[i0 + i][c][o], weight[i0 + i][j], value);
             }
       }
   }
