@@ -27,7 +27,7 @@ class AuxiliaryBranch {
 
   AuxiliaryFeatures build() {
     const uint32_t groups = layers_.config.groups, last = 2 * groups + std::max(1u, layers_.config.steps());
-    for (uint32_t step = 0; step < sweep_.stepCount(last * distance()); ++step)
+    for (uint32_t step = 0; step < sweep_.stepCount(last * layers_.sweepDistance()); ++step)
       for (uint32_t i = 0; i <= groups; ++i) {
         makeFeatures(step, i);
         deshuffle(step, i);
@@ -46,10 +46,7 @@ class AuxiliaryBranch {
   RollingTensor rolling(const std::string& name, uint32_t divisor) const {
     return {name, layers_.stored(name), {aux_.height / divisor, aux_.width / divisor, layers_.config.auxChannels}};
   }
-  // Rows from stage to stage: one of the lowest resolution, which is read below a stage's own, and whole strips of the
-  // kernels. What is carried over from step to step grows with them.
-  uint32_t distance() const { return std::max(4U, layers_.config.scale); }
-  RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, stage * distance()); }
+  RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, stage * layers_.sweepDistance()); }
 
   // Where a stage writes its rows; two rows above those that the next stage makes are still read, by a deshuffle, and
   // those of the stage after it, by a residual.
