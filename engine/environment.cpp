@@ -18,6 +18,8 @@
 #include <string_view>
 #endif
 
+#include "engine/device_traits.h"
+
 namespace xrds {
 namespace {
 
@@ -99,7 +101,7 @@ uint64_t secondCacheBytes() {
 #ifdef _SC_LEVEL2_CACHE_SIZE
   if (const long bytes = sysconf(_SC_LEVEL2_CACHE_SIZE); bytes > 0) return static_cast<uint64_t>(bytes);
 #endif
-  return uint64_t{512} << 10;
+  return DeviceTraits{}.secondCacheBytes;
 }
 
 std::filesystem::path defaultCacheFolder() {

@@ -29,7 +29,7 @@ std::string wantedKernelFamily();
 /// The processor's own name of itself and the number of its threads: "AMD EPYC, 2 threads".
 std::string processorName();
 
-/// Bytes of the second-level cache of a core; 512 KiB where the system does not tell.
+/// Bytes of the second-level cache of a core; the default of DeviceTraits where the system does not tell.
 uint64_t secondCacheBytes();
 
 /// Lets lavapipe use the CPU's whole vector width unless the user chose one, or it is loaded already. Changes the
