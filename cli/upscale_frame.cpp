@@ -22,6 +22,17 @@ void requireRoom(const Device& device, const UpscaleInput& input, const UpscaleO
                about.kernelFamily);
 }
 
+Tuning::Report tuned(Device& device, const UpscaleInput& input, const UpscaleOptions& options) {
+  const auto& [opened, frame] = input;
+  ProgressBar bar(options.quiet);
+  return untilInterrupted([&] {
+    return Tuning::run(device, opened.model, frame.width(), frame.height(),
+                       {.fp16 = options.precision == kFp16,
+                        .label = opened.name(),
+                        .progress = [&](double share, const std::string&) { return bar.update(share); }});
+  });
+}
+
 }  // namespace
 
 void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& options) {
@@ -33,15 +44,7 @@ void tuneFirst(Device& device, const UpscaleInput& input, const UpscaleOptions& 
   if (Tuning::known(device, opened.model, frame.width(), frame.height(), fp16)) return;
   requireRoom(device, input, options);
   if (!options.quiet) std::fputs("xrds: finding the fastest kernels of this device, kept for the next time\n", stderr);
-  const Tuning::Report report = [&] {
-    ProgressBar bar(options.quiet);
-    return untilInterrupted([&] {
-      return Tuning::run(device, opened.model, frame.width(), frame.height(),
-                         {.fp16 = fp16, .label = opened.name(), .progress = [&](double share, const std::string&) {
-                            return bar.update(share);
-                          }});
-    });
-  }();
+  const Tuning::Report report = tuned(device, input, options);
   if (!report.unkept.empty()) printWarnings({report.unkept + "."});
 }
 
