@@ -169,9 +169,8 @@ void Viewer::takeTurn() {
   }
   if (script_ && script_->finished() && ready()) quit_ = true;
   if (options_.frames > 0 && report_.pictures >= static_cast<uint64_t>(options_.frames) && dirty_ == 0) {
-    if (!options_.screenshot.empty() && screenshotTo_.empty()) {
-      screenshotTo_ = std::exchange(options_.screenshot, {});
-      screenshotByKey_ = false;
+    if (!options_.screenshot.empty() && screenshot_.path.empty()) {
+      screenshot_ = {std::exchange(options_.screenshot, {})};
       needDrawing(1);
     } else {
       quit_ = true;
@@ -257,7 +256,7 @@ void Viewer::draw() {
                    .perform = [this](Command command) { perform(command, 0); }};
   panel_.layOut(model, swapchain_.extent());
   placeViewport();  // the panel may have come or gone
-  if (!screenshotTo_.empty()) swapchain_.captureNext();
+  if (!screenshot_.path.empty()) swapchain_.captureNext();
   const bool drawn = swapchain_.draw(
       [&](VkCommandBuffer commands) { recordProbe(commands); },
       [&](VkCommandBuffer commands) {
@@ -267,19 +266,19 @@ void Viewer::draw() {
         Panel::draw(commands);
       });
   drawMilliseconds_ = 1000 * secondsSince(start);
-  if (drawn && !screenshotTo_.empty()) saveScreenshot(std::exchange(screenshotTo_, {}));
+  if (drawn && !screenshot_.path.empty()) saveScreenshot(std::exchange(screenshot_, {}));
 }
 
-void Viewer::saveScreenshot(const fs::path& path) {
+void Viewer::saveScreenshot(const AskedScreenshot& asked) {
   const Screenshot& shot = swapchain_.screenshot();
   Image image(static_cast<int>(shot.width), static_cast<int>(shot.height), 3);
   for (size_t i = 0; i < shot.pixels.size(); ++i)
     image.pixels[i] = static_cast<float>(linearFromSrgb(shot.pixels[i] / 255.0));
   try {
-    writePng(path, image);
-    upscaling_->note("Saved " + path.string());
+    writePng(asked.path, image);
+    upscaling_->note("Saved " + asked.path.string());
   } catch (const Error& failure) {
-    if (!screenshotByKey_) throw Failure{ExitCode::output, failure.what()};
+    if (!asked.isByKey) throw Failure{ExitCode::output, failure.what()};
     upscaling_->fail({ExitCode::output, failure.what()});
   }
 }

@@ -56,6 +56,10 @@ class Viewer {
   bool leave();
 
  private:
+  struct AskedScreenshot {
+    std::filesystem::path path;  // none: none is asked for
+    bool isByKey = false;        // the user is told of a failure, which else ends the viewer
+  };
   struct Measured {
     double seconds = 0, slowestTurn = 0, turns = 0;
     uint64_t drawings = 0, turnCount = 0;
@@ -99,7 +103,7 @@ class Viewer {
   void placeViewport();
   void recordProbe(VkCommandBuffer commands);
   void readProbe();
-  void saveScreenshot(const std::filesystem::path& path);
+  void saveScreenshot(const AskedScreenshot& asked);
   void printStatistics() const;
   void printReport();
   void printTimes();
@@ -134,8 +138,7 @@ class Viewer {
   bool touched_ = false;         // the user has chosen something since the start
   uint64_t awaited_ = 0;         // pictures, by the script
   uint32_t awaitedSamples_ = 0;  // 0: all
-  std::filesystem::path screenshotTo_;
-  bool screenshotByKey_ = false;  // the user is told of a failure, which else ends the viewer
+  AskedScreenshot screenshot_;
   std::chrono::steady_clock::time_point nextFrame_{}, lastBar_{};
   Measured measured_;
   Clocked clocked_;

@@ -134,8 +134,7 @@ void Viewer::perform(Command command, int digit) {
       ++wanted_.reload;
       break;
     case Command::screenshot:
-      screenshotTo_ = freeName(".png");
-      screenshotByKey_ = true;
+      screenshot_ = {freeName(".png"), true};
       break;
     case Command::save:
       upscaling_->save(freeName(".exr"));

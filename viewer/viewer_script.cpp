@@ -128,8 +128,7 @@ void Viewer::addWindowActions(Script::Actions& actions) {
     needDrawing();
   };
   actions["screenshot"] = [this](const Words& words) {
-    screenshotTo_ = words[0];
-    screenshotByKey_ = false;
+    screenshot_ = {words[0]};
     needDrawing(1);
   };
 }
