@@ -46,6 +46,7 @@ void main() {
   }
 
   [[unroll]] for (int i = 0; i < (kSide + kRun - 1) * kSide; i++) {
+    if (i > 0 && i % 15 == 0) waitForTurn();
     const ivec2 from = replicated(at + ivec2(i % kSide, i / kSide) - kSide / 2, size);
     const vec3 radiance = max(fetchThree(images, texelAt(p.images, from), kColourOffset), 0.0);
     const vec3 albedo = fetchThree(aux, texelAt(p.aux, from), kAlbedoOffset);

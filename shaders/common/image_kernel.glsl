@@ -15,6 +15,12 @@ ivec2 firstPixel() {
   return ivec2(min(int(x), p.target.width - 1), p.rows.begin + RUN * int(gl_WorkGroupID.y));
 }
 
+// All subgroups of the workgroup come to here before one goes on: what is written out between two such places stays in
+// the instruction cache.
+void waitForTurn() {
+  if (!kBroadcasts) barrier();
+}
+
 // All rows of a run belong to the dispatch.
 bool isOutside(ivec2 first) { return false; }
 
@@ -32,6 +38,8 @@ void storePixel(int inRun, int quad, vec4 value) {
 layout(local_size_x = kImageGroupWidth, local_size_y = kImageGroupHeight) in;
 layout(binding = TARGET_BINDING, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { PARAMS p; };
+
+void waitForTurn() {}
 
 ivec2 firstPixel() {
   return ivec2(gl_GlobalInvocationID.x, (p.rows.begin / RUN + int(gl_GlobalInvocationID.y)) * RUN);

@@ -1,7 +1,7 @@
 // out(p) = sum_i v_i x_i / sum_i v_i over the 5 x 5 low-resolution pixels i around q = (p + 0.5) / s - 0.5, with
 // v_i = exp(-|q - i|^2 / (2 0.75^2)) (exp(-|n_p - m_i|^2 / (2 0.2^2) - |a_p - b_i|^2 / (2 0.5^2)) + 1e-6) exp(k_i).
 // x, b, m: low resolution, read at i clamped to the real image; a, n, logits k: at p. All: [rows, columns, channels].
-// An invocation makes a run of kRun pixels of a column inside one low-resolution pixel: they share every load. fp32.
+// An invocation makes a run of kRun pixels of a column, of one low-resolution pixel or more: they share loads. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -16,6 +16,7 @@ layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer aux;
 layout(binding = 2) uniform samplerBuffer auxMean;
 layout(binding = 3) uniform samplerBuffer network;
+const int kPixels = (kRun + kScale - 1) / kScale;  // of low resolution
 #define PARAMS JointBilateralParams
 #define TARGET_BINDING 4
 #define RUN kRun
@@ -33,8 +34,8 @@ void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   const ivec2 centre = at / kScale;
-  // A run of kScale pixels begins with a low-resolution pixel: a constant, of which nearness() is one too.
-  const int insideRow = kRun == kScale ? 0 : at.y % kScale;
+  // A run of whole low-resolution pixels begins with one: a constant, of which nearness() is one too.
+  const int insideRow = kRun % kScale == 0 ? 0 : at.y % kScale;
   const ivec2 size = ivec2(p.target.width, p.target.height) / kScale;
 
   Guide guides[kRun];
@@ -47,21 +48,26 @@ void main() {
     totals[r] = 0.0;
   }
 
-  [[unroll]] for (int j = 0; j < 25; j++) {
-    const ivec2 neighbour = replicated(centre + ivec2(j % 5, j / 5) - 2, size);
+  [[unroll]] for (int i = 0; i < 5 * (5 + kPixels - 1); i++) {
+    if (i % 8 == 1) waitForTurn();
+    const ivec2 neighbour = replicated(centre + ivec2(i % 5, i / 5) - 2, size);
     const Guide mean = guideAt(auxMean, texelAt(p.auxMean, neighbour));
     const vec3 value = texelFetch(source, texelAt(p.source, neighbour)).rgb;
-    const float column = nearness(at.x % kScale, j % 5);
+    const float column = nearness(at.x % kScale, i % 5);
     [[unroll]] for (int r = 0; r < kRun; r++) {
-      float weight = column * nearness(insideRow + r, j / 5) * (likeness(guides[r], mean) + kBilateralFloor);
-      if (kLearned) {
-        const int channel = j + kFirstLogit;
-        if (j == 0 || channel % 4 == 0)
-          logits[r] = texelFetch(network, texelAt(p.network, at + ivec2(0, r)) + channel / 4);
-        weight *= power2(kLog2E * boundedLogit(logits[r][channel % 4]));
+      const int j = i - 5 * (r / kScale);  // the neighbour's number as the pixel r of the run counts
+      if (j >= 0 && j < 25) {
+        float weight =
+            column * nearness((insideRow + r) % kScale, j / 5) * (likeness(guides[r], mean) + kBilateralFloor);
+        if (kLearned) {
+          const int channel = j + kFirstLogit;
+          if (j == 0 || channel % 4 == 0)
+            logits[r] = texelFetch(network, texelAt(p.network, at + ivec2(0, r)) + channel / 4);
+          weight *= power2(kLog2E * boundedLogit(logits[r][channel % 4]));
+        }
+        sums[r] += weight * value;
+        totals[r] += weight;
       }
-      sums[r] += weight * value;
-      totals[r] += weight;
     }
   }
 

@@ -9,8 +9,13 @@
 namespace xrds {
 namespace {
 
-// How many pixels of a column share the loads of their neighbours.
-uint32_t runLength(const JointBilateral& op) { return std::min(op.scale, 4u); }
+// How many pixels of a column share the loads of their neighbours. Where subgroups take turns, longer code costs
+// nothing, and the pixels may be of several low-resolution ones.
+uint32_t runLength(const JointBilateral& op, RowRange rows, const DeviceTraits& device) {
+  const bool inTurns = device.family == KernelFamily::lane && device.laneCode == LaneCode::shuffles;
+  const uint32_t ofRows = (rows.begin | rows.end) & -(rows.begin | rows.end);
+  return std::min(4u, inTurns ? std::max(op.scale, ofRows) : op.scale);
+}
 
 void referencePixel(const JointBilateral& op, HostMemory& memory, uint32_t y, uint32_t x) {
   const double s = op.scale;
@@ -54,7 +59,7 @@ TensorShape outputShape(const JointBilateral& op) {
 Dispatch dispatch(const JointBilateral& op, const DeviceTraits& device) {
   checkView(op.output, outputShape(op));
   const RowRange rows = resolve(op.rows, op.output.height);
-  const uint32_t run = runLength(op);
+  const uint32_t run = runLength(op, rows, device);
   const bool learned = op.network.exists();
   const TensorView& network = learned ? op.network : op.input;  // an unread binding must still name something
   const shader::JointBilateralParams params{imageOf(op.input), imageOf(op.aux),    imageOf(op.auxMean),

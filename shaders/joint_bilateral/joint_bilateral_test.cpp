@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/kernel_family.h"
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
@@ -31,6 +32,10 @@ constexpr Shape kShapes[] = {{1, 1, 1, 1, 16, 0, 3, true},
                              {13, 9, 16, 16, 1},
                              {13, 9, 16, 16, 1, 0, 3, true},
                              {13, 9, 16, 16, 2},
+                             {12, 9, 16, 16, 1, 0, 3, true},
+                             {12, 9, 16, 16, 1, 0, 3, true, {4, 8}},
+                             {14, 9, 16, 16, 2, 0, 3, true},
+                             {14, 9, 16, 16, 2, 0, -1, false, {4, 28}},
                              {9, 11, 16, 16, 4},
                              {9, 11, 16, 16, 4, 0, 3, true},
                              {6, 5, 8, 8, 8},
@@ -75,6 +80,26 @@ TEST_P(JointBilateralShapes, MatchesReference) {
 INSTANTIATE_TEST_SUITE_P(All, JointBilateralShapes,
                          testing::Combine(testing::ValuesIn(kShapes), testing::Values(DataType::f32, DataType::f16),
                                           testing::Values(DataType::f32, DataType::f16)));
+
+// Of four pixels where subgroups take turns, if the rows are such; else inside one low-resolution pixel.
+TEST(JointBilateral, MakesRunsOfSeveralLowResolutionPixels) {
+  const auto runOn = [](const DeviceTraits& device, uint32_t scale, RowRange rows) {
+    const JointBilateral op = bilateralOf({16, 8, 16, 8, scale, 0, 3, true, rows});
+    return dispatch(op, device).specialization.at(1);
+  };
+  DeviceTraits turns = usualTraits(KernelFamily::lane);
+  turns.laneCode = LaneCode::shuffles;
+  EXPECT_EQ(runOn(turns, 1, {8, 12}), 4u);
+  EXPECT_EQ(runOn(turns, 1, {8, 14}), 2u);
+  EXPECT_EQ(runOn(turns, 2, {0, 16}), 4u);
+  EXPECT_EQ(runOn(turns, 2, {2, 16}), 2u);
+  EXPECT_EQ(runOn(turns, 8, {0, 16}), 4u);
+  DeviceTraits others = turns;
+  others.laneCode = LaneCode::broadcasts;
+  EXPECT_EQ(runOn(others, 1, {0, 16}), 1u);
+  EXPECT_EQ(runOn(others, 4, {0, 16}), 4u);
+  EXPECT_EQ(runOn(usualTraits(KernelFamily::tile), 2, {0, 16}), 2u);
+}
 
 TEST(JointBilateral, ReadsAndWritesSlices) {
   JointBilateral op = bilateralOf({3, 5, 4, 8, 2, 0, 3, true});
