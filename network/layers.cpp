@@ -278,6 +278,16 @@ Sweep Layers::sweep(uint32_t height, uint32_t width) const {
   return {height, alignUp(rows, kSweepUnit)};
 }
 
+uint32_t Layers::doublingDistance(uint32_t stage, uint32_t first) const {
+  const bool inSquares = graphOptions.inSquares && precision() == DataType::f32;
+  uint32_t distance = 0;
+  for (uint32_t j = first; j <= stage; ++j) {
+    const uint32_t fours = 4 * (config.scale >> (j - 1));  // high-resolution rows of four rows that the stage reads
+    distance = alignUp(distance + sweepDistance(), inSquares && kSweepUnit % fours == 0 ? fours : 1);
+  }
+  return distance;
+}
+
 bool Layers::rowsInFours(uint32_t distance, uint32_t rowHeight) {
   return kSweepUnit % (4 * rowHeight) == 0 && distance % (4 * rowHeight) == 0;
 }

@@ -97,6 +97,9 @@ class Layers {
   /// Rows between two stages of a sweep at high resolution: enough for a convolution at any of its resolutions, and
   /// whole strips of the kernels.
   uint32_t sweepDistance() const { return std::max(8u, config.scale); }
+  /// Rows that a stage of a sweep of doublings is behind those before `first`. Stage j makes the j-th doubling, the
+  /// last stage the output. Where doublings are made in squares, the distance is one of rowsInFours() if it can be.
+  uint32_t doublingDistance(uint32_t stage, uint32_t first) const;
   /// Whether the rows of a stage of a sweep, each of so many high-resolution rows, begin at multiples of 4.
   static bool rowsInFours(uint32_t distance, uint32_t rowHeight);
   /// Bands for a chain of operators that holds at most `tensors` times the bytes of the branch's features for a row.

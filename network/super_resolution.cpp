@@ -41,7 +41,7 @@ class Doublings {
 
   void build() {
     const auto last = static_cast<uint32_t>(doublings_.size()) + 1;
-    const uint32_t steps = sweep_.stepCount((last - 1) * layers_.sweepDistance());
+    const uint32_t steps = sweep_.stepCount(distanceOf(last));
     for (uint32_t step = 0; step < steps; ++step) {
       for (uint32_t j = 1; j < last; ++j) makeDoubling(step, j);
       makePicture(rows(step, last));
@@ -50,15 +50,14 @@ class Doublings {
   }
 
  private:
-  RowRange rows(uint32_t step, uint32_t stage) const {
-    return sweep_.rows(step, (stage - 1) * layers_.sweepDistance());
-  }
+  uint32_t distanceOf(uint32_t stage) const { return layers_.doublingDistance(stage, 2); }
+  RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, distanceOf(stage)); }
   // Output pixels of a stage's, to a side.
   uint32_t divisorOf(uint32_t stage) const {
     return folded_ && stage == doublings_.size() ? 2 : layers_.config.scale >> stage;
   }
-  bool rowsInFours(uint32_t stage, uint32_t rowHeight) const {
-    return layers_.rowsInFours((stage - 1) * layers_.sweepDistance(), rowHeight);
+  bool rowsInFours(uint32_t stage) const {
+    return layers_.rowsInFours(distanceOf(stage), layers_.config.scale >> (stage - 1));
   }
   const TensorView& before(uint32_t stage) const { return stage == 1 ? u_ : tensors_[stage - 2].view(); }
 
@@ -70,14 +69,14 @@ class Doublings {
     const uint32_t next = rows(step, j + 1).begin / divisor;  // whose convolution reads the row above
     const TensorView into = tensors_[j - 1].advance(graph_, made, next - std::min(next, 1u));
     if (folded_ && j == doublings_.size())
-      layers_.patchesOfDoubling(name, output_, before(j), channels, kColours, into, made, rowsInFours(j, divisor));
+      layers_.patchesOfDoubling(name, output_, before(j), channels, kColours, into, made, rowsInFours(j));
     else
       layers_.conv(name, before(j), before(j).channels, 4 * channels,
                    {.into = into,
                     .shuffle = true,
                     .rows = {made.begin / 2, made.end / 2},
                     .inFours = true,
-                    .rowsInFours = rowsInFours(j, 2 * divisor)});
+                    .rowsInFours = rowsInFours(j)});
   }
 
   void makePicture(RowRange made) {

@@ -68,15 +68,16 @@ class Upsampling {
   uint32_t divisorOf(uint32_t stage) const {
     return tail_ == Tail::folded && stage == config_.steps() ? 2 : config_.scale >> stage;
   }
-  RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, stage * layers_.sweepDistance()); }
-  bool rowsInFours(uint32_t stage, uint32_t rowHeight) const {
-    return layers_.rowsInFours(stage * layers_.sweepDistance(), rowHeight);
+  uint32_t distanceOf(uint32_t stage) const { return layers_.doublingDistance(stage, 1); }
+  RowRange rows(uint32_t step, uint32_t stage) const { return sweep_.rows(step, distanceOf(stage)); }
+  bool rowsInFours(uint32_t stage) const {
+    return layers_.rowsInFours(distanceOf(stage), layers_.config.scale >> (stage - 1));
   }
   // The base image reads the means of the filtered images two low-resolution rows below its own.
   uint32_t decodeDistance() const {
     if (!u_.exists()) return 0;
     const uint32_t below = config_.auxKernels > 0 ? std::max(layers_.sweepDistance(), 2 * config_.scale) : 0;
-    return outputStage() * layers_.sweepDistance() + below;
+    return distanceOf(outputStage()) + below;
   }
   RowRange real(RowRange rows) const {
     return {std::min(rows.begin, graph_.output.height), std::min(rows.end, graph_.output.height)};
@@ -90,7 +91,7 @@ class Upsampling {
     const TensorView all = doublings_[j].advance(graph_, made, next - std::min(next, 1u));
     if (j == config_.steps() && tail_ == Tail::folded)
       return layers_.patchesOfDoubling("up." + std::to_string(j - 1), "out", doublings_[j - 1].view(), c,
-                                       config_.outputWidth(), all, made, rowsInFours(j, divisor));
+                                       config_.outputWidth(), all, made, rowsInFours(j));
     const TensorView into = slice(all, 0, c);
     if (j == 0)
       layers_.conv("up_pre", u_, c, c, {.into = into, .activation = Activation::leakyRelu, .rows = made});
@@ -100,7 +101,7 @@ class Upsampling {
                     .shuffle = true,
                     .rows = {made.begin / 2, made.end / 2},
                     .inFours = true,
-                    .rowsInFours = rowsInFours(j, 2 * divisor)});
+                    .rowsInFours = rowsInFours(j)});
     if (j == config_.steps() && copiesFeatures()) copyRows(graph_, "aux_skip", h_, slice(all, c, h_.channels), made);
   }
 
@@ -115,7 +116,7 @@ class Upsampling {
       graph_.nodes.push_back({"out", Fold{upscaled, out, made}});
     else if (tail_ == Tail::joined)
       layers_.outputOfDoubling("up." + std::to_string(config_.steps() - 1), "out", upscaled, h_, config_.outputWidth(),
-                               out, made, rowsInFours(outputStage(), 2));
+                               out, made, rowsInFours(outputStage()));
     else if (config_.outputSide == 1)
       layers_.conv1x1Rows("out", upscaled, h_, config_.outputWidth(), out, made);
     else
