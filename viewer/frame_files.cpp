@@ -11,6 +11,8 @@ namespace xrds {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr fs::path FrameFiles::*kKinds[] = {&FrameFiles::colour, &FrameFiles::auxiliary, &FrameFiles::reference};
+
 // Whether the files hold a depth that goes with their albedo, or a layer was named for it.
 bool hasDepth(const FrameFiles& files, const AovRequest& layers) {
   try {
@@ -42,14 +44,18 @@ Image readReferenceOf(const LoadedFrame& frame) {
   return reference;
 }
 
+std::string sizeOf(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
+
 void addReference(LoadedFrame& frame) {
   Image reference = readReferenceOf(frame);
-  const int scale = reference.width / frame.colour.width;
-  if (frame.scale == 0) frame.scale = scale;
-  if (reference.width != frame.scale * frame.colour.width || reference.height != frame.scale * frame.colour.height)
-    throw Error("The reference '" + frame.files.reference.string() + "' has " + std::to_string(reference.width) +
-                " x " + std::to_string(reference.height) + " pixels, which does not fit a frame of " +
-                std::to_string(frame.colour.width) + " x " + std::to_string(frame.colour.height) + ".");
+  const int width = frame.colour.width, height = frame.colour.height;
+  const bool isKnown = frame.scale > 0;
+  if (!isKnown) frame.scale = reference.width / width;
+  if (reference.width != frame.scale * width || reference.height != frame.scale * height)
+    throw Error("The reference '" + frame.files.reference.string() + "' has " +
+                sizeOf(reference.width, reference.height) + " pixels, not " +
+                (isKnown ? sizeOf(frame.scale * width, frame.scale * height) + " as the result has."
+                         : "a multiple of the colour's " + sizeOf(width, height) + "."));
   frame.reference = std::move(reference);
 }
 
@@ -114,6 +120,24 @@ const FrameFiles* filesOf(const Sequence& sequence, int number) {
   const auto found = std::lower_bound(sequence.begin(), sequence.end(), number,
                                       [](const NumberedFiles& frame, int wanted) { return frame.number < wanted; });
   return found != sequence.end() && found->number == number ? &found->files : nullptr;
+}
+
+FrameFiles sortPatterns(const std::vector<fs::path>& patterns) {
+  FrameFiles given;
+  for (size_t i = 0; i < std::min(patterns.size(), std::size(kKinds)); ++i) given.*kKinds[i] = patterns[i];
+  const auto numbered = std::find_if(patterns.begin(), patterns.end(), isSequence);
+  for (const int number : FilePattern(numbered->string()).frames()) try {
+      std::vector<fs::path> files;
+      for (const fs::path& pattern : patterns) files.push_back(FilePattern(pattern.string()).of(number));
+      const FrameFiles frame = sortFiles(files);
+      FrameFiles sorted;
+      for (size_t i = 0; i < patterns.size(); ++i)
+        for (const auto kind : kKinds)
+          if (files[i] == frame.*kind) sorted.*kind = patterns[i];
+      return sorted.auxiliary.empty() ? given : sorted;
+    } catch (const Error&) {  // told when its turn comes
+    }
+  return given;
 }
 
 Sequence sequenceOf(const FrameFiles& patterns) {

@@ -52,6 +52,10 @@ using Sequence = std::vector<NumberedFiles>;
 /// The frame of that number; null if there is none.
 const FrameFiles* filesOf(const Sequence& sequence, int number);
 
+/// Tells the patterns of colour, auxiliary images and reference apart, in whichever order they are given, by the files
+/// of the first frame (sortFiles()). Where these do not tell which are the auxiliary images, that is the order.
+FrameFiles sortPatterns(const std::vector<std::filesystem::path>& patterns);
+
 /// The frames of a sequence in the order of their numbers, of those patterns that are given: "shot.####.exr" stands for
 /// every file whose name has a number of at least four digits there. A name without a field is the same file for each
 /// frame. Throws Error if there is no frame, or a file of one is missing.

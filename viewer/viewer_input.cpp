@@ -68,9 +68,9 @@ void Viewer::open(const std::vector<std::string>& files) {
   if (std::error_code ignored; files.size() == 1 && fs::is_directory(files[0], ignored)) {
     wanted.folder = files[0];
     wanted.watching = true;
-  } else if (isSequence(files[0])) {
-    FrameFiles patterns{files[0], files.size() > 1 ? files[1] : "", options_.reference};
-    if (files.size() > 2) patterns.reference = files[2];
+  } else if (std::any_of(files.begin(), files.end(), isSequence)) {
+    FrameFiles patterns = sortPatterns({files.begin(), files.end()});
+    if (!options_.reference.empty()) patterns.reference = options_.reference;
     playback.frames = std::make_shared<const Sequence>(sequenceOf(patterns));
     wanted.watching = false;
     wanted.sequence = playback.frames;

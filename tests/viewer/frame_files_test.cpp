@@ -1,5 +1,6 @@
 #include "viewer/frame_files.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "image/test_files.h"
@@ -39,6 +40,21 @@ TEST(FrameFiles, LoadWithoutAuxiliaryImages) {
   EXPECT_TRUE(frame.inputs.empty());
   EXPECT_EQ(frame.scale, 0);
   EXPECT_THROW(loadFrame({kOutdoor.colour, {}, kSamples / "glossy_gt.exr"}, {}), Error);  // 6.4 times as wide
+}
+
+TEST(FrameFiles, NameTheSizeThatAReferenceMustHave) {
+  const auto refusalOf = [](const FrameFiles& files) -> std::string {
+    try {
+      static_cast<void>(loadFrame(files, {}));
+    } catch (const Error& refusal) {
+      return refusal.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusalOf({kOutdoor.colour, kOutdoor.auxiliary, kOutdoor.colour}),
+              testing::HasSubstr("has 80 x 60 pixels, not 320 x 240 as the result has."));
+  EXPECT_THAT(refusalOf({kOutdoor.colour, {}, kSamples / "glossy_gt.exr"}),
+              testing::HasSubstr("not a multiple of the colour's 80 x 60."));
 }
 
 TEST(FrameFiles, OfAFolderAreTheNewest) {
@@ -82,6 +98,23 @@ TEST(Sequence, IsOrderedByNumber) {
   EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.####.exr", {}})[1].files.auxiliary.filename(), "b.0010.exr");
   EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.0009.exr", {}})[1].files.auxiliary.filename(), "b.0009.exr");
   EXPECT_THROW(sequenceOf({folder / "c.##.exr", {}, {}}), Error);
+}
+
+TEST(Sequence, OfSeveralPatternsIsToldApartInAnyOrder) {
+  const TemporaryFolder folder;
+  for (const char* number : {"0003", "0004"}) {
+    fs::copy_file(kOutdoor.colour, folder / ("c." + std::string(number) + ".exr"));
+    fs::copy_file(kOutdoor.auxiliary, folder / ("a." + std::string(number) + ".exr"));
+  }
+  const fs::path colour = folder / "c.####.exr", auxiliary = folder / "a.%04d.exr", still = folder / "a.0003.exr";
+  EXPECT_EQ(sortPatterns({colour, auxiliary}), (FrameFiles{colour, auxiliary, {}}));
+  EXPECT_EQ(sortPatterns({auxiliary, colour}), (FrameFiles{colour, auxiliary, {}}));
+  EXPECT_EQ(sortPatterns({kOutdoor.reference, still, colour}), (FrameFiles{colour, still, kOutdoor.reference}));
+  EXPECT_EQ(sortPatterns({colour, kOutdoor.reference}), (FrameFiles{colour, kOutdoor.reference, {}}));
+  fs::remove(folder / "c.0003.exr");
+  EXPECT_EQ(sortPatterns({auxiliary, colour}), (FrameFiles{colour, auxiliary, {}}));  // by frame 4: 3 is not whole
+  fs::remove(folder / "c.0004.exr");
+  EXPECT_EQ(sortPatterns({auxiliary, colour}), (FrameFiles{auxiliary, colour, {}}));
 }
 
 }  // namespace
