@@ -34,17 +34,18 @@ class Reader {
     const auto [end, failure] = std::from_chars(begin, text_.data() + text_.size(), value);
     if (failure != std::errc() ||
         (end != text_.data() + text_.size() && std::isalpha(static_cast<unsigned char>(*end))))
-      fail("expected a number");
+      fail("expected a number " + where());
     place_ += static_cast<size_t>(end - begin);
     return value;
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error("'" + text_ + "' names no frames: " + what + " at '" + text_.substr(place_, 12) +
-                "'; give them as 1-240, 1-240:2 or 1-3,7,10-20:5.");
+    throw Error("'" + text_ + "' names no frames: " + what + "; give them as 1-240, 1-240:2 or 1-3,7,10-20:5.");
   }
 
  private:
+  std::string where() const { return place_ == text_.size() ? "at the end" : "at '" + text_.substr(place_, 12) + "'"; }
+
   void skipSpaces() {
     while (place_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[place_]))) ++place_;
   }
@@ -64,7 +65,9 @@ Item readItem(Reader& reader) {
   if (!reader.takes('-')) return item;
   item.last = reader.number();
   if (reader.takes(':')) item.step = reader.number();
-  if (item.step == 0 || (item.last - item.first) * item.step < 0) reader.fail("expected a step that leads to the end");
+  if (item.step == 0 || (item.last - item.first) * item.step < 0)
+    reader.fail("a step of " + std::to_string(item.step) + " does not lead from " + std::to_string(item.first) +
+                " to " + std::to_string(item.last));
   return item;
 }
 

@@ -33,6 +33,23 @@ TEST(FrameRange, WhatIsNoneIsRefused) {
   EXPECT_EQ(parseFrames("1-1000000").size(), kMostFrames);
 }
 
+std::string refusal(const char* text) {
+  try {
+    parseFrames(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(FrameRange, ARefusalSaysWhatIsWrongAndWhere) {
+  const std::string how = "; give them as 1-240, 1-240:2 or 1-3,7,10-20:5.";
+  EXPECT_EQ(refusal("1-"), "'1-' names no frames: expected a number at the end" + how);
+  EXPECT_EQ(refusal("1,x"), "'1,x' names no frames: expected a number at 'x'" + how);
+  EXPECT_EQ(refusal("5-1"), "'5-1' names no frames: a step of 1 does not lead from 5 to 1" + how);
+  EXPECT_EQ(refusal("1-5:0,7"), "'1-5:0,7' names no frames: a step of 0 does not lead from 1 to 5" + how);
+}
+
 TEST(FrameRange, IsDescribedShortly) {
   for (const char* text : {"7", "1-3", "1-3, 7, 10-20:5", "20-10:-5", "-5--3", "1, 7", "1-2"})
     EXPECT_EQ(describeFrames(parseFrames(text)), text);
