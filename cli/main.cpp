@@ -6,9 +6,9 @@
 #include "app/exit_code.h"
 #include "app/help_format.h"
 #include "app/kernel_family.h"
+#include "app/typos.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
-#include "cli/typos.h"
 #include "image/exr_file.h"
 
 namespace {

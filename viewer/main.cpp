@@ -7,6 +7,7 @@
 #include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "app/skip_bound.h"
+#include "app/typos.h"
 #include "viewer/headless.h"
 #include "viewer/script_verbs.h"
 
@@ -63,7 +64,8 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->capture_default_str();
   app.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
-  app.add_option("--color", options.layers.names[xrds::AovRole::kColor], "Layer to take as colour")->type_name("LAYER");
+  app.add_option("--color,--colour", options.layers.names[xrds::AovRole::kColor], "Layer to take as colour")
+      ->type_name("LAYER");
   for (const xrds::AuxiliaryInput& input : xrds::kAuxiliaryInputs)
     if (input.name != xrds::kFullColour.name)
       app.add_option("--" + std::string(input.name), options.layers.names[xrds::roleOf(input.name)],
@@ -121,7 +123,7 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    return fail(xrds::ExitCode::usage, std::string(error.what()) + "; see --help");
+    return fail(xrds::ExitCode::usage, xrds::usageSentence(app, error));
   } catch (const xrds::Failure& failure) {
     return fail(failure.code, failure.message);
   } catch (const xrds::Error& error) {  // of the display or the device

@@ -33,6 +33,13 @@ TEST(HeadlessFailure, HasTheSameExitCodes) {
   EXPECT_EQ(runXrds({"view", "--headless", "--live", "room", "--frames", "1", "--model", "x"}, nowhere).exitCode, 4);
 }
 
+TEST(ViewerUsage, NamesTheSlipAndWhatIsNearest) {
+  expectRefused(runXrds({"view", "--modle", "x"}), 2,
+                "xrds view has no option '--modle'; the nearest is '--model'; see xrds view --help.");
+  expectRefused(runXrds({"view", "--model"}), 2, "see xrds view --help.");
+  expectRefused(runXrds({"view", "--colour", "x", "--headless"}), 2, "--headless needs --live");  // as --color
+}
+
 TEST_F(ViewerDisplay, StaysWhereTheUserIsAtIt) {
   const Ended ended = run("drop none.exr\nwait\nprint\nscreenshot failed.png\nwait\n", smallDisplay({}));
   EXPECT_TRUE(has(ended.output, "error=\"")) << ended.output;

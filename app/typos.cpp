@@ -1,4 +1,4 @@
-#include "cli/typos.h"
+#include "app/typos.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
