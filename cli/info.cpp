@@ -30,6 +30,12 @@ void printMetadata(const Model& model) {
   std::printf("%-26s %s\n", "hash", model.hash().c_str());
 }
 
+// As xrds denoise cuts, which knows no other tiles.
+bool isAlwaysExact(const Model& model) {
+  const auto architecture = model.metadata().find("architecture");
+  return architecture != model.metadata().end() && architecture->second == "oidn";
+}
+
 /// All that is asked of a model; the tilings if an amount of memory is given.
 struct Answer {
   OutputSize size;
@@ -48,8 +54,9 @@ Answer answerOf(const Model& model, OutputSize size, const InfoOptions& options)
   Answer answer{size, family, model.cost(size.width, size.height, false, family),
                 model.cost(size.width, size.height, true, family)};
   if (options.memory.empty()) return answer;
-  const TileOptions tiles{
-      .memoryBytes = parseBytes(options.memory), .exact = options.tiles == "exact", .wrap = options.wrap};
+  const TileOptions tiles{.memoryBytes = parseBytes(options.memory),
+                          .exact = options.tiles == "exact" || isAlwaysExact(model),
+                          .wrap = options.wrap};
   answer.fp32Tiling = model.tiling(size.width, size.height, false, tiles, family);
   answer.fp16Tiling = model.tiling(size.width, size.height, true, tiles, family);
   return answer;

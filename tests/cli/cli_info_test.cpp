@@ -102,6 +102,19 @@ TEST(CliInfo, CostsTheFrameThatUpscaleRuns) {
   }
 }
 
+// Tiles of xrds denoise give the picture of the whole frame.
+TEST(CliInfo, TilesOfADenoiserAreExact) {
+  const std::string denoiser = XRDS_GOLDEN_FOLDER "/unet/hdr_albedo_base.model.safetensors";
+  const auto tiled = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{denoiser, "--size", "1024x1024", "--memory", "60M"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return infoJson(arguments)["precisions"][0]["tiling"];
+  };
+  const Json tiling = tiled({});
+  EXPECT_GT(tiling["columns"].get<int>() * tiling["rows"].get<int>(), 1);
+  EXPECT_EQ(tiling, tiled({"--tiles", "exact"}));
+}
+
 TEST(CliInfo, WritesEveryNumber) {
   const Json json = infoJson({"xrds-x4-nano", "--size", "512x256", "--kernels", "tile"});
   EXPECT_EQ(json["model"], "xrds-x4-nano");
