@@ -5,6 +5,7 @@
 #
 #     scripts/swiftshader.sh [FOLDER]
 set -euo pipefail
+case ${1:-} in -*) sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;; esac
 folder=${1:-${XDG_CACHE_HOME:-$HOME/.cache}/xrds/swiftshader}
 icd=$folder/vk_swiftshader_icd.json
 if [ ! -e "$icd" ]; then

@@ -6,8 +6,11 @@ cd "$(dirname "$0")/.."
 command -v run-clang-tidy >/dev/null || { echo "This needs clang-tidy: install the package of that name." >&2; exit 1; }
 build=${XRDS_BUILD:-build/release}
 [ -f "$build/build.ninja" ] || { echo "There is no $build, whose generated headers are read: build it first." >&2; exit 1; }
-rooms=("$@")
+rooms=("${@%/}")
 [ $# -gt 0 ] || rooms=(engine shaders graph network frames checks tuning api image advice sequence app cli viewer bench python tests)
+for room in "${rooms[@]}"; do
+  [ -d "$room" ] || { echo "There is no room '$room': scripts/tidy.sh [ROOM ...]" >&2; exit 2; }
+done
 pattern=$(IFS='|'; echo "${rooms[*]}")
 # Its compiler's precompiled headers are none of clang's.
 mkdir -p "$build/tidy"

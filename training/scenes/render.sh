@@ -3,6 +3,7 @@
 # Blender ends with it.
 # usage: render.sh OUT FIRST END [PROCESSES=1] [HDRI] [MODELS]
 set -eu
+[ $# -ge 3 ] || { sed -n 's/^# usage/usage/p' "$0" >&2; exit 2; }
 here=$(dirname "$0")
 out=$1 first=$2 end=$3 processes=${4:-1} hdri=${5:-} models=${6:-}
 mkdir -p "$out"
