@@ -70,14 +70,15 @@ TEST(DeviceListener, IsNotMissedByADeviceThatWasMovedAway) {
   EXPECT_NO_THROW(moved.finish(XRDS_OK));
 }
 
-// A run that plans anew: with layers the memory holds tiles alone, whose programs are others.
+// A run that plans anew: with layers the memory holds tiles alone. At this size their programs are others, with vectors
+// of 256 bits and of 512.
 TEST(DeviceListener, ThrowsOutOfARun) {
   bool refuses = false;
   Device device({.onPreparation = [&](const Preparation&) {
     if (refuses) throw std::runtime_error("no programs today");
     return true;
   }});
-  constexpr uint32_t kSide = 64, kLarge = 4 * kSide;
+  constexpr uint32_t kSide = 40, kLarge = 4 * kSide;
   const Model model(XRDS_GOLDEN_FOLDER "/s4_guided.model.safetensors");
   const Tiling whole = Upscaler(device, model, kSide, kSide, {}).tiling();
   Upscaler upscaler(device, model, kSide, kSide, {.tiles = {.memoryBytes = whole.arenaBytes + whole.weightBytes}});
