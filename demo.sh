@@ -3,6 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 scene=${1:-interior}
+[ -f "samples/${scene}_lr64.exr" ] || { echo "There is no scene '$scene': ./demo.sh [interior|outdoor|glossy|studio]" >&2; exit 2; }
 scripts/packages.sh
 scripts/build.sh
 mkdir -p out

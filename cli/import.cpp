@@ -32,6 +32,7 @@ void addImport(CLI::App& app) {
   const auto options = std::make_shared<ImportOptions>();
   CLI::App* group = app.add_subcommand("import", "Make model files of networks that other programs bring");
   group->require_subcommand(1);
+  group->footer("Examples:\n  xrds import oidn libOpenImageDenoise_core.so.2.5.1");
   CLI::App* verb =
       group->add_subcommand("oidn", "The networks of your own copy of Open Image Denoise, for xrds denoise");
   verb->add_option("PATH", options->path,

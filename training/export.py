@@ -31,7 +31,7 @@ Licence: {licence}
 - Command: `{command}`
 
 ## Metrics
-{scenes} validation scenes that were not trained on; scale {scale}, colour at {spp} sample{plural}
+{scenes} that were not trained on; scale {scale}, colour at {spp} sample{plural}
 per pixel, albedo and normal {aux_spp}{merged}. Measured with the float16 weights of this file, in PyTorch, float32 (training/evaluate.py defines each number).
 
 {table}
@@ -152,7 +152,8 @@ def main():
     methods = evaluate.methods_of(config.scale, [options.model], merge=config.full)
     results = evaluate.measure(options.validation, config.scale, spp, aux_spp, methods)
     trained, guided = (evaluate.mean_of(results[name].values()) for name in (options.model.stem, "guided"))
-    provenance["metrics"] = (f"validation of {len(results['guided'])} scenes, {spp} spp colour, {aux_spp} spp aux{', merged' * config.full}: PSNR {trained['psnr']:.2f} dB "
+    scenes = len(results["guided"])
+    provenance["metrics"] = (f"validation of {scenes} scene{'s' * (scenes > 1)}, {spp} spp colour, {aux_spp} spp aux{', merged' * config.full}: PSNR {trained['psnr']:.2f} dB "
                              f"(guided base {guided['psnr']:.2f}), RelMSE {trained['relmse']:.4f} ({guided['relmse']:.4f})")
     weights.save_model(options.model, network, provenance)
     loss = (f"{'SMAPE' if told['smape'] == 'True' else 'mean |x-y| / (0.1 + |x-y|) (equation 8 of the paper)'} of exposed linear radiance, plus {told['tone']} "
@@ -167,7 +168,7 @@ def main():
         data=data, licence=options.licence, steps=state["step"], batch=told["batch"], crop=told["crop"], minutes=state["seconds"] / 60,
         device="one thread of a busy CPU" if told["device"] == "cpu" else "a CUDA device", start=f", started from {start}" if start else "",
         precision=precision_of(told), seed=told["seed"], loss=loss, command=command_of(told, start), spp=spp, plural="s" * (spp > 1), aux_spp=f"at {aux_spp}" if aux_spp else "converged", merged=MERGED if config.full else "",
-        scenes=len(results["guided"]), table=evaluate.tables(results),
+        scenes=f"{scenes} validation scene{'s' * (scenes > 1)}", table=evaluate.tables(results),
         denoised=DENOISED.format(share=f"{100 * share_of_denoised(told):.0f} %", table=table_of_other_samples(
             options.validation, config.scale, methods, settings, denoise_first=True)) if share_of_denoised(told) else "",
         other=table_of_other_samples(options.validation, config.scale, methods, others), limits=f"- {options.limits}\n{LIMITS}" if options.limits else LIMITS)
