@@ -53,7 +53,7 @@ using Sequence = std::vector<NumberedFiles>;
 const FrameFiles* filesOf(const Sequence& sequence, int number);
 
 /// Tells the patterns of colour, auxiliary images and reference apart, in whichever order they are given, by the files
-/// of the first frame (sortFiles()). Where these do not tell which are the auxiliary images, that is the order.
+/// of the first frame that can be read (sortFiles()). They stay in their order if these hold no auxiliary images.
 FrameFiles sortPatterns(const std::vector<std::filesystem::path>& patterns);
 
 /// The frames of a sequence in the order of their numbers, of those patterns that are given: "shot.####.exr" stands for
