@@ -4,11 +4,11 @@
 # one each. The wheels run where glibc is at least as new as here: their names say it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+scripts/packages.sh
 [ $# -gt 0 ] || set -- python3
 for python; do
   command -v "$python" > /dev/null || { echo "There is no interpreter '$python': scripts/wheel.sh [PYTHON ...]" >&2; exit 2; }
 done
-scripts/packages.sh
 work=$PWD/build/wheel_work
 wheels=$PWD/build/wheels
 rm -rf "$work/raw" "$wheels" "$work"/make-* "$work"/test-*
