@@ -146,6 +146,8 @@ Sequence sequenceOf(const FrameFiles& patterns) {
   Sequence frames;
   frames.reserve(numbers.size());
   for (const int number : numbers) frames.push_back({number, {.colour = colour.of(number)}});
+  if (!colour.isMany())
+    throw Error("'" + patterns.colour.string() + "' is one file: the colour of a sequence has '#' for its numbers.");
   if (frames.empty())
     throw Error("No file fits the sequence '" + patterns.colour.string() + "': '#' stands for the digits of a number.");
   const auto add = [&](const fs::path& given, fs::path FrameFiles::*member) {

@@ -98,6 +98,7 @@ TEST(Sequence, IsOrderedByNumber) {
   EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.####.exr", {}})[1].files.auxiliary.filename(), "b.0010.exr");
   EXPECT_EQ(sequenceOf({folder / "a.####.exr", folder / "b.0009.exr", {}})[1].files.auxiliary.filename(), "b.0009.exr");
   EXPECT_THROW(sequenceOf({folder / "c.##.exr", {}, {}}), Error);
+  EXPECT_THROW(sequenceOf({folder / "b.0009.exr", folder / "a.####.exr", {}}), Error);
 }
 
 TEST(Sequence, OfSeveralPatternsIsToldApartInAnyOrder) {
