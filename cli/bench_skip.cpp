@@ -79,14 +79,16 @@ SkipMeasurement measureScene(Device& device, const Model& model, const SceneFile
   return made;
 }
 
-void checkOutputs(const BenchSkipOptions& options) {
+void checkOptions(const BenchSkipOptions& options) {
+  if (parseSkip(options.skip) == 0)
+    throw Failure{ExitCode::usage, "--skip off leaves nothing to compare with full runs: expected safe or a bound."};
   if (!options.json.empty()) requireExtension(options.json, ".json", "--json");
   for (const std::string& file : {options.json, options.markdown})
     if (!file.empty()) requireWritable(file);
 }
 
 void run(const BenchSkipOptions& options) {
-  checkOutputs(options);
+  checkOptions(options);
   QualitySetting setting{options.scale, options.colour, options.aux};
   const std::string name = options.model.empty() ? defaultModelName(options.scale) : options.model;
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); });
@@ -116,7 +118,7 @@ void addBenchSkip(CLI::App& group) {
   CLI::App* verb = group.add_subcommand("skip", "Compare runs that skip windows with full ones on a folder of scenes");
   verb->add_option("FOLDER", options->folder, "Folder of scenes, as xrds bench quality reads it")->required();
   verb->add_option("--model", options->model, "A shipped model's name or a .safetensors file")->type_name("MODEL");
-  verb->add_option("--skip", options->skip, "As in xrds upscale")
+  verb->add_option("--skip", options->skip, "As in xrds upscale, but off")
       ->check(CLI::Validator(validSkip, "safe|N"))
       ->capture_default_str();
   verb->add_option("--scale", options->scale, "Of the colour's render")->capture_default_str();

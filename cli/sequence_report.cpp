@@ -114,11 +114,17 @@ std::string SequenceReport::progressText() const {
   return line;
 }
 
+std::string SequenceReport::failureText(int number, const std::string& message) {
+  const auto [first, isNew] = failures_.try_emplace(withoutDigits(message), number);
+  const bool hasList = message.find('\n') != std::string::npos;
+  return isNew || !hasList ? ": " + message : " as frame " + std::to_string(first->second) + " did.";
+}
+
 void SequenceReport::show(const Row& row) {
   const int number = plan_.frames[row.outcome.index].number;
   if (row.code != ExitCode::ok && row.code != ExitCode::interrupted)
-    std::fprintf(stderr, "%sxrds: frame %d failed: %s\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", number,
-                 row.message.c_str());
+    std::fprintf(stderr, "%sxrds: frame %d failed%s\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", number,
+                 failureText(number, row.message).c_str());
   if (style_ == ProgressStyle::bar) {
     std::fprintf(stderr, "\r%s\033[K", progressText().c_str());
   } else if (style_ == ProgressStyle::lines) {

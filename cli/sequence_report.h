@@ -49,6 +49,8 @@ class SequenceReport {
   std::string progressText() const;
   std::string slowestStage() const;
   void show(const Row& row);
+  /// What is printed of a failure: of one with a list of layers only the first of those that differ in digits at most.
+  std::string failureText(int number, const std::string& message);
 
   const UpscaleOptions& options_;
   const SequencePlan& plan_;
@@ -57,6 +59,7 @@ class SequenceReport {
   std::map<size_t, Row> rows_;  // by the frame's index
   std::vector<int> failed_;
   std::map<std::string, Alike> warnings_;  // by their text without digits
+  std::map<std::string, int> failures_;    // the first frame of each failure, by the same
   std::array<double, 3> seconds_{};
   size_t done_ = 0, skipped_ = 0;
   int failuresInARow_ = 0;

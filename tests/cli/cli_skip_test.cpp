@@ -77,6 +77,8 @@ TEST(CliSkip, BenchTimesPairsOfRunsAndTellsTheLargestChange) {
   EXPECT_EQ(noise["work"], 1);
   EXPECT_EQ(noise["psnr"], noise["psnrOff"]);
 
+  expectFailure(runXrds({"bench", "skip", (folder / "").string(), "--skip", "off"}), 2, "nothing to compare", folder,
+                6);
   bench.push_back("skip.txt");
   expectFailure(runXrds(bench), 2, "--json takes a name that ends in .json", folder, 6);
 }

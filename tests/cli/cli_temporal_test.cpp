@@ -209,6 +209,7 @@ TEST(CliTemporal, SaysWhatIsMissing) {
   const Ended ended = sequence.run("out", {"--temporal"});
   EXPECT_NE(ended.exitCode, 0);
   EXPECT_NE(ended.error.find("has no motion layer 'Vector'"), std::string::npos) << ended.error;
+  EXPECT_EQ(ended.error.find("' holds"), ended.error.rfind("' holds")) << "the layers once: " << ended.error;
   const Ended single = runXrds({"upscale", sequence.at("colour", 1), sequence.at("aux", 1), "-o",
                                 (sequence.folder / "one.exr").string(), "--temporal"});
   EXPECT_EQ(single.exitCode, 2) << single.error;
