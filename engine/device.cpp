@@ -246,6 +246,7 @@ void savePace(Gpu::Handles& gpu) noexcept {
 }
 
 void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& record) {
+  requireAnswering(gpu);
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   checkResult(gpu.vk.vkBeginCommandBuffer(gpu.copyCommands, &begin), "vkBeginCommandBuffer");
@@ -261,11 +262,19 @@ void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& reco
   checkResult(gpu.vk.vkResetFences(gpu.device, 1, &gpu.copyFence), "vkResetFences");
 }
 
+// Second by second: a process that is stopped meanwhile, as a job that is suspended, loses one of them, not its
+// patience.
 void awaitFence(Gpu::Handles& gpu, VkFence fence) {
-  const uint64_t nanoseconds = uint64_t{gpu.patienceSeconds} * 1'000'000'000;
-  const VkResult result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, nanoseconds);
-  gpu.abandoned = gpu.abandoned || result == VK_TIMEOUT;
+  constexpr uint64_t kSecond = 1'000'000'000;
+  VkResult result = VK_TIMEOUT;
+  for (uint32_t second = 0; second < gpu.patienceSeconds && result == VK_TIMEOUT; ++second)
+    result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, kSecond);
+  if (result == VK_TIMEOUT) gpu.abandoned = true;
   checkResult(result, "vkWaitForFences");
+}
+
+void requireAnswering(const Gpu::Handles& gpu) {
+  if (gpu.abandoned) checkResult(VK_TIMEOUT, "An earlier vkWaitForFences");
 }
 
 void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence) {
@@ -273,6 +282,7 @@ void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence)
 }
 
 void submitToQueue(Gpu::Handles& gpu, std::span<const VkSubmitInfo> submits, VkFence fence) {
+  requireAnswering(gpu);
   const std::lock_guard lock(gpu.queueAccess);
   if (gpu.lockQueue) gpu.lockQueue();
   const VkResult result = gpu.vk.vkQueueSubmit(gpu.queue, static_cast<uint32_t>(submits.size()), submits.data(), fence);

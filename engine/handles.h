@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <tuple>
@@ -87,7 +88,8 @@ struct Gpu::Handles {
   std::string paceKey;
   // Long enough for a submission that compiles on a busy machine, far longer than a driver's watchdog.
   uint32_t patienceSeconds = kUsualPatienceSeconds;
-  bool abandoned = false;  // it does not answer: what it may still use is never destroyed
+  // It does not answer: what it may still use is never destroyed, and it gets nothing new.
+  std::atomic<bool> abandoned = false;
 };
 
 struct Buffer::Handles {
@@ -110,7 +112,10 @@ struct Buffer::Handles {
 /// together.
 void takeDevice(Gpu::Handles& gpu, const HostDevice& host);
 
-/// Gives commands to the device's queue, which another thread may be using as well.
+/// Throws DeviceLost if the device once did not answer: what it was given may be running still.
+void requireAnswering(const Gpu::Handles& gpu);
+
+/// Gives commands to the device's queue, which another thread may be using as well. Throws as requireAnswering() does.
 void submitToQueue(Gpu::Handles& gpu, const VkSubmitInfo& submit, VkFence fence);
 void submitToQueue(Gpu::Handles& gpu, std::span<const VkSubmitInfo> submits, VkFence fence);
 

@@ -151,6 +151,7 @@ void Recording::Handles::record(Submission& submission) {
 }
 
 void Recording::Handles::submit(const Submission& submission) {
+  requireAnswering(gpu);
   checkResult(gpu.vk.vkResetFences(gpu.device, 1, &submission.fence), "vkResetFences");
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.commandBufferCount = 1;

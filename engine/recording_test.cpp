@@ -214,6 +214,19 @@ TEST(Recording, RefusesWhatBreaksALimit) {
   EXPECT_THROW(Recording(gpu(), {}), std::logic_error);
 }
 
+// What was given up may still be running: nothing follows it, and nothing is recorded anew on top of it.
+TEST(Recording, OfADeviceThatDidNotAnswerIsRefusedEverAfter) {
+  Gpu lost(test::gpuOptions());
+  Buffer buffer(lost, 3 * kRegion);
+  test::uploadFloats(buffer, 0, test::randomNumbers(kQuads * 4, 1));
+  Recording recording(lost, chain(buffer, 2));
+  lost.setPatience(0);
+  EXPECT_THROW(recording.run(), DeviceLost);
+  lost.setPatience(kUsualPatienceSeconds);
+  EXPECT_THROW(recording.run(), DeviceLost);
+  EXPECT_THROW(Recording(lost, chain(buffer, 2)).run(), DeviceLost);
+}
+
 // The buffer is only as large as the limit demands, and is never touched.
 TEST(Recording, RefusesAStorageRangeBeyondTheLimit) {
   const uint64_t limit = gpu().traits().maxStorageBufferRange;
