@@ -11,11 +11,13 @@ import pickle
 import sys
 
 import torch
+from safetensors import SafetensorError
 from safetensors.torch import save_file
 
 import architectures
 
 SCALES = (1, 2, 4, 8, 16)
+NO_CHECKPOINT = "it holds more than tensors, or is no checkpoint"
 WRAPPERS = ("params_ema", "params", "state_dict", "model")     # keys under which checkpoints keep their tensors
 
 
@@ -26,8 +28,31 @@ def read_checkpoint(path):
         if isinstance(stored, dict) and isinstance(stored.get(key), dict):
             stored = stored[key]
     if not isinstance(stored, dict) or not stored or not all(isinstance(value, torch.Tensor) for value in stored.values()):
-        raise ValueError(f"{path} holds no tensors by name")
+        raise ValueError("it holds no tensors by name")
+    for name, value in stored.items():
+        if not isinstance(name, str) or value.is_complex():
+            raise ValueError(f"'{name}' is no tensor of a network")
     return {name.removeprefix("module."): value.float() for name, value in stored.items()}
+
+
+def check(tensors, config):
+    """Raises ValueError on what the engine would refuse of a model that PyTorch runs."""
+    for name, value in tensors.items():
+        if not value.isfinite().all():
+            raise ValueError(f"tensor '{name}' holds a value that is not finite")
+    if config.scale not in SCALES:
+        raise ValueError(f"it upscales by {config.scale}, and the engine by powers of two up to 16")
+    if config.channels % 4 != 0:
+        raise ValueError(f"it has {config.channels} channels, and the engine takes multiples of 4")
+    if config.window % 2 != 0:
+        raise ValueError(f"its windows are of {config.window} pixels to a side, and the engine takes even ones")
+
+
+def reason(error):
+    """One line of the error's text, which PyTorch gives one for each tensor."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    text = " ".join(lines[:2]) or type(error).__name__
+    return text if len(text) <= 300 else text[:300] + " ..."
 
 
 def convert(source, target, transfer="log1p"):
@@ -36,10 +61,9 @@ def convert(source, target, transfer="log1p"):
     try:
         config = architectures.config_of_checkpoint(tensors, transfer)
         architectures.network_of(config).load_state_dict(tensors)      # every tensor there, none too much
-    except (ArithmeticError, AttributeError, LookupError, RuntimeError, StopIteration) as error:
-        raise ValueError(f"{source} is no network that is known: {error or type(error).__name__}") from error
-    if config.scale not in SCALES:
-        raise ValueError(f"{source} upscales by {config.scale}, and the engine by powers of two up to 16")
+    except (ArithmeticError, AttributeError, LookupError, RuntimeError) as error:
+        raise ValueError(f"it is no network that is known: {reason(error)}") from error
+    check(tensors, config)
     save_file({name: value.contiguous() for name, value in tensors.items()}, target,
               {**architectures.metadata_of(config), "license": "that of the checkpoint", "data": f"converted from {pathlib.Path(source).name}"})
     return config
@@ -55,9 +79,11 @@ def main():
         options.target.parent.mkdir(parents=True, exist_ok=True)
         print(convert(options.source, options.target, options.transfer))
     except (EOFError, pickle.UnpicklingError):      # PyTorch's own text advises to read it all the same
-        sys.exit(f"{options.source} cannot be converted: it holds more than tensors, or is no checkpoint")
-    except (ValueError, LookupError, AttributeError, OSError, RuntimeError) as error:
-        sys.exit(f"{options.source} cannot be converted: {error or type(error).__name__}")
+        sys.exit(f"{options.source} cannot be converted: {NO_CHECKPOINT}")
+    except (ValueError, AttributeError, OSError, RuntimeError, SafetensorError) as error:
+        sys.exit(f"{options.source} cannot be converted: {reason(error)}")
+    except LookupError:     # of PyTorch's reader
+        sys.exit(f"{options.source} cannot be converted: {NO_CHECKPOINT}")
 
 
 if __name__ == "__main__":

@@ -127,7 +127,38 @@ def test_the_lightweight_form_of_scale_3_is_refused(tmp_path):
         convert.convert(tmp_path / "x3.pt", tmp_path / "model.safetensors")
 
 
-@pytest.mark.parametrize("contents", [b"no pickle at all", b""])
+def converting(tensors, folder):
+    """What convert() does with a checkpoint of these tensors."""
+    torch.save(tensors, folder / "odd.pt")
+    return convert.convert(folder / "odd.pt", folder / "odd.safetensors")
+
+
+def test_names_that_only_begin_like_swinir_are_of_no_known_network(tmp_path):
+    with pytest.raises(ValueError, match="names of none of edsr, rcan"):
+        converting({"params": {"conv_first.weight": torch.zeros(64, 3, 3, 3), "body.0.conv1.weight": torch.zeros(64, 64, 3, 3)}}, tmp_path)
+
+
+@pytest.mark.parametrize("name, value, reason", [
+    ("head.0.bias", torch.full((8,), float("nan")), "'head.0.bias' holds a value that is not finite"),
+    ("body.999999999.weight", torch.zeros(8, 8, 3, 3), "number 999999999"),
+    ("head.0.weight", torch.zeros(8, 3, 3, 3, dtype=torch.complex64), "no tensor of a network"),
+    (7, torch.zeros(8), "no tensor of a network")])
+def test_what_the_engine_would_refuse_is_refused(name, value, reason, tmp_path):
+    checkpoint, _ = official(edsr.Config(scale=2, channels=8, blocks=1, range=255))
+    with pytest.raises(ValueError, match=reason):
+        converting(checkpoint | {name: value}, tmp_path)
+    assert not (tmp_path / "odd.safetensors").exists()
+
+
+@pytest.mark.parametrize("config, reason", [
+    (edsr.Config(scale=2, channels=10, blocks=1, range=255), "10 channels"),
+    (swinir.Config(channels=12, groups=1, blocks=2, window=7, head_channels=6), "windows are of 7 pixels")])
+def test_sizes_that_the_engine_does_not_take_are_refused(config, reason, tmp_path):
+    with pytest.raises(ValueError, match=reason):
+        converting(official(config)[0], tmp_path)
+
+
+@pytest.mark.parametrize("contents", [b"no pickle at all", b"text", b"PK\x03\x04 cut", b""])
 def test_what_is_no_checkpoint_ends_with_a_sentence(contents, tmp_path, monkeypatch):
     (tmp_path / "x.pt").write_bytes(contents)
     monkeypatch.setattr("sys.argv", ["convert.py", str(tmp_path / "x.pt"), str(tmp_path / "model.safetensors")])

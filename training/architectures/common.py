@@ -57,6 +57,8 @@ def count(tensors, pattern):
     found = [int(match[1]) for name in tensors if (match := re.match(pattern, name))]
     if not found:
         raise ValueError(f"no tensor is named like {pattern}")
+    if max(found) >= len(tensors):
+        raise ValueError(f"a tensor named like {pattern} has the number {max(found)}, of {len(tensors)} tensors in all")
     return max(found) + 1
 
 

@@ -84,9 +84,10 @@ class Network(Normed):
 
 
 def config_of_checkpoint(tensors, transfer):
-    if "conv_first.weight" not in tensors:
+    tables = [value for name, value in tensors.items() if name.endswith("relative_position_bias_table")]
+    if "conv_first.weight" not in tensors or not tables:
         return None
-    heads = next(value for name, value in tensors.items() if name.endswith("relative_position_bias_table"))
+    heads = tables[0]
     for name in [name for name in tensors if name.endswith(OF_CODE)]:
         del tensors[name]
     channels = tensors["conv_first.weight"].shape[0]
