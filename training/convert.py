@@ -18,7 +18,8 @@ import architectures
 
 SCALES = (1, 2, 4, 8, 16)
 NO_CHECKPOINT = "it holds more than tensors, or is no checkpoint"
-WRAPPERS = ("params_ema", "params", "state_dict", "model")     # keys under which checkpoints keep their tensors
+WRAPPERS = ("state_dict", "params_ema", "params-ema", "params", "model", "net")     # keys under which checkpoints keep their tensors
+PREFIXES = ("module.", "netG.")                                                     # of all names, in some of them
 
 
 def read_checkpoint(path):
@@ -32,7 +33,9 @@ def read_checkpoint(path):
     for name, value in stored.items():
         if not isinstance(name, str) or value.is_complex():
             raise ValueError(f"'{name}' is no tensor of a network")
-    return {name.removeprefix("module."): value.float() for name, value in stored.items()}
+    for prefix in PREFIXES:
+        stored = {name.removeprefix(prefix): value for name, value in stored.items()}
+    return {name: value.float() for name, value in stored.items()}
 
 
 def check(tensors, config):

@@ -133,6 +133,14 @@ def converting(tensors, folder):
     return convert.convert(folder / "odd.pt", folder / "odd.safetensors")
 
 
+@pytest.mark.parametrize("wrap", [
+    lambda tensors: {"state_dict": {"params_ema": tensors, "params": {}}, "epoch": 3}, lambda tensors: {"net": tensors}, lambda tensors: {"params-ema": tensors},
+    lambda tensors: {"module.netG." + name: value for name, value in tensors.items()}])
+def test_wrapped_checkpoints_convert(wrap, tmp_path):
+    config = edsr.Config(scale=2, channels=8, blocks=1, range=255)
+    assert converting(wrap(official(config)[0]), tmp_path) == config
+
+
 def test_names_that_only_begin_like_swinir_are_of_no_known_network(tmp_path):
     with pytest.raises(ValueError, match="names of none of edsr, rcan"):
         converting({"params": {"conv_first.weight": torch.zeros(64, 3, 3, 3), "body.0.conv1.weight": torch.zeros(64, 64, 3, 3)}}, tmp_path)
