@@ -146,7 +146,7 @@ run() {
 }
 functions=$(declare -f describe doctor pictures family_times peers tests tune bands network operators_of report)
 
-"$build/bench/xrds_bench_network" "${device[@]}" --size 64 --runs 1 --write-model "$out/paper-size.safetensors" > /dev/null 2>&1
+timeout --kill-after=5 60 "$build/bench/xrds_bench_network" "${device[@]}" --size 64 --runs 1 --write-model "$out/paper-size.safetensors" > /dev/null 2>&1
 paper=$out/paper-size.safetensors
 run 20 machine describe
 run 90 doctor doctor
@@ -176,5 +176,6 @@ for file in "$out"/*; do
     unended+=("$(basename "$file"): cut after $most bytes")
   fi
 done
-printf 'not whole: %s\n' "${unended[@]}" | tee "$out/unended.txt"
+: > "$out/unended.txt"
+[ ${#unended[@]} -eq 0 ] || printf 'not whole: %s\n' "${unended[@]}" | tee "$out/unended.txt"
 [ ${#unended[@]} -eq 0 ]
