@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "image/cycles_text.h"
 #include "image/leading_number.h"
 #include "xrds/error.h"
 
@@ -20,11 +21,9 @@ RenderCost renderCost(const TimedRender& one, const TimedRender& other) {
   return {0, (one.seconds + other.seconds) / (paths + otherPaths)};
 }
 
-std::optional<double> secondsOf(const ExrPart& part) {
-  for (const std::string& name : part.attributes.names())
-    if (name.starts_with("cycles.") && name.ends_with(".total_time"))
-      if (const std::optional<std::string> text = part.attributes.text(name)) return parseDuration(*text);
-  return {};
+std::optional<double> secondsOf(const ExrPart& part, const std::string& layer) {
+  const auto text = cyclesText(part.attributes, layer, "total_time");
+  return text ? parseDuration(*text) : std::nullopt;
 }
 
 std::optional<double> parseDuration(const std::string& text) {

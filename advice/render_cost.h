@@ -28,8 +28,9 @@ struct RenderCost {
 /// start, of both renders' seconds over their samples. Throws Error unless all numbers are positive.
 RenderCost renderCost(const TimedRender& one, const TimedRender& other);
 
-/// The seconds that the render of a part took in all, as Cycles writes them ("cycles.LAYER.total_time"), where it did.
-std::optional<double> secondsOf(const ExrPart& part);
+/// The seconds that the render of a layer of the part took in all, as Cycles writes them
+/// ("cycles.VIEWLAYER.total_time"), where it did.
+std::optional<double> secondsOf(const ExrPart& part, const std::string& layer);
 
 /// Seconds of "1.52", "00:01.52" or "1:02:03.4", as Cycles writes durations; nothing if the text is none.
 std::optional<double> parseDuration(const std::string& text);

@@ -62,6 +62,11 @@ const ExrPart* Frame::auxiliaryPart() const {
   return inputs_.empty() ? nullptr : &auxFile_.parts[layerOf(inputs_.front()).part];
 }
 
+FrameLayer Frame::fullColourLayer() const {
+  const ExrSelection& layer = layerOf(kFullColour.name);
+  return {auxFile_.parts[layer.part], layer.layer};
+}
+
 void Frame::fit(const std::string& input) {
   const FrameFit found = fitFrame(colourPart(), auxFile_.parts[layerOf(input).part]);
   if (fit_ && found.scale != fit_->scale)
@@ -154,7 +159,7 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
   merged_ = MergedColour{nameOf(layer), 0, merge_.samples, "given"};
   if (!merged_->samples) {
     merged_->source = "metadata";
-    merged_->samples = samplesOf(colourPart(), auxFile_.parts[layer.part]);
+    merged_->samples = samplesOf(colourLayer(), {auxFile_.parts[layer.part], layer.layer});
   }
   if (merged_->samples) {
     merged_->share = fullShare(*merged_->samples, scale);

@@ -35,6 +35,10 @@ class Frame {
   const ExrPart& colourPart() const { return colorFile_.parts[aovs_.color.part]; }
   const ExrPart* auxiliaryPart() const;
 
+  FrameLayer colourLayer() const { return {colourPart(), aovs_.color.layer}; }
+  /// That of the input; kFullColour must be one of inputs().
+  FrameLayer fullColourLayer() const;
+
   /// What the auxiliary images are, in the order of the model's inputs.
   const std::vector<std::string>& inputs() const { return inputs_; }
 

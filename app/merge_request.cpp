@@ -3,13 +3,13 @@
 #include <cstdio>
 
 #include "app/number_pair.h"
+#include "image/cycles_text.h"
 #include "image/leading_number.h"
 
 namespace xrds {
-std::optional<double> samplesOf(const ExrPart& part) {
-  for (const std::string& name : part.attributes.names()) {
-    const bool known = (name.starts_with("cycles.") && name.ends_with(".samples")) || name == "samplesPerPixel";
-    const std::optional<std::string> text = known ? part.attributes.text(name) : std::nullopt;
+std::optional<double> samplesOf(const FrameLayer& layer) {
+  const ExrAttributes& attributes = layer.part.attributes;
+  for (const auto& text : {cyclesText(attributes, layer.name, "samples"), attributes.text("samplesPerPixel")}) {
     if (!text) continue;
     const auto samples = leadingNumber(text->data(), text->data() + text->size());
     if (samples && samples->value > 0) return samples->value;
@@ -17,7 +17,7 @@ std::optional<double> samplesOf(const ExrPart& part) {
   return {};
 }
 
-std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full) {
+std::optional<RenderSamples> samplesOf(const FrameLayer& low, const FrameLayer& full) {
   const std::optional<double> lowSamples = samplesOf(low), fullSamples = samplesOf(full);
   if (!lowSamples || !fullSamples) return {};
   return RenderSamples{*lowSamples, *fullSamples};

@@ -8,6 +8,12 @@
 
 namespace xrds {
 
+/// A layer of a frame by its name, and the part that holds it.
+struct FrameLayer {
+  const ExrPart& part;
+  const std::string& name;
+};
+
 /// What becomes of the colour of the full-resolution render, where there is one.
 struct MergeRequest {
   bool never = false;
@@ -29,9 +35,10 @@ std::string describe(const MergedColour& merged);
 /// nothing.
 MergeRequest mergeRequest(const std::string& auxColour, const std::string& samples, AovRequest& layers);
 
-/// The samples a pixel that a file's metadata give: Cycles' "cycles.LAYER.samples", pbrt's "samplesPerPixel".
-std::optional<double> samplesOf(const ExrPart& part);
+/// The samples a pixel of a layer that its file's metadata give: Cycles' "cycles.VIEWLAYER.samples", pbrt's
+/// "samplesPerPixel".
+std::optional<double> samplesOf(const FrameLayer& layer);
 /// The same of two files; nothing unless both tell.
-std::optional<RenderSamples> samplesOf(const ExrPart& low, const ExrPart& full);
+std::optional<RenderSamples> samplesOf(const FrameLayer& low, const FrameLayer& full);
 
 }  // namespace xrds

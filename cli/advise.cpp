@@ -45,14 +45,15 @@ Frame readRenders(AdviseOptions& options) {
 
 RenderSamples samplesOf(const AdviseOptions& options, const Frame& frame) {
   if (const auto given = parsePair(options.samples)) return {given->first, given->second};
-  if (const auto told = samplesOf(frame.colourPart(), *frame.auxiliaryPart())) return *told;
+  if (const auto told = samplesOf(frame.colourLayer(), frame.fullColourLayer())) return *told;
   throw Failure{ExitCode::usage, "The files do not say how many samples their renders have: --samples LOW,FULL does."};
 }
 
 RenderCost costOf(const AdviseOptions& options, const Frame& frame, RenderSamples samples) {
   std::optional<std::pair<double, double>> seconds = parsePair(options.seconds);
   if (!seconds) {
-    const auto low = secondsOf(frame.colourPart()), full = secondsOf(*frame.auxiliaryPart());
+    const FrameLayer ofLow = frame.colourLayer(), ofFull = frame.fullColourLayer();
+    const auto low = secondsOf(ofLow.part, ofLow.name), full = secondsOf(ofFull.part, ofFull.name);
     if (!low || !full)
       throw Failure{ExitCode::usage,
                     "The files do not say how long their renders took: --render-seconds LOW,FULL does."};

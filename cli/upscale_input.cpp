@@ -44,7 +44,7 @@ std::vector<std::string> inputsThere(const UpscaleOptions& options, const ExrFil
 // Samples a pixel of the low-resolution colour, where they are known.
 std::optional<double> lowSamples(const UpscaleOptions& options, const Frame& frame) {
   if (const auto given = parsePair(options.samples)) return given->first;
-  return samplesOf(frame.colourPart());
+  return samplesOf(frame.colourLayer());
 }
 
 fs::path modelFile(const UpscaleOptions& options) {

@@ -64,6 +64,9 @@ TEST(CliMerge, TakesTheSamplesFromTheMetadata) {
   const Json run = jsonOf(frame, {});
   EXPECT_EQ(run["mergedColour"]["source"], "metadata");
   EXPECT_DOUBLE_EQ(run["mergedColour"]["share"], 0.8);
+  const Texts twoLayers{{"cycles.Front.samples", "4"}, {"cycles.Back.samples", "9"}};
+  writeColours(frame, 1, twoLayers, twoLayers);
+  EXPECT_EQ(jsonOf(frame, {})["mergedColour"]["source"], "noise") << "two view layers contradict each other";
   writeColours(frame, 1, {{"samplesPerPixel", "64"}}, {});
   EXPECT_EQ(jsonOf(frame, {})["mergedColour"]["source"], "noise") << "one file alone does not tell";
 }
