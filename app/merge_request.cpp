@@ -1,5 +1,6 @@
 #include "app/merge_request.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "app/number_pair.h"
@@ -9,12 +10,12 @@
 namespace xrds {
 std::optional<double> samplesOf(const FrameLayer& layer) {
   const ExrAttributes& attributes = layer.part.attributes;
-  for (const auto& text : {cyclesText(attributes, layer.name, "samples"), attributes.text("samplesPerPixel")}) {
-    if (!text) continue;
-    const auto samples = leadingNumber(text->data(), text->data() + text->size());
-    if (samples && samples->value > 0) return samples->value;
+  std::optional<double> samples = attributes.number("samplesPerPixel");
+  if (const auto text = cyclesText(attributes, layer.name, "samples")) {
+    const auto number = leadingNumber(text->data(), text->data() + text->size());
+    if (number) samples = number->value;
   }
-  return {};
+  return samples && *samples > 0 && std::isfinite(*samples) ? samples : std::nullopt;
 }
 
 std::optional<RenderSamples> samplesOf(const FrameLayer& low, const FrameLayer& full) {

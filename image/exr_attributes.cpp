@@ -1,5 +1,8 @@
 #include "image/exr_attributes.h"
 
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
@@ -8,6 +11,7 @@
 #include <utility>
 
 #include "image/exr_attributes_stored.h"
+#include "image/leading_number.h"
 
 namespace xrds {
 
@@ -36,6 +40,16 @@ std::vector<std::string> ExrAttributes::names() const {
 std::optional<std::string> ExrAttributes::text(const std::string& name) const {
   const auto* attribute = stored_->header.findTypedAttribute<Imf::StringAttribute>(name);
   return attribute == nullptr ? std::nullopt : std::optional(attribute->value());
+}
+
+std::optional<double> ExrAttributes::number(const std::string& name) const {
+  const Imf::Header& header = stored_->header;
+  if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>(name)) return whole->value();
+  if (const auto* single = header.findTypedAttribute<Imf::FloatAttribute>(name)) return single->value();
+  if (const auto* twofold = header.findTypedAttribute<Imf::DoubleAttribute>(name)) return twofold->value();
+  const std::optional<std::string> written = text(name);
+  const auto found = written ? leadingNumber(written->data(), written->data() + written->size()) : std::nullopt;
+  return found ? std::optional(found->value) : std::nullopt;
 }
 
 std::optional<std::array<float, 16>> ExrAttributes::matrix(const std::string& name) const {

@@ -32,6 +32,9 @@ class ExrAttributes {
   /// The text of a string attribute; nothing when there is none of this name or it is no string.
   std::optional<std::string> text(const std::string& name) const;
 
+  /// The number of an int, float or double attribute, or that with which a string begins; nothing when there is none.
+  std::optional<double> number(const std::string& name) const;
+
   /// The numbers of a 4 x 4 matrix attribute (m44f), row by row; nothing when there is none of this name.
   std::optional<std::array<float, 16>> matrix(const std::string& name) const;
 

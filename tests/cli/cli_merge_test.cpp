@@ -13,16 +13,20 @@ using Json = nlohmann::json;
 
 // The frame's colour is 1 everywhere, that of the full-resolution render `full`.
 using Texts = std::map<std::string, std::string>;
-void writeColours(const SmallFrame& frame, float full, const Texts& lowTexts = {}, const Texts& fullTexts = {}) {
+using Numbers = std::map<std::string, int>;
+void writeColours(const SmallFrame& frame, float full, const Texts& lowTexts = {}, const Texts& fullTexts = {},
+                  const Numbers& lowNumbers = {}, const Numbers& fullNumbers = {}) {
   const auto flat = [](const char* name, float value) {
     return Layer{name, "RGB", [value](int, int, int) { return value; }};
   };
-  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {flat("", 1)}, {}, lowTexts}});
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {flat("", 1)}, {}, lowTexts, {}, lowNumbers}});
   writeParts(frame.aux, {{boxOf(40, 32),
                           boxOf(40, 32),
                           {flat("Combined", full), albedoLayer("albedo", 40), normalLayer("normal", 40)},
                           {},
-                          fullTexts}});
+                          fullTexts,
+                          {},
+                          fullNumbers}});
 }
 
 Json jsonOf(const SmallFrame& frame, const std::vector<std::string>& more) {
@@ -69,6 +73,19 @@ TEST(CliMerge, TakesTheSamplesFromTheMetadata) {
   EXPECT_EQ(jsonOf(frame, {})["mergedColour"]["source"], "noise") << "two view layers contradict each other";
   writeColours(frame, 1, {{"samplesPerPixel", "64"}}, {});
   EXPECT_EQ(jsonOf(frame, {})["mergedColour"]["source"], "noise") << "one file alone does not tell";
+}
+
+// pbrt writes a number.
+TEST(CliMerge, TakesTheSamplesFromNumbers) {
+  const SmallFrame frame;
+  writeColours(frame, 1, {}, {}, {{"samplesPerPixel", 64}}, {{"samplesPerPixel", 16}});
+  const Json run = jsonOf(frame, {});
+  EXPECT_EQ(run["mergedColour"]["source"], "metadata");
+  EXPECT_EQ(run["mergedColour"]["samples"], Json({64, 16}));
+  for (const int none : {0, -3}) {
+    writeColours(frame, 1, {}, {}, {{"samplesPerPixel", none}}, {{"samplesPerPixel", 16}});
+    EXPECT_EQ(jsonOf(frame, {})["mergedColour"]["source"], "noise") << none;
+  }
 }
 
 TEST(CliMerge, LeavesTheColourOfOtherLightAlone) {

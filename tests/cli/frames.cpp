@@ -3,6 +3,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputPart.h>
@@ -35,6 +36,7 @@ Imf::Header headerFor(const Part& part) {
     header.insert(name, Imf::M44fAttribute(matrix));
   }
   for (const auto& [name, text] : part.texts) header.insert(name, Imf::StringAttribute(text));
+  for (const auto& [name, number] : part.numbers) header.insert(name, Imf::IntAttribute(number));
   return header;
 }
 

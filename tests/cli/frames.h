@@ -33,6 +33,7 @@ struct Part {
   std::string name = {};
   std::map<std::string, std::string> texts = {};               // attributes
   std::map<std::string, std::array<float, 16>> matrices = {};  // row by row
+  std::map<std::string, int> numbers = {};                     // attributes
 };
 
 /// Writes 32-bit float parts; every header gets the text attribute "renderer" and the float "cameraZoom".
