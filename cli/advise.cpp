@@ -70,6 +70,15 @@ std::filesystem::path waysFile(const AdviseOptions& options) {
   throw Error(std::string("No folder of models holds ") + kWaysFile + ": install xrds again, or name one with --ways.");
 }
 
+// A frame that is no multiple of a scale cannot be rendered for it.
+void leaveUnfitOut(std::vector<Way>& ways, Advice& advice) {
+  std::erase_if(ways, [&](const Way& way) {
+    const bool fits = advice.width % way.scale == 0 && advice.height % way.scale == 0;
+    if (!fits) advice.unfitScales.insert(way.scale);
+    return !fits;
+  });
+}
+
 void addPlans(const AdviseOptions& options, const std::vector<Way>& ways, Device& device, Advice& advice) {
   const size_t pixels = static_cast<size_t>(advice.width) * static_cast<size_t>(advice.height);
   advice.device = device.description().name;
@@ -107,7 +116,8 @@ void run(AdviseOptions options) {
   });
   if (!options.sceneOnly) {
     advice.cost = failingWith(ExitCode::usage, [&] { return costOf(options, frame, advice.samples); });
-    const std::vector<Way> ways = failingWith(ExitCode::model, [&] { return readWays(waysFile(options)); });
+    std::vector<Way> ways = failingWith(ExitCode::model, [&] { return readWays(waysFile(options)); });
+    leaveUnfitOut(ways, advice);
     onDevice(options.device, options.quiet, [&](Device& device) { addPlans(options, ways, device, advice); });
   }
   if (!options.quiet) std::fputs(plainText(advice).c_str(), stdout);

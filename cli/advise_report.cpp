@@ -101,6 +101,9 @@ std::string plainText(const Advice& advice) {
     lines +=
         "Open Image Denoise is not there, neither its networks (xrds import oidn) nor its library: ways with it are "
         "left out.\n";
+  for (const int scale : advice.unfitScales)
+    lines += size(advice, 1) + " pixels are no multiple of " + std::to_string(scale) +
+             ": ways of that scale are left out.\n";
   std::vector<Row> rows{{"way", "low-resolution samples", "full", "render s", "then s", "PSNR dB", "+-"}};
   for (const Plan& plan : advice.plans) rows.push_back(rowOf(advice, plan));
   lines += "\nPlans than which no quicker one is as good, on " + advice.device + ":\n\n" + aligned(rows);

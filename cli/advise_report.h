@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Advice {
   std::optional<RenderCost> cost{};  // with the following: of plans, if they were asked for
   std::string device;
   StepSeconds steps;
+  std::set<int> unfitScales;   // of ways that are left out, as the frame's size is no multiple of theirs
   std::vector<Plan> plans;     // those worth their time, the quickest first
   std::optional<Plan> chosen;  // for what was asked
 };

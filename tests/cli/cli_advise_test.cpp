@@ -156,6 +156,25 @@ TEST_F(CliAdvise, PlansForAnErrorAndSaysWhereThereIsNone) {
   EXPECT_TRUE(written()["advised"].is_null());
 }
 
+TEST_F(CliAdvise, LeavesScalesOutThatDoNotDivideTheFrame) {
+  const Box small = boxOf(kWidth - 1, kHeight), large = boxOf(2 * (kWidth - 1), 2 * kHeight);
+  writeParts(low, {{small, small, {noisyColour(64, 8, 1)}}});
+  writeParts(
+      full, {{large,
+              large,
+              {noisyColour(16, 16, 2), albedoLayer("albedo", 2 * kWidth - 2), normalLayer("normal", 2 * kWidth - 2)}}});
+  Json all;
+  all["ways"] = {way("by 4", -1), way("by 2", -1)};
+  all["ways"][1].update({{"model", "xrds-x2-live"}, {"scale", 2}});
+  std::ofstream(ways) << all;
+  const Ended ended = advise({"--render-seconds", "4,16"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_NE(ended.output.find("126 x 96 pixels are no multiple of 4"), std::string::npos) << ended.output;
+  const Json plans = written()["plans"];
+  EXPECT_FALSE(plans.empty());
+  for (const Json& plan : plans) EXPECT_EQ(plan["scale"], 2);
+}
+
 TEST_F(CliAdvise, ReadsSamplesAndSecondsFromTheMetadata) {
   writeRenders({{"cycles.ViewLayer.samples", "64"}, {"cycles.ViewLayer.total_time", "00:05.00"}},
                {{"cycles.ViewLayer.samples", "16"}, {"cycles.ViewLayer.total_time", "00:17.00"}});
