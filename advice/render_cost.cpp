@@ -23,7 +23,8 @@ RenderCost renderCost(const TimedRender& one, const TimedRender& other) {
 
 std::optional<double> secondsOf(const ExrPart& part, const std::string& layer) {
   const auto text = cyclesText(part.attributes, layer, "total_time");
-  return text ? parseDuration(*text) : std::nullopt;
+  const std::optional<double> seconds = text ? parseDuration(*text) : std::nullopt;
+  return seconds && *seconds > 0 ? seconds : std::nullopt;
 }
 
 std::optional<double> parseDuration(const std::string& text) {

@@ -29,7 +29,7 @@ struct RenderCost {
 RenderCost renderCost(const TimedRender& one, const TimedRender& other);
 
 /// The seconds that the render of a layer of the part took in all, as Cycles writes them
-/// ("cycles.VIEWLAYER.total_time"), where it did.
+/// ("cycles.VIEWLAYER.total_time"), where it did and they are not 0.
 std::optional<double> secondsOf(const ExrPart& part, const std::string& layer);
 
 /// Seconds of "1.52", "00:01.52" or "1:02:03.4", as Cycles writes durations; nothing if the text is none.

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -17,6 +18,7 @@
 #include "cli/progress.h"
 #include "cli/step_seconds.h"
 #include "cli/warnings.h"
+#include "image/image_view.h"
 
 namespace xrds {
 namespace {
@@ -41,6 +43,14 @@ Frame readRenders(AdviseOptions& options) {
   if (frame.scale() < 2) throw Error("Both renders have the same size: one must be of a lower resolution.");
   frame.load();
   return frame;
+}
+
+// Guides that were rendered without light, say, tell nothing of the noise.
+void warnOfOtherLight(const Frame& frame) {
+  const double difference = colourDifference(viewOf(frame.colour()), viewOf(*frame.imageOf(kFullColour.name)));
+  if (difference > kMostColourDifference)
+    printWarnings({"The colours of the two renders differ by " + std::to_string(std::lround(100 * difference)) +
+                   " %: they are of other light, and what is told of noise and plans is wrong; render both alike."});
 }
 
 RenderSamples samplesOf(const AdviseOptions& options, const Frame& frame) {
@@ -91,6 +101,9 @@ void addPlans(const AdviseOptions& options, const std::vector<Way>& ways, Device
 }
 
 void requireChosen(const AdviseOptions& options, const Advice& advice) {
+  if (advice.cost && advice.plans.empty())
+    throw Failure{ExitCode::differs,
+                  "There is no plan: of the ways that can be gone here none was measured at the noise of this scene."};
   if (advice.chosen || (!options.within && !options.reach)) return;
   char text[96];
   std::snprintf(text, sizeof text,
@@ -106,6 +119,7 @@ void run(AdviseOptions options) {
   }
   const Frame frame = failingWith(ExitCode::input, [&] { return readRenders(options); });
   printWarnings(frame.warnings());
+  warnOfOtherLight(frame);
   Advice advice{.low = options.low, .full = options.full};
   const auto& auxiliary = frame.auxiliary();
   advice.width = auxiliary[0].width;

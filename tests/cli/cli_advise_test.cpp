@@ -26,6 +26,11 @@ Layer noisyColour(double samples, int stripe, unsigned seed) {
           }};
 }
 
+Layer times(float factor, Layer layer) {
+  layer.pixels = [factor, pixels = layer.pixels](int x, int y, int c) { return factor * pixels(x, y, c); };
+  return layer;
+}
+
 // The plain kernels start at once.
 const std::map<std::string, std::string> kQuickly{{"XRDS_KERNEL_FAMILY", "plain"}, {"XRDS_DENOISERS", "/nowhere"}};
 
@@ -61,12 +66,12 @@ struct CliAdvise : testing::Test {
   }
 
   void writeRenders(const std::map<std::string, std::string>& lowTexts,
-                    const std::map<std::string, std::string>& fullTexts) const {
+                    const std::map<std::string, std::string>& fullTexts, float fullLight = 1) const {
     const Box small = boxOf(kWidth, kHeight), large = boxOf(kScale * kWidth, kScale * kHeight);
     writeParts(low, {{small, small, {noisyColour(64, 8, 1)}, {}, lowTexts}});
     writeParts(full, {{large,
                        large,
-                       {noisyColour(16, 8 * kScale, 2), albedoLayer("albedo", kScale * kWidth),
+                       {times(fullLight, noisyColour(16, 8 * kScale, 2)), albedoLayer("albedo", kScale * kWidth),
                         normalLayer("normal", kScale * kWidth)},
                        {},
                        fullTexts}});
@@ -154,6 +159,25 @@ TEST_F(CliAdvise, PlansForAnErrorAndSaysWhereThereIsNone) {
   EXPECT_EQ(none.exitCode, 7) << none.error;
   EXPECT_NE(none.error.find("No plan is predicted to reach 90 dB"), std::string::npos) << none.error;
   EXPECT_TRUE(written()["advised"].is_null());
+  Json all;
+  all["ways"] = {way("of dark scenes", -1)};
+  all["ways"][0]["noise"] = {-90, -80};
+  std::ofstream(ways) << all;
+  for (const std::vector<std::string>& asked : {std::vector<std::string>{}, {"--within", "90"}}) {
+    std::vector<std::string> more{"--render-seconds", "4,16"};
+    more.insert(more.end(), asked.begin(), asked.end());
+    const Ended unmeasured = advise(more);
+    EXPECT_EQ(unmeasured.exitCode, 7) << unmeasured.error;
+    EXPECT_NE(unmeasured.error.find("none was measured at the noise"), std::string::npos) << unmeasured.error;
+  }
+}
+
+TEST_F(CliAdvise, WarnsOfOtherLight) {
+  EXPECT_EQ(advise({"--scene-only"}).error, "");
+  writeRenders({}, {}, 0.5F);
+  const Ended ended = advise({"--scene-only"});
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_NE(ended.error.find("differ by 33 %: they are of other light"), std::string::npos) << ended.error;
 }
 
 TEST_F(CliAdvise, LeavesScalesOutThatDoNotDivideTheFrame) {
@@ -188,6 +212,8 @@ TEST_F(CliAdvise, ReadsSamplesAndSecondsFromTheMetadata) {
 
 TEST_F(CliAdvise, SamplesAndSecondsMustBeKnown) {
   expectFailure(runXrds({"advise", low, full}), 2, "--samples LOW,FULL", folder, 3);
+  expectFailure(runXrds({"advise", low, full, "--samples", "64,16"}), 2, "--render-seconds LOW,FULL", folder, 3);
+  writeRenders({{"cycles.ViewLayer.total_time", "00:00.00"}}, {{"cycles.ViewLayer.total_time", "00:09.00"}});
   expectFailure(runXrds({"advise", low, full, "--samples", "64,16"}), 2, "--render-seconds LOW,FULL", folder, 3);
   expectFailure(runXrds({"advise", full, full, "--samples", "64,16"}), 3, "same size", folder, 3);
   expectFailure(advise({"--render-seconds", "1,2", "--within", "3", "--reach", "4"}), 2, "--reach", folder, 3);
