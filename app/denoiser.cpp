@@ -1,6 +1,8 @@
 #include "app/denoiser.h"
 
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include <dlfcn.h>
 #endif
 
+#include "app/cut_library.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -22,6 +25,7 @@ void* findSymbol(void* library, const char* name) {
   return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
 }
 void closeLibrary(void* library) { FreeLibrary(static_cast<HMODULE>(library)); }
+std::string whyNotLoaded() { return "error " + std::to_string(GetLastError()); }
 #else
 #ifdef __APPLE__
 constexpr const char* kLibrary = "libOpenImageDenoise.2.dylib";
@@ -31,6 +35,10 @@ constexpr const char* kLibrary = "libOpenImageDenoise.so.2";
 void* openLibrary(const char* path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
 void* findSymbol(void* library, const char* name) { return dlsym(library, name); }
 void closeLibrary(void* library) { dlclose(library); }
+std::string whyNotLoaded() {
+  const char* why = dlerror();
+  return why ? why : "an error without a message";
+}
 #endif
 
 constexpr const char* kVariable = "XRDS_OIDN";
@@ -38,10 +46,23 @@ constexpr const char* kVariable = "XRDS_OIDN";
 // Values of enumerations of its C interface, which version 2 keeps.
 constexpr int kAnyDevice = 0, kFloat3 = 3, kHighQuality = 6;
 
+void* openWhole(const char* path) {
+  if (const std::filesystem::path cut = cutLibrary(path); !cut.empty())
+    throw Error("'" + cut.string() + "' is damaged, it ends too early: install Open Image Denoise again.");
+  return openLibrary(path);
+}
+
 Error notThere(const std::string& what) {
   return Error(what +
                ": install Open Image Denoise 2 (a package of the system, openimagedenoise.org, or the one that " +
                "comes with pip install pyoidn) and set " + kVariable + " to the file if the system does not find it.");
+}
+
+// Of a file that is there the system knows more, such as a library that it needs.
+Error notLoaded(const char* path) {
+  const std::string why = whyNotLoaded(), what = std::string("'") + path + "' cannot be loaded";
+  std::error_code ignored;
+  return notThere(std::filesystem::exists(path, ignored) ? what + " (" + why + ")" : what);
 }
 
 }  // namespace
@@ -50,8 +71,8 @@ Error notThere(const std::string& what) {
 struct Denoiser::Library {
   using Handle = void*;
 
-  explicit Library(const char* path) : file(openLibrary(path)) {
-    if (!file) throw notThere(std::string("'") + path + "' cannot be loaded");
+  explicit Library(const char* path) : file(openWhole(path)) {
+    if (!file) throw notLoaded(path);
     const auto find = [&](auto& function, const char* name) {
       void* found = findSymbol(file, name);
       if (!found) throw notThere(std::string("'") + path + "' is not Open Image Denoise 2, it has no " + name);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/frames.h"
@@ -122,6 +123,28 @@ TEST(CliDenoise, SaysHowToGetTheLibrary) {
               {.environment = {{"XRDS_OIDN", "/nowhere/library.so"}, {"XRDS_DENOISERS", "/nowhere"}}});
   expectFailure(missing, 5, "'/nowhere/library.so' cannot be loaded: install Open Image Denoise 2", frame.folder, 2);
 }
+
+#ifdef __linux__
+TEST(CliDenoise, TellsADamagedLibrary) {
+  const SmallFrame frame;
+  const TemporaryFolder folder;
+  const std::string library = (folder / "libFake.so.2").string(), part = (folder / "libFake_part.so.2").string();
+  const auto denoised = [&] {
+    return runXrds(frame.arguments({"--denoise-first"}),
+                   {.environment = {{"XRDS_OIDN", library}, {"XRDS_DENOISERS", "/nowhere"}}});
+  };
+  std::ofstream(library) << "no library";
+  expectFailure(denoised(), 5, library + "' cannot be loaded (" + library, frame.folder, 2);
+  std::filesystem::copy_file(XRDS_FAKE_OIDN, library, std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(denoised().exitCode, 0);
+  std::filesystem::remove(frame.out);
+  std::filesystem::copy_file(XRDS_FAKE_OIDN, part);
+  for (const std::string& damaged : {part, library}) {
+    std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) / 4);
+    expectFailure(denoised(), 5, damaged + "' is damaged, it ends too early", frame.folder, 2);
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace xrds::test
