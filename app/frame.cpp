@@ -58,10 +58,6 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
 
 const ExrSelection& Frame::layerOf(std::string_view input) const { return aovs_.auxiliary.at(roleOf(input)); }
 
-const ExrPart* Frame::auxiliaryPart() const {
-  return inputs_.empty() ? nullptr : &auxFile_.parts[layerOf(inputs_.front()).part];
-}
-
 FrameLayer Frame::fullColourLayer() const {
   const ExrSelection& layer = layerOf(kFullColour.name);
   return {auxFile_.parts[layer.part], layer.layer};
@@ -310,9 +306,10 @@ std::vector<PixelView> inputsOf(const Model& model, const std::vector<std::strin
 
 std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
   if (!frame.merged() && takes(model, kFullColour))
-    throw Error(
-        "The model takes the colour of the full-resolution render, which is not merged into the colour here: "
-        "give --samples LOW,HIGH, or take a model of albedo and normal.");
+    throw Error(std::string("The model takes the colour of the full-resolution render, which is not merged into the "
+                            "colour here: ") +
+                (frame.neverMerges() ? "leave out --aux-colour never" : "give --samples LOW,HIGH") +
+                ", or take a model of albedo and normal.");
   return inputsOf(model, frame.inputs(), frame.auxiliary());
 }
 

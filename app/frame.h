@@ -31,13 +31,10 @@ class Frame {
   uint32_t width() const { return static_cast<uint32_t>(colourPart().dataWindow.width()); }
   uint32_t height() const { return static_cast<uint32_t>(colourPart().dataWindow.height()); }
 
-  /// The parts of the files that colour and, where there are any, auxiliary images are of.
+  /// The part of the file that the colour is of.
   const ExrPart& colourPart() const { return colorFile_.parts[aovs_.color.part]; }
-  const ExrPart* auxiliaryPart() const;
-
   FrameLayer colourLayer() const { return {colourPart(), aovs_.color.layer}; }
-  /// That of the input; kFullColour must be one of inputs().
-  FrameLayer fullColourLayer() const;
+  FrameLayer fullColourLayer() const;  // kFullColour must be one of inputs()
 
   /// What the auxiliary images are, in the order of the model's inputs.
   const std::vector<std::string>& inputs() const { return inputs_; }
@@ -84,6 +81,7 @@ class Frame {
   const Image& colour() const { return colour_; }
   /// What load() merged into the colour; nothing if there was nothing to merge.
   const std::optional<MergedColour>& merged() const { return merged_; }
+  bool neverMerges() const { return merge_.never; }
   /// "Open Image Denoise 2.5.1", if denoise() or levelFor() was called; else empty.
   const std::string& denoisedBy() const { return denoisedBy_; }
   const std::optional<Image>& alpha() const { return alpha_; }

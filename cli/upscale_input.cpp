@@ -67,7 +67,7 @@ fs::path modelFile(const UpscaleOptions& options) {
   const std::vector<std::string> inputs = inputsThere(options, file);
   const bool hasNormal = std::find(inputs.begin(), inputs.end(), kNormal.name) != inputs.end();
   const fs::path model = failingWith(ExitCode::model, [&] { return defaultModel(scale, inputs, samples); });
-  if (!hasNormal)
+  if (!hasNormal && model.stem() != defaultModelName(scale))
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
   return model;
 }

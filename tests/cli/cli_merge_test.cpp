@@ -135,6 +135,7 @@ TEST(CliMerge, RefusesAFullModelWithoutTheColour) {
   writeColours(frame, 1);
   const Ended ended = runXrds(frame.arguments({"--aux-colour", "never"}, goldenModel("s4_full")));
   expectFailure(ended, 3, "takes the colour of the full-resolution render", frame.folder, 2);
+  EXPECT_NE(ended.error.find("leave out --aux-colour never"), std::string::npos) << ended.error;
 }
 
 TEST(CliMerge, NeedsALayerThatIsNamed) {
