@@ -115,9 +115,11 @@ void addLayers(CLI::App& verb, UpscaleOptions& options) {
           "auxiliary file has one of the same light), never, or a layer")
       ->type_name("auto|never|LAYER")
       ->capture_default_str();
-  verb.add_option("--samples", options.samples,
-                  "Samples a pixel of the low- and the full-resolution render, for the weights of the merged colour\n"
-                  "(default: the files' metadata, or an estimate from the noise)")
+  verb.add_option(
+          "--samples", options.samples,
+          "Samples a pixel of the low- and the full-resolution render, for the weights of the merged colour and\n"
+          "the choice of the model (default: the files' metadata, or an estimate from the noise). Where\n"
+          "there is no full-resolution colour: with --aux-colour never")
       ->check(CLI::Validator(validPair, "LOW,HIGH"));
 }
 
