@@ -52,6 +52,9 @@ void catchInterrupts() {
   onTerminal = XRDS_IS_TERMINAL;
   std::signal(SIGINT, setInterrupted);
   std::signal(SIGTERM, setInterrupted);
+#ifdef SIGHUP
+  if (std::signal(SIGHUP, setInterrupted) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
+#endif
 #ifdef SIGXFSZ
   std::signal(SIGXFSZ, SIG_IGN);
 #endif

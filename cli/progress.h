@@ -7,8 +7,9 @@
 
 namespace xrds {
 
-/// Installs handlers for SIGINT and SIGTERM that only set a flag: a running command then cancels and cleans up. A file
-/// that outgrows the process's limit fails to be written, and no signal ends the process.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP, unless that is ignored, that only set a flag: a running command
+/// then cancels and cleans up. A file that outgrows the process's limit fails to be written, and no signal ends the
+/// process.
 void catchInterrupts();
 bool interrupted();
 

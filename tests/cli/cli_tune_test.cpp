@@ -125,6 +125,13 @@ TEST_F(CliTune, WarnsOnceOfARecordThatItCannotWrite) {
   EXPECT_TRUE(contains(upscaled.error, "xrds: warning: what tuning found is not kept: '")) << upscaled.error;
 }
 
+TEST_F(CliTune, AClosedTerminalEndsItAsControlCDoes) {
+  const Ended ended = killXrds(
+      {"tune", kModel, "--size", "64x64", "--precision", "fp16"}, [&] { return !record().empty(); }, start(), SIGHUP);
+  EXPECT_EQ(ended.exitCode, 130);
+  EXPECT_FALSE(contains(record(), "trying"));
+}
+
 TEST_F(CliTune, AKilledTuningGoesOnWhereItStopped) {
   const std::string json = (folder_ / "tune.json").string();
   const std::vector<std::string> command{"tune", kModel, "--size", "64x64", "--precision", "fp16", "--json", json};

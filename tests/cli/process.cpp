@@ -72,13 +72,13 @@ Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& opt
   return ended;
 }
 
-Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due,
-               const StartOptions& options) {
+Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due, const StartOptions& options,
+               int signal) {
   const pid_t child = fork();
   if (child == 0) becomeXrds(arguments, options);
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0)
-    if (due()) kill(child, SIGKILL);
+    if (due()) kill(child, signal);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), "", ""};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -24,9 +25,9 @@ struct StartOptions {
 /// Starts the built xrds and waits for its end.
 Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& options = {});
 
-/// Starts xrds, kills it (SIGKILL) as soon as `due` says so, and waits for the end; `due` is asked over and over.
+/// Starts xrds, sends it the signal as soon as `due` says so, and waits for the end; `due` is asked over and over.
 Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due,
-               const StartOptions& options = {});
+               const StartOptions& options = {}, int signal = SIGKILL);
 
 /// Starts xrds on a terminal of its own, types `keys` once the output contains `awaited`, and waits for the end.
 /// `output` is all that appeared on the terminal.
