@@ -6,7 +6,9 @@
 #include "engine/kernel_family.h"
 #include "frames/tile_choice.h"
 #include "network/halo.h"
+#include "tuning/tuned.h"
 #include "tuning/tuner.h"
+#include "tuning/tuning_lock.h"
 
 namespace xrds {
 namespace {
@@ -55,7 +57,8 @@ bool tuningPays(const Gpu& gpu, const NetworkModel& model, FrameShape frame, Pre
   if (pace <= 0 || !mayTune(gpu, model, frame) || tunedKernels(gpu, model, frame, precision)) return false;
   const NodeCost work =
       cost(buildGraph(model.config(), frame, model.lookup(), fastOn(gpu.traits(), {.precision = precision})));
-  return static_cast<double>(work.multiplyAdds + work.attentionMultiplyAdds) >= Upscaler::kSecondsThatPay * pace;
+  const auto products = static_cast<double>(work.multiplyAdds + work.attentionMultiplyAdds);
+  return products >= Upscaler::kSecondsThatPay * pace && !isTuningLocked(tuningFileOf(gpu).path());
 }
 
 uint64_t memoryOf(const Gpu& gpu, const TileOptions& options) {

@@ -31,24 +31,36 @@ std::optional<intptr_t> locked(const std::filesystem::path& name) {
 #endif
 }
 
+void closeLock(intptr_t file) {
+#ifdef _WIN32
+  CloseHandle(reinterpret_cast<HANDLE>(file));
+#else
+  close(static_cast<int>(file));
+#endif
+}
+
+std::filesystem::path lockOf(std::filesystem::path file) { return file.replace_extension(".lock"); }
+
 }  // namespace
 
 // The lock ends with the process, however that ends; the empty file stays.
 TuningLock::TuningLock(const std::filesystem::path& file) {
   if (file.empty()) return;
-  auto name = file;
-  const std::optional<intptr_t> opened = locked(name.replace_extension(".lock"));
+  const std::optional<intptr_t> opened = locked(lockOf(file));
   if (!opened) throw Error("Another process is tuning this device: wait until it is done.");
   file_ = *opened;
 }
 
 TuningLock::~TuningLock() {
-  if (file_ < 0) return;
-#ifdef _WIN32
-  CloseHandle(reinterpret_cast<HANDLE>(file_));
-#else
-  close(static_cast<int>(file_));
-#endif
+  if (file_ >= 0) closeLock(file_);
+}
+
+bool isTuningLocked(const std::filesystem::path& file) {
+  std::error_code failed;
+  if (file.empty() || !std::filesystem::exists(lockOf(file), failed)) return false;
+  const std::optional<intptr_t> opened = locked(lockOf(file));
+  if (opened && *opened >= 0) closeLock(*opened);
+  return !opened;
 }
 
 }  // namespace xrds

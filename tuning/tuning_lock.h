@@ -19,4 +19,7 @@ class TuningLock {
   intptr_t file_ = -1;
 };
 
+/// Whether somebody holds the lock. `file`: of the record.
+bool isTuningLocked(const std::filesystem::path& file);
+
 }  // namespace xrds

@@ -50,6 +50,20 @@ TEST_F(TuningLockFile, IsHeldOnceAtATime) {
   EXPECT_NO_THROW(TuningLock{file});
 }
 
+TEST_F(TuningLockFile, IsSeenByThoseWhoDoNotWantIt) {
+  const fs::path file = folder_ / "tuning.bin";
+  EXPECT_FALSE(isTuningLocked({}));
+  EXPECT_FALSE(isTuningLocked(file));
+  EXPECT_TRUE(fs::is_empty(folder_));
+  {
+    const TuningLock held(file);
+    EXPECT_TRUE(isTuningLocked(file));
+    EXPECT_FALSE(isTuningLocked(folder_ / "other.bin"));
+  }
+  EXPECT_FALSE(isTuningLocked(file));
+  EXPECT_NO_THROW(TuningLock{file});
+}
+
 TEST_F(TuningLockFile, GoesWithoutWhereItCannotBe) {
   EXPECT_NO_THROW(TuningLock{fs::path()});
   EXPECT_NO_THROW(TuningLock{folder_ / "none" / "tuning.bin"});

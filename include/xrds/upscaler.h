@@ -63,8 +63,8 @@ class Upscaler {
     std::function<bool(double)> onTuning{};
   };
   /// Whether Tune::automatic would tune for frames of width x height low-resolution pixels: no tuning is known, no
-  /// kernel family was asked for, and by the pace that was measured on the device in earlier runs a frame takes at
-  /// least kSecondsThatPay. Unknown paces say no. Throws Error if there is no frame of that size.
+  /// kernel family was asked for, no other process tunes the device, and by the pace that was measured on it in earlier
+  /// runs a frame takes at least kSecondsThatPay. Unknown paces say no. Throws Error if there is no frame of that size.
   static bool paysToTune(const Device& device, const Model& model, uint32_t width, uint32_t height, bool fp16);
   static constexpr double kSecondsThatPay = 60;
   /// Whether it may be given as an exposure.
