@@ -1,5 +1,7 @@
 #include "api/tuning.h"
 
+#include <algorithm>
+#include <charconv>
 #include <ctime>
 
 #include "api/arguments.h"
@@ -23,10 +25,32 @@ std::string textOf(const Winner& winner) {
 }
 
 // ", 1.12 times as fast".
-std::string timesText(const Winner& winner) {
+std::string timesText(const Winner& winner, const TuningRecord& record) {
   char text[40];
   std::snprintf(text, sizeof text, ", %.2f times as fast", winner.fixedMicroseconds / winner.microseconds);
-  return winner.fixedMicroseconds > 0 ? text : ", which is wrong";
+  if (winner.fixedMicroseconds > 0) return text;
+  return record.isStruckOff(winner.fixedProgram) ? ", which is struck off" : ", which is wrong";
+}
+
+// Whether the fixed choice is wrong or struck off for an operator in frames of this size class.
+bool isFixedOut(const TuningRecord& record, uint32_t size) {
+  return std::any_of(record.winners.begin(), record.winners.end(), [&](const auto& each) {
+    return each.first.size == size && !each.second.isFixed && each.second.fixedMicroseconds == 0;
+  });
+}
+
+// What a frame gained, for people.
+std::string gainText(const std::string& key, const TunedFrame& frame, const TuningRecord& record) {
+  if (!frame.taken) return "the fixed choice, as whole frames gained nothing";
+  if (frame.seconds > 0) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.2f times as fast as the fixed choice", frame.fixedSeconds / frame.seconds);
+    return text;
+  }
+  uint32_t size = 0;  // a frame's key begins with it
+  std::from_chars(key.data(), key.data() + key.size(), size);
+  return isFixedOut(record, size) ? "other kernels, as the fixed choice is wrong or struck off for some operators"
+                                  : "no kernel is faster than the fixed choice";
 }
 
 Tuning::Shape shapeOf(const TunedShape& tuned) {
@@ -111,18 +135,12 @@ std::vector<std::string> tuningSummary(const Gpu& gpu) {
     lines.push_back("the " + family +
                     " family, the fixed choice for a device of this kind, wherever nothing else was tuned");
   if (record.frames.empty()) lines.push_back("not tuned for any model: xrds tune does it");
-  for (const auto& [key, frame] : record.frames) {
-    char gain[64] = "no kernel is faster than the fixed choice";
-    if (frame.taken && frame.seconds > 0)
-      std::snprintf(gain, sizeof gain, "%.2f times as fast as the fixed choice", frame.fixedSeconds / frame.seconds);
-    else if (!frame.taken)
-      std::snprintf(gain, sizeof gain, "the fixed choice, as whole frames gained nothing");
-    lines.push_back("tuned on " + dateText(frame.date) + " for " + frame.label + ": " + gain);
-  }
+  for (const auto& [key, frame] : record.frames)
+    lines.push_back("tuned on " + dateText(frame.date) + " for " + frame.label + ": " + gainText(key, frame, record));
   for (const auto& [key, winner] : record.winners)
     if (!winner.isFixed)
       lines.push_back(key.shape.substr(0, key.shape.find(" (")) + ": " + textOf(winner) + " in place of " +
-                      winner.fixedProgram.name + timesText(winner));
+                      winner.fixedProgram.name + timesText(winner, record));
   for (const auto& [program, struck] : record.struckOff)
     lines.push_back(program + " is struck off for this driver: " + struck.second);
   return lines;

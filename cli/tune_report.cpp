@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 bool isNew(const Tuning::Shape& shape) { return shape.kernel != shape.fixed; }
 
-// "1.05", or that the fixed choice is wrong.
+// "1.05", or "-" where the fixed choice is wrong or struck off.
 std::string gainText(double fixedSeconds, double seconds) {
   return fixedSeconds > 0 && seconds > 0 ? text("%.2f", fixedSeconds / seconds) : "-";
 }
@@ -32,11 +32,13 @@ std::string winnersTable(const std::vector<Tuning::Shape>& shapes) {
 std::string conclusion(const Tuning::Report& report) {
   const auto count = std::count_if(report.shapes.begin(), report.shapes.end(), isNew);
   const std::string shapes = std::to_string(report.shapes.size()) + " operator shapes";
-  if (report.seconds == 0) return "No kernel is faster than the fixed choice, in " + shapes + ".";
+  if (report.seconds == 0 && count == 0) return "No kernel is faster than the fixed choice, in " + shapes + ".";
   const std::string times = text("%.3f s", report.seconds) + " with the winners and " +
                             text("%.3f s", report.fixedSeconds) + " with the fixed choice";
-  const std::string faster =
-      "Of " + shapes + " " + std::to_string(count) + (count == 1 ? " has" : " have") + " a faster kernel";
+  const std::string have = "Of " + shapes + " " + std::to_string(count) + (count == 1 ? " has" : " have");
+  if (report.seconds == 0)
+    return have + " another kernel; the fixed choice, wrong or struck off for some, made no frame to compare with.";
+  const std::string faster = have + " a faster kernel";
   if (!report.taken) return faster + ", but a frame takes " + times + ": the fixed choice is kept.";
   return faster + ": a frame takes " + times + ", " + gainText(report.fixedSeconds, report.seconds) + " times as fast.";
 }

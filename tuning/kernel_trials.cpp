@@ -1,6 +1,7 @@
 #include "tuning/kernel_trials.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 #include "xrds/error.h"
@@ -54,12 +55,17 @@ std::vector<KernelCandidate> KernelTrials::open(const FormShape& shape, bool sha
   return candidates;
 }
 
-void KernelTrials::marked(const std::string& program, const std::function<void()>& work) {
+KernelCandidate KernelTrials::fixedOf(const FormShape& shape) const {
+  return candidatesOf(shape.node().op, gpu_.traits(), {}, false).front();
+}
+
+void KernelTrials::marked(const std::string& program, bool isFixed, const std::function<void()>& work) {
   const auto finish = [&] {
     record_.trying.reset();
     save();
   };
   record_.trying = stampOf(gpu_, program);
+  record_.isFixedTried = isFixed;
   save();
   try {
     work();
@@ -76,27 +82,31 @@ void KernelTrials::marked(const std::string& program, const std::function<void()
 
 void KernelTrials::compile(const std::vector<FormShape>& todo, bool shapes, double share, double endShare) {
   std::map<std::string, std::vector<Dispatch>> programs;
-  for (const FormShape& each : todo)
+  std::set<std::string> fixed;
+  for (const FormShape& each : todo) {
+    fixed.insert(fixedOf(each).dispatch.program);
     for (const KernelCandidate& candidate : open(each, shapes)) {
       Graph one = single(each.form->graph, each.node());
       one.nodes.front().kernel = candidate.kernel;
       for (LoweredDispatch& lowered : lower(one, gpu_.traits()))
         programs[lowered.dispatch.program].push_back(std::move(lowered.dispatch));
     }
+  }
   const double step = (endShare - share) / static_cast<double>(programs.size() + 1);
   for (const auto& [program, dispatches] : programs) {
     tell(share += step, "compiling " + program);
     std::vector<const Dispatch*> launches;
     for (const Dispatch& dispatch : dispatches) launches.push_back(&dispatch);
     // The trial of each tells which does not compile.
-    marked(program, [&] { blamingKernel([&] { compilePrograms(gpu_, launches); }, [](const std::exception&) {}); });
+    marked(program, fixed.contains(program),
+           [&] { blamingKernel([&] { compilePrograms(gpu_, launches); }, [](const std::exception&) {}); });
     save();  // the caller may cancel next, and nothing is wrong with this program
   }
 }
 
-Finding KernelTrials::tried(Trial& trial, const KernelCandidate& candidate, double best) {
+Finding KernelTrials::tried(Trial& trial, const KernelCandidate& candidate, bool isFixed, double best) {
   Finding found{.program = stampOf(gpu_, candidate.dispatch.program)};
-  marked(candidate.dispatch.program, [&] {
+  marked(candidate.dispatch.program, isFixed, [&] {
     blamingKernel(
         [&] {
           if (options_.beforeRun) options_.beforeRun(candidate.dispatch);
@@ -107,16 +117,19 @@ Finding KernelTrials::tried(Trial& trial, const KernelCandidate& candidate, doub
         },
         [&](const std::exception& error) { found = {.program = found.program, .why = error.what()}; });
   });
+  record_.suspects.erase(candidate.dispatch.program);
   ++measured_;
   return found;
 }
 
 void KernelTrials::tryOpen(const FormShape& shape, bool shapes, double share, std::optional<Trial>& trial) {
+  const std::string fixed = fixedOf(shape).dispatch.program;
   for (const KernelCandidate& candidate : open(shape, shapes)) {
     if (record_.isStruckOff(stampOf(gpu_, candidate.dispatch.program))) continue;
     tell(share, shape.shape.substr(0, shape.shape.find(" (")) + ", " + candidate.dispatch.program);
     if (!trial) trial.emplace(gpu_, single(shape.form->graph, shape.node()));
-    record_.findings[{keyOf(shape.shape), candidate.kernel}] = tried(*trial, candidate, best(shape.shape));
+    record_.findings[{keyOf(shape.shape), candidate.kernel}] =
+        tried(*trial, candidate, candidate.dispatch.program == fixed, best(shape.shape));
     save();
   }
 }
@@ -140,7 +153,7 @@ std::vector<std::pair<double, KernelChoice>> KernelTrials::fastest(const std::st
 void KernelTrials::decide(const FormShape& shape, std::optional<Trial>& trial) {
   constexpr size_t kMostDuels = 3;
   const TrialKey key = keyOf(shape.shape);
-  const KernelCandidate fixed = candidatesOf(shape.node().op, gpu_.traits(), {}, false).front();
+  const KernelCandidate fixed = fixedOf(shape);
   const auto right = fastest(shape.shape);
   if (right.empty()) return;
   Winner winner;

@@ -49,8 +49,10 @@ class KernelTrials {
   // Those that are right, with their times, the fastest first.
   std::vector<std::pair<double, KernelChoice>> fastest(const std::string& shape) const;
   void save() { isKept_ = file_.write(record_); }
-  void marked(const std::string& program, const std::function<void()>& work);
-  Finding tried(Trial& trial, const KernelCandidate& candidate, double best);
+  // Of an operator, the kernel that runs where nothing is tuned.
+  KernelCandidate fixedOf(const FormShape& shape) const;
+  void marked(const std::string& program, bool isFixed, const std::function<void()>& work);
+  Finding tried(Trial& trial, const KernelCandidate& candidate, bool isFixed, double best);
 
   Gpu& gpu_;
   uint32_t size_;

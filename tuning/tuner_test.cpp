@@ -167,6 +167,20 @@ TEST_F(Tuner, AKernelThatEndedTheProcessIsStruckOff) {
   EXPECT_EQ(result.struckOff.count("conv3x3_tile_f32"), 1u);
 }
 
+TEST_F(Tuner, AFixedChoiceThatWasTriedWhenAProcessEndedIsTriedAgain) {
+  const std::string fixed = std::string("conv3x3_") + nameOf(gpu_->traits().family) + "_f32";
+  TuningRecord before;
+  before.trying = stampOf(*gpu_, fixed);
+  before.isFixedTried = true;
+  ASSERT_TRUE(tuningFileOf(*gpu_).write(before));
+  bool tried = false;
+  const TuningResult result =
+      tuned({.beforeRun = [&](const Dispatch& dispatch) { tried = tried || dispatch.program == fixed; }});
+  EXPECT_TRUE(tried);
+  EXPECT_TRUE(result.struckOff.empty());
+  EXPECT_TRUE(record().suspects.empty()) << "it has done its work";
+}
+
 // Another kernel of the operator stands in for a driver that compiles wrongly.
 TEST_F(Tuner, AWrongKernelIsNamedAndNotTaken) {
   const bool isCpu = gpu_->description().kind == DeviceKind::cpu;

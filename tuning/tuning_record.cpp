@@ -125,8 +125,12 @@ void readLine(std::string_view line, TuningRecord& record) {
     frame.date = fields.number<int64_t>();
     frame.label = fields.text();
     record.frames[name] = frame;
-  } else if (kind == "trying") {
+  } else if (kind == "trying" || kind == "trying the fixed choice") {
     record.trying = fields.program();
+    record.isFixedTried = kind != "trying";
+  } else if (kind == "suspect") {
+    const ProgramStamp program = fields.program();
+    record.suspects[program.name] = program.hash;
   } else {
     throw Error("There is no such line.");
   }
@@ -145,7 +149,13 @@ struct Unwritten {
 }  // namespace
 
 void TuningRecord::takeStock() {
-  if (trying) struckOff[trying->name] = {trying->hash, "the process ended while it was compiled or run"};
+  if (!trying) return;
+  const auto suspect = suspects.find(trying->name);
+  const bool isFirst = suspect == suspects.end() || suspect->second != trying->hash;
+  if (isFixedTried && isFirst)
+    suspects[trying->name] = trying->hash;
+  else
+    struckOff[trying->name] = {trying->hash, "the process ended while it was compiled or run"};
   trying.reset();
 }
 
@@ -153,6 +163,7 @@ void TuningRecord::dropStale(const std::function<uint64_t(const std::string&)>& 
   const auto isStale = [&](const ProgramStamp& program) { return hashNow(program.name) != program.hash; };
   std::erase_if(findings, [&](const auto& each) { return isStale(each.second.program); });
   std::erase_if(struckOff, [&](const auto& each) { return isStale({each.first, each.second.first}); });
+  std::erase_if(suspects, [&](const auto& each) { return isStale({each.first, each.second}); });
   if (trying && isStale(*trying)) trying.reset();
   const size_t gone = std::erase_if(
       winners, [&](const auto& each) { return isStale(each.second.program) || isStale(each.second.fixedProgram); });
@@ -180,7 +191,8 @@ std::string toText(const TuningRecord& record) {
     text += (Line("frame") << name << uint64_t{frame.taken} << frame.normsInLinear << frame.layersFused << frame.seconds
                            << frame.fixedSeconds << frame.tuningSeconds << std::to_string(frame.date) << frame.label)
                 .str();
-  if (record.trying) text += (Line("trying") << *record.trying).str();
+  for (const auto& [name, hash] : record.suspects) text += (Line("suspect") << ProgramStamp{name, hash}).str();
+  if (record.trying) text += (Line(record.isFixedTried ? "trying the fixed choice" : "trying") << *record.trying).str();
   return text;
 }
 

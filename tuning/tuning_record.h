@@ -58,8 +58,11 @@ struct TuningRecord {
   std::map<std::string, std::pair<uint64_t, std::string>> struckOff;  // programs: hash, why
   std::map<std::string, TunedFrame> frames;                           // by frameKey()
   std::optional<ProgramStamp> trying;                                 // being compiled or run while this is on disk
+  bool isFixedTried = false;                                          // `trying` is of the fixed choice
+  std::map<std::string, uint64_t> suspects;  // programs of the fixed choice that were tried when a process ended: hash
 
-  /// What was being tried when a process ended is struck off.
+  /// What was being tried when a process ended is struck off; of the fixed choice, which every frame runs where nothing
+  /// is tuned, when it happened a second time: a process that was killed says nothing of the kernel.
   void takeStock();
   /// Drops what is of programs that have changed since. `hashNow` gives a program's hash, 0 if there is none.
   void dropStale(const std::function<uint64_t(const std::string&)>& hashNow);

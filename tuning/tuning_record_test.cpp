@@ -122,6 +122,26 @@ TEST(TuningRecord, WhatWasTriedWhenAProcessEndedIsStruckOff) {
   EXPECT_FALSE(record.isStruckOff({"conv3x3_lane_f32", 16})) << "another program of that name";
 }
 
+// The fixed choice is what frames run without tuning, and a killed process says nothing of it.
+TEST(TuningRecord, TheFixedChoiceIsStruckOffAtTheSecondEnd) {
+  TuningRecord record = fullRecord();
+  record.isFixedTried = true;
+  const ProgramStamp fixed = *record.trying;
+  record = fromText(toText(record));
+  record.takeStock();
+  EXPECT_FALSE(record.trying);
+  EXPECT_FALSE(record.isStruckOff(fixed));
+  EXPECT_EQ(record.suspects.count(fixed.name), 1u);
+  record = fromText(toText(record));
+  record.trying = ProgramStamp{fixed.name, fixed.hash + 1};
+  record.isFixedTried = true;
+  record.takeStock();
+  EXPECT_FALSE(record.isStruckOff(*fullRecord().trying)) << "it was another program";
+  record.trying = ProgramStamp{fixed.name, fixed.hash + 1};
+  record.takeStock();
+  EXPECT_TRUE(record.isStruckOff({fixed.name, fixed.hash + 1}));
+}
+
 TEST(TuningRecord, WhatIsOfChangedProgramsIsDropped) {
   TuningRecord record = fullRecord();
   record.dropStale([](const std::string& name) -> uint64_t {
