@@ -97,7 +97,9 @@ void denoiseOne(const DenoiseOptions& options) {
 std::string validExposure(const std::string& text) {
   char* end = nullptr;
   const float value = std::strtof(text.c_str(), &end);
-  return text == "auto" || (*end == '\0' && Upscaler::isExposure(value)) ? "" : "expected auto or a number above 0";
+  return text == "auto" || (*end == '\0' && Upscaler::isExposure(value))
+             ? ""
+             : "expected auto or a number from 1e-30 to 1e30";
 }
 
 void addOptions(CLI::App& verb, DenoiseOptions& options) {

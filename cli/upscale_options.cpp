@@ -19,7 +19,9 @@ std::string validExposure(const std::string& text) {
   if (text == "auto") return {};
   char* end = nullptr;
   const float value = std::strtof(text.c_str(), &end);
-  return *end == 0 && Upscaler::isExposure(value) ? "" : "expected auto or a positive number, found '" + text + "'";
+  return *end == 0 && Upscaler::isExposure(value)
+             ? ""
+             : "expected auto or a number from 1e-30 to 1e30, found '" + text + "'";
 }
 
 void addFiles(CLI::App& verb, UpscaleOptions& options) {
