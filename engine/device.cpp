@@ -254,12 +254,12 @@ void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& reco
   record(gpu.copyCommands);
   fullBarrier(gpu, gpu.copyCommands);
   checkResult(gpu.vk.vkEndCommandBuffer(gpu.copyCommands), "vkEndCommandBuffer");
+  checkResult(gpu.vk.vkResetFences(gpu.device, 1, &gpu.copyFence), "vkResetFences");
   VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &gpu.copyCommands;
   submitToQueue(gpu, submit, gpu.copyFence);
   awaitFence(gpu, gpu.copyFence);
-  checkResult(gpu.vk.vkResetFences(gpu.device, 1, &gpu.copyFence), "vkResetFences");
 }
 
 // Second by second: a process that is stopped meanwhile, as a job that is suspended, loses one of them, not its
@@ -270,10 +270,12 @@ void awaitFence(Gpu::Handles& gpu, VkFence fence) {
   for (uint32_t second = 0; second < gpu.patienceSeconds && result == VK_TIMEOUT; ++second)
     result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, kSecond);
   if (result == VK_TIMEOUT) gpu.abandoned = true;
+  if (result == VK_ERROR_DEVICE_LOST) gpu.lost = true;
   checkResult(result, "vkWaitForFences");
 }
 
 void requireAnswering(const Gpu::Handles& gpu) {
+  if (gpu.lost) checkResult(VK_ERROR_DEVICE_LOST, "An earlier call");
   if (gpu.abandoned) checkResult(VK_TIMEOUT, "An earlier vkWaitForFences");
 }
 
@@ -287,6 +289,7 @@ void submitToQueue(Gpu::Handles& gpu, std::span<const VkSubmitInfo> submits, VkF
   if (gpu.lockQueue) gpu.lockQueue();
   const VkResult result = gpu.vk.vkQueueSubmit(gpu.queue, static_cast<uint32_t>(submits.size()), submits.data(), fence);
   if (gpu.unlockQueue) gpu.unlockQueue();
+  if (result == VK_ERROR_DEVICE_LOST) gpu.lost = true;
   checkResult(result, "vkQueueSubmit");
 }
 

@@ -90,6 +90,8 @@ struct Gpu::Handles {
   uint32_t patienceSeconds = kUsualPatienceSeconds;
   // It does not answer: what it may still use is never destroyed, and it gets nothing new.
   std::atomic<bool> abandoned = false;
+  // It said that it is lost, and gets nothing new: what it does then may be anything.
+  std::atomic<bool> lost = false;
 };
 
 struct Buffer::Handles {
@@ -112,7 +114,7 @@ struct Buffer::Handles {
 /// together.
 void takeDevice(Gpu::Handles& gpu, const HostDevice& host);
 
-/// Throws DeviceLost if the device once did not answer: what it was given may be running still.
+/// Throws DeviceLost if the device once did not answer, so that what it was given may be running still, or was lost.
 void requireAnswering(const Gpu::Handles& gpu);
 
 /// Gives commands to the device's queue, which another thread may be using as well. Throws as requireAnswering() does.

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "engine/handles.h"
 #include "engine/work.h"
 #include "tests/engine_programs.h"
 #include "tests/harness.h"
@@ -225,6 +226,38 @@ TEST(Recording, OfADeviceThatDidNotAnswerIsRefusedEverAfter) {
   lost.setPatience(kUsualPatienceSeconds);
   EXPECT_THROW(recording.run(), DeviceLost);
   EXPECT_THROW(Recording(lost, chain(buffer, 2)).run(), DeviceLost);
+}
+
+PFN_vkWaitForFences waitOfTheDriver = nullptr;
+
+VKAPI_ATTR VkResult VKAPI_CALL waitAndLose(VkDevice device, uint32_t count, const VkFence* fences, VkBool32, uint64_t) {
+  static_cast<void>(waitOfTheDriver(device, count, fences, VK_TRUE, UINT64_MAX));  // what is destroyed is not in use
+  return VK_ERROR_DEVICE_LOST;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL loseSubmission(VkQueue, uint32_t, const VkSubmitInfo*, VkFence) {
+  return VK_ERROR_DEVICE_LOST;
+}
+
+// Even if its driver takes more: a copy or a dispatch of it may do nothing, or be taken for done before it is.
+TEST(Recording, OfADeviceThatWasLostIsRefusedEverAfter) {
+  for (const bool waits : {true, false}) {
+    Gpu lost(test::gpuOptions());
+    Buffer buffer(lost, 3 * kRegion);
+    Recording recording(lost, chain(buffer, 2));
+    VolkDeviceTable& vk = lost.handles().vk;
+    const VolkDeviceTable whole = vk;
+    waitOfTheDriver = vk.vkWaitForFences;
+    if (waits)
+      vk.vkWaitForFences = &waitAndLose;
+    else
+      vk.vkQueueSubmit = &loseSubmission;
+    EXPECT_THROW(recording.run(), DeviceLost);
+    vk = whole;
+    EXPECT_THROW(recording.run(), DeviceLost);
+    EXPECT_THROW(Recording(lost, chain(buffer, 2)).run(), DeviceLost);
+    EXPECT_THROW(buffer.fill(0), DeviceLost);
+  }
 }
 
 // The buffer is only as large as the limit demands, and is never touched.
