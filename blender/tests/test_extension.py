@@ -669,6 +669,16 @@ class Trouble(WithBlender):
         self.render()
         self.assertEqual(self.exrs(), ["shot_0001_xrds.exr"])
 
+    def test_signs_for_the_number_within_the_name(self):
+        scene = self.open("cryptomatte")
+        for path, result, renders in (
+            ("shot_##_beauty.png", "shot_01_beauty_xrds.exr", "shot__beauty_xrds_renders"), ("a##/b#_###", "a##/b#_001_xrds.exr", "a##/b#_xrds_renders"),
+            ("####", "0001_xrds.exr", "xrds_renders"), ("a##/shot_", "a##/shot_0001_xrds.exr", "a##/shot_xrds_renders"),
+        ):
+            scene.render.filepath = os.path.join(self.folder, path)
+            self.assertEqual((checks.output_file(scene, 1), checks.renders_folder(scene)), (os.path.join(self.folder, result), os.path.join(self.folder, renders)))
+            self.assertEqual(os.path.splitext(checks.output_file(scene, 1))[0].removesuffix("_xrds"), os.path.splitext(scene.render.frame_path(frame=1))[0])
+
     def test_a_python_without_a_wheel(self):
         with mock.patch.dict(sys.modules, {"xrds": None}):
             self.assertRegex(checks.package_problem(), "carries no package")

@@ -2,6 +2,7 @@
 """What stands in the way of a render, as a sentence for the artist."""
 import glob
 import os
+import re
 import sys
 
 import bpy
@@ -33,23 +34,24 @@ def package_problem():
 
 
 def _output(scene):
-    """(path before the number of the frame, digits of that)"""
+    """(path before the number of the frame, digits of that, path behind it): the last signs # of the name stand for the number, as in Blender."""
     root, ending = os.path.splitext(bpy.path.abspath(scene.render.filepath))
     if ending.lower() not in IMAGE_ENDINGS:
         root += ending
-    digits = len(root) - len(root.rstrip("#"))
-    return (root[:-digits], digits) if digits else (root, 4)
+    number = re.search("(#+)([^#]*)$", os.path.basename(root))
+    return (root[:-len(number[0])], len(number[1]), number[2]) if number else (root, 4, "")
 
 
 def output_file(scene, frame):
     """Where the result goes: the scene's output path, with the number of the frame and _xrds."""
-    root, digits = _output(scene)
-    return os.path.abspath(f"{root}{'-' if frame < 0 else ''}{abs(frame):0{digits}d}_xrds.exr")
+    before, digits, behind = _output(scene)
+    return os.path.abspath(f"{before}{'-' if frame < 0 else ''}{abs(frame):0{digits}d}{behind}_xrds.exr")
 
 
 def renders_folder(scene):
     """Where the renders of an animation that is stable over time are kept while they are needed."""
-    return os.path.abspath(f"{_output(scene)[0]}xrds_renders")
+    before, _, behind = _output(scene)
+    return os.path.abspath(f"{before}{behind and behind + '_'}xrds_renders")
 
 
 def _memory():
