@@ -245,6 +245,17 @@ class OneClick(WithBlender):
             self.assertFalse(scene.render.use_freestyle)
         self.assertEqual(differences(before, snapshot()), [])
 
+    @unittest.skipUnless(hasattr(bpy.context.scene.cycles, "use_sample_subset"), "this Blender has no subsets")
+    def test_all_samples_where_the_file_asks_for_a_subset(self):
+        made = []
+        for asked in (False, True):
+            scene = self.open("interior")
+            scene.cycles.use_sample_subset, scene.cycles.sample_subset_length = asked, 1
+            self.render()
+            self.assertEqual(scene.cycles.use_sample_subset, asked)
+            made.append(self.result("interior_0001_xrds.exr").channels["ViewLayer.Combined.R"])
+        numpy.testing.assert_array_equal(*made)
+
     def test_animated_settings_are_noted(self):
         scene = self.open("cryptomatte")
         scene.view_settings.keyframe_insert("exposure", frame=1)

@@ -82,6 +82,8 @@ def _configure(scene, width, height, samples, path, put, keep):
         put(render, name, value)
     for name, value in {"samples": samples, "use_adaptive_sampling": False, "use_denoising": False, "time_limit": 0}.items():
         put(cycles, name, value)
+    if hasattr(cycles, "use_sample_subset"):  # newer Blenders
+        put(cycles, "use_sample_subset", False)
     for layer in scene.view_layers:
         put(layer, "samples", 0)  # those of the scene
 
