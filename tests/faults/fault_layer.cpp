@@ -77,8 +77,9 @@ struct Faulty<name, VkResult(VKAPI_PTR*)(Handle, Rest...)> {
 VKAPI_ATTR VkResult VKAPI_CALL waitAndFail(VkDevice device, uint32_t count, const VkFence* fences, VkBool32 all,
                                            uint64_t timeout) {
   const auto wait = nextOfDevice<PFN_vkWaitForFences>(device, "vkWaitForFences");
-  const VkResult result = wait(device, count, fences, all, timeout);
-  return faultOf("vkWaitForFences").value_or(result);
+  const auto fault = faultOf("vkWaitForFences");
+  const VkResult result = wait(device, count, fences, all, fault ? UINT64_MAX : timeout);
+  return fault.value_or(result);
 }
 
 VKAPI_ATTR void VKAPI_CALL dispatchOrDrop(VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z) {
