@@ -51,9 +51,25 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
   for (const std::string& input : inputs_) needed.needed.push_back(roleOf(input));
   aovs_ = findAovs(colorFile_, auxFile_, needed);
   warnings_ = aovs_.notes;
-  if (!auxPath.empty() && !twoFiles)
-    warnings_.push_back("The model takes no auxiliary images; '" + auxPath.string() + "' is not used.");
   for (const std::string& input : inputs_) fit(input);
+  if (inputs_.empty() && merge_.ofAllModels && !merge_.never) fitFullColour(auxPath.empty() ? colorPath : auxPath);
+  if (!auxPath.empty() && !fit_)
+    warnings_.push_back("The model takes no auxiliary images; '" + auxPath.string() + "' is not used.");
+}
+
+// Without other images that tell the size: looks for the full-resolution colour in that file.
+void Frame::fitFullColour(const std::filesystem::path& path) {
+  ExrFile file = readExrHeader(path);
+  std::swap(auxFile_, file);
+  const bool named = !fullColourName_.empty() || merge_.samples;
+  if (named || hasAov(auxFile_, AovRole::kFullColor)) try {
+      fit_ = fitFrame(colourPart(), auxFile_.parts[findFullColour(named).part]);
+    } catch (const Error&) {
+      if (named) throw;
+    }
+  if (fit_ && fit_->scale > 1) return;
+  fit_.reset();
+  std::swap(auxFile_, file);
 }
 
 const ExrSelection& Frame::layerOf(std::string_view input) const { return aovs_.auxiliary.at(roleOf(input)); }
@@ -169,7 +185,7 @@ void Frame::loadLayers(const LayerRequest& request, uint32_t scale) {
   FrameLayers::Files files{
       colorFile_, auxFile_, aovs_.color, aovs_.alpha ? &*aovs_.alpha : nullptr, {}, colourPart().dataWindow};
   if (fit_) {
-    files.fullPart = layerOf(inputs_.front()).part;
+    files.fullPart = inputs_.empty() ? findFullColour(false).part : layerOf(inputs_.front()).part;
     files.window = scaledBox(colourPart().dataWindow, fit_->scale);
   } else if (scale == 1) {
     files.fullPart = aovs_.color.part;

@@ -21,12 +21,12 @@ namespace xrds {
 class Frame {
  public:
   /// Reads headers only. An empty auxPath means the colour's file. `auxiliaryInputs` are those of the model, of
-  /// kAuxiliaryInputs; with none the auxiliary file is not looked at. Throws Error if the layers are not found or
-  /// the sizes are no whole multiple of each other.
+  /// kAuxiliaryInputs; with none the auxiliary file is looked at for a colour to merge alone, if at all. Throws Error
+  /// if the layers are not found or the sizes are no whole multiple of each other.
   Frame(const std::filesystem::path& colorPath, const std::filesystem::path& auxPath, const AovRequest& request,
         const std::vector<std::string>& auxiliaryInputs, const MergeRequest& merge = {});
 
-  /// The size of the auxiliary images over the colour's; 0 without auxiliary images.
+  /// The size of the auxiliary images, or of a colour to merge without these, over the colour's; 0 without them.
   int scale() const { return fit_ ? fit_->scale : 0; }
   uint32_t width() const { return static_cast<uint32_t>(colourPart().dataWindow.width()); }
   uint32_t height() const { return static_cast<uint32_t>(colourPart().dataWindow.height()); }
@@ -97,6 +97,7 @@ class Frame {
  private:
   Image* imageOf(std::string_view input);
   void fit(const std::string& input);
+  void fitFullColour(const std::filesystem::path& path);
   const ExrSelection& layerOf(std::string_view input) const;
   Image loadRadiance(const ExrSelection& layer) const;
   Image loadLight(AovRole role, const ExrSelection& layer) const;

@@ -26,7 +26,7 @@ std::optional<RenderSamples> samplesOf(const FrameLayer& low, const FrameLayer& 
 
 MergeRequest mergeRequest(const std::string& auxColour, const std::string& samples, AovRequest& layers) {
   if (auxColour != "auto" && auxColour != "never") layers.names[AovRole::kFullColor] = auxColour;
-  MergeRequest request{.never = auxColour == "never"};
+  MergeRequest request{.never = auxColour == "never", .ofAllModels = true};
   if (const auto pair = parsePair(samples)) request.samples = {pair->first, pair->second};
   return request;
 }

@@ -17,6 +17,7 @@ struct FrameLayer {
 /// What becomes of the colour of the full-resolution render, where there is one.
 struct MergeRequest {
   bool never = false;
+  bool ofAllModels = false;              // of those that take no auxiliary images, too
   std::optional<RenderSamples> samples;  // of the two renders, if the user gives them
 };
 

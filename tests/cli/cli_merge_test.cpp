@@ -54,6 +54,34 @@ TEST(CliMerge, WeighsByTheSamplesThatAreGiven) {
   EXPECT_NEAR(low["exposure"].get<double>() / run["exposure"].get<double>(), 0.2 + 0.8 * 1.1, 1e-4);
 }
 
+// Models that take neither albedo nor normal have the merged colour, too.
+TEST(CliMerge, MergesForModelsOfTheColourAlone) {
+  const SmallFrame frame;
+  writeColours(frame, 1.1F);
+  const std::string plain = goldenModel("s4_none_noaux"), file = (frame.folder / "run.json").string();
+  const auto run = [&](std::vector<std::string> inputs, const std::vector<std::string>& more) {
+    std::vector<std::string> all{"upscale"};
+    all.insert(all.end(), inputs.begin(), inputs.end());
+    all.insert(all.end(), {"-o", frame.out, "--model", plain, "--json", file});
+    all.insert(all.end(), more.begin(), more.end());
+    const Ended ended = runXrds(all);
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    Json json = Json::parse(readBytes(file));
+    json["warned"] = ended.error;
+    return json;
+  };
+  const Json merged = run({frame.color, frame.aux}, {"--samples", "64,16"});
+  EXPECT_DOUBLE_EQ(merged["mergedColour"]["share"], 0.8);
+  EXPECT_EQ(merged["warned"].get<std::string>().find("is not used"), std::string::npos) << merged["warned"];
+  const Json low = run({frame.color, frame.aux}, {"--aux-colour", "never"});
+  EXPECT_TRUE(low["mergedColour"].is_null());
+  EXPECT_NE(low["warned"].get<std::string>().find("is not used"), std::string::npos) << low["warned"];
+  EXPECT_NEAR(low["exposure"].get<double>() / merged["exposure"].get<double>(), 0.2 + 0.8 * 1.1, 1e-4);
+  writeColours(frame, 0.5F);
+  EXPECT_TRUE(run({frame.color, frame.aux}, {})["mergedColour"].is_null()) << "other light";
+  EXPECT_TRUE(run({frame.color}, {})["mergedColour"].is_null());
+}
+
 TEST(CliMerge, EstimatesTheShareWhereNoSamplesAreKnown) {
   const SmallFrame frame;
   writeColours(frame, 1);
