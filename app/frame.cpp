@@ -132,7 +132,7 @@ ExrSelection Frame::findFullColour(bool named) const {
 }
 
 // The colour of the render that the auxiliary images are of; a named one must be there.
-std::optional<ExrSelection> Frame::fullColour() const {
+std::optional<ExrSelection> Frame::fullColour() {
   if (merge_.never || !fit_ || fit_->scale < 2) return {};
   const bool named = !fullColourName_.empty() || merge_.samples;
   if (!named && !hasAov(auxFile_, AovRole::kFullColor)) return {};
@@ -141,8 +141,10 @@ std::optional<ExrSelection> Frame::fullColour() const {
     const ExrPart& part = auxFile_.parts[found.part];
     const bool fits = fitFrame(colourPart(), part).scale == fit_->scale;
     if (fits && covers(part.dataWindow, scaledBox(colourPart().dataWindow, fit_->scale))) return found;
-    if (named)
-      throw Error("Layer '" + nameOf(found) + "' does not cover the frame at the size of the auxiliary images.");
+    const std::string what =
+        "Layer '" + nameOf(found) + "' does not cover the frame at the size of the auxiliary images";
+    if (named) throw Error(what + ".");
+    if (fits) warnings_.push_back(what + ", and is not merged into the colour.");
   } catch (const Error&) {
     if (named) throw;
   }

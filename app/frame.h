@@ -102,7 +102,7 @@ class Frame {
   Image loadRadiance(const ExrSelection& layer) const;
   Image loadLight(AovRole role, const ExrSelection& layer) const;
   Image loadAuxiliary(const std::string& input);
-  std::optional<ExrSelection> fullColour() const;
+  std::optional<ExrSelection> fullColour();
   ExrSelection findFullColour(bool named) const;
   void mergeColour();
   void level();

@@ -125,6 +125,20 @@ TEST(CliMerge, LeavesTheColourOfOtherLightAlone) {
   EXPECT_DOUBLE_EQ(jsonOf(frame, {"--samples", "16,1"})["mergedColour"]["share"], 0.5);
 }
 
+TEST(CliMerge, TellsOfAColourThatDoesNotCoverTheFrame) {
+  const SmallFrame frame;
+  writeColours(frame, 1);
+  const auto flat = [](int, int, int) { return 1.0F; };
+  const Layer albedo = albedoLayer("albedo", 40), normal = normalLayer("normal", 40);
+  writeParts(frame.aux, {{boxOf(40, 32), boxOf(40, 32), {albedo, normal}, "guides"},
+                         {{0, 0, 29, 31}, boxOf(40, 32), {{"Combined", "RGB", flat}}, "colour"}});
+  const Json run = jsonOf(frame, {});
+  EXPECT_TRUE(run["mergedColour"].is_null());
+  EXPECT_NE(run["warned"].get<std::string>().find("'Combined' does not cover the frame"), std::string::npos)
+      << run["warned"];
+  expectFailure(runXrds(frame.arguments({"--samples", "64,16"})), 3, "does not cover the frame", frame.folder, 4);
+}
+
 // Golden models under the names of the shipped ones.
 TEST(CliMerge, TakesTheModelThatSuitsWhatTheFilesHold) {
   const SmallFrame frame;
