@@ -44,7 +44,8 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
       inputs_(auxiliaryInputs),
       merge_(merge),
       fullColourName_(request.nameOf(AovRole::kFullColor)) {
-  const bool twoFiles = !auxPath.empty() && !inputs_.empty();
+  const bool mergesAlone = inputs_.empty() && merge_.ofAllModels && !merge_.never;
+  const bool twoFiles = !auxPath.empty() && (!inputs_.empty() || mergesAlone);
   auxFile_ = twoFiles ? readExrHeader(auxPath) : colorFile_;
   AovRequest needed = request;
   needed.needed.clear();
@@ -52,24 +53,22 @@ Frame::Frame(const std::filesystem::path& colorPath, const std::filesystem::path
   aovs_ = findAovs(colorFile_, auxFile_, needed);
   warnings_ = aovs_.notes;
   for (const std::string& input : inputs_) fit(input);
-  if (inputs_.empty() && merge_.ofAllModels && !merge_.never) fitFullColour(auxPath.empty() ? colorPath : auxPath);
-  if (!auxPath.empty() && !fit_)
+  if (mergesAlone) fitFullColour();
+  if (!auxPath.empty() && !fit_) {
     warnings_.push_back("The model takes no auxiliary images; '" + auxPath.string() + "' is not used.");
+    auxFile_ = colorFile_;
+  }
 }
 
-// Without other images that tell the size: looks for the full-resolution colour in that file.
-void Frame::fitFullColour(const std::filesystem::path& path) {
-  ExrFile file = readExrHeader(path);
-  std::swap(auxFile_, file);
-  const bool named = !fullColourName_.empty() || merge_.samples;
-  if (named || hasAov(auxFile_, AovRole::kFullColor)) try {
-      fit_ = fitFrame(colourPart(), auxFile_.parts[findFullColour(named).part]);
-    } catch (const Error&) {
-      if (named) throw;
-    }
-  if (fit_ && fit_->scale > 1) return;
-  fit_.reset();
-  std::swap(auxFile_, file);
+// Without other images that tell the size the full-resolution colour does, where there is one.
+void Frame::fitFullColour() {
+  if (!mayHaveFullColour()) return;
+  try {
+    const FrameFit found = fitFrame(colourPart(), auxFile_.parts[findFullColour().part]);
+    if (found.scale > 1) fit_ = found;
+  } catch (const Error&) {
+    if (isFullColourNamed()) throw;
+  }
 }
 
 const ExrSelection& Frame::layerOf(std::string_view input) const { return aovs_.auxiliary.at(roleOf(input)); }
@@ -121,12 +120,17 @@ void Frame::load() {
   mergeColour();
 }
 
+// So one must be there.
+bool Frame::isFullColourNamed() const { return !fullColourName_.empty() || merge_.samples; }
+
+bool Frame::mayHaveFullColour() const { return isFullColourNamed() || hasAov(auxFile_, AovRole::kFullColor); }
+
 // Where several could be meant and none is named, that of the colour's name: of its view layer.
-ExrSelection Frame::findFullColour(bool named) const {
+ExrSelection Frame::findFullColour() const {
   try {
     return findAov(auxFile_, AovRole::kFullColor, fullColourName_);
   } catch (const Error&) {
-    if (named) throw;
+    if (isFullColourNamed()) throw;
     return findAov(auxFile_, AovRole::kFullColor, aovs_.color.layer);
   }
 }
@@ -134,19 +138,18 @@ ExrSelection Frame::findFullColour(bool named) const {
 // The colour of the render that the auxiliary images are of; a named one must be there.
 std::optional<ExrSelection> Frame::fullColour() {
   if (merge_.never || !fit_ || fit_->scale < 2) return {};
-  const bool named = !fullColourName_.empty() || merge_.samples;
-  if (!named && !hasAov(auxFile_, AovRole::kFullColor)) return {};
+  if (!mayHaveFullColour()) return {};
   try {
-    ExrSelection found = findFullColour(named);
+    ExrSelection found = findFullColour();
     const ExrPart& part = auxFile_.parts[found.part];
     const bool fits = fitFrame(colourPart(), part).scale == fit_->scale;
     if (fits && covers(part.dataWindow, scaledBox(colourPart().dataWindow, fit_->scale))) return found;
     const std::string what =
         "Layer '" + nameOf(found) + "' does not cover the frame at the size of the auxiliary images";
-    if (named) throw Error(what + ".");
+    if (isFullColourNamed()) throw Error(what + ".");
     if (fits) warnings_.push_back(what + ", and is not merged into the colour.");
   } catch (const Error&) {
-    if (named) throw;
+    if (isFullColourNamed()) throw;
   }
   return {};
 }
@@ -187,7 +190,7 @@ void Frame::loadLayers(const LayerRequest& request, uint32_t scale) {
   FrameLayers::Files files{
       colorFile_, auxFile_, aovs_.color, aovs_.alpha ? &*aovs_.alpha : nullptr, {}, colourPart().dataWindow};
   if (fit_) {
-    files.fullPart = inputs_.empty() ? findFullColour(false).part : layerOf(inputs_.front()).part;
+    files.fullPart = inputs_.empty() ? findFullColour().part : layerOf(inputs_.front()).part;
     files.window = scaledBox(colourPart().dataWindow, fit_->scale);
   } else if (scale == 1) {
     files.fullPart = aovs_.color.part;

@@ -97,13 +97,15 @@ class Frame {
  private:
   Image* imageOf(std::string_view input);
   void fit(const std::string& input);
-  void fitFullColour(const std::filesystem::path& path);
+  void fitFullColour();
   const ExrSelection& layerOf(std::string_view input) const;
   Image loadRadiance(const ExrSelection& layer) const;
   Image loadLight(AovRole role, const ExrSelection& layer) const;
   Image loadAuxiliary(const std::string& input);
+  bool isFullColourNamed() const;
+  bool mayHaveFullColour() const;
   std::optional<ExrSelection> fullColour();
-  ExrSelection findFullColour(bool named) const;
+  ExrSelection findFullColour() const;
   void mergeColour();
   void level();
   void chooseShare(const ExrSelection& layer, const Image& full);
