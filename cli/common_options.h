@@ -1,7 +1,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <string>
+
+#include "xrds/xrds.hpp"
 
 namespace xrds {
 
@@ -13,6 +16,18 @@ inline void addQuiet(CLI::App& verb, bool& quiet) {
 /// Declares --device of a command that takes one.
 inline void addDevice(CLI::App& verb, std::string& device) {
   verb.add_option("--device", device, "Number, part of the name, or UUID (see xrds devices)")->type_name("DEVICE");
+}
+
+/// Declares --exposure, auto or a factor, of a command that takes one. `help`: what the factor does.
+inline void addExposure(CLI::App& verb, std::string& exposure, const char* help) {
+  const auto valid = [](const std::string& text) {
+    char* end = nullptr;
+    const float value = std::strtof(text.c_str(), &end);
+    return text == "auto" || (*end == '\0' && Upscaler::isExposure(value))
+               ? std::string()
+               : "expected auto or a number from 1e-30 to 1e30, found '" + text + "'";
+  };
+  verb.add_option("--exposure", exposure, help)->check(CLI::Validator(valid, "auto|E"))->capture_default_str();
 }
 
 }  // namespace xrds

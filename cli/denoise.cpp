@@ -94,14 +94,6 @@ void denoiseOne(const DenoiseOptions& options) {
   });
 }
 
-std::string validExposure(const std::string& text) {
-  char* end = nullptr;
-  const float value = std::strtof(text.c_str(), &end);
-  return text == "auto" || (*end == '\0' && Upscaler::isExposure(value))
-             ? ""
-             : "expected auto or a number from 1e-30 to 1e30";
-}
-
 void addOptions(CLI::App& verb, DenoiseOptions& options) {
   UpscaleOptions& common = options.common;
   verb.add_option("COLOR", common.color, "EXR file with the noisy colour")->required();
@@ -120,9 +112,7 @@ void addOptions(CLI::App& verb, DenoiseOptions& options) {
       ->capture_default_str();
   verb.add_flag("--ldr", options.ldr,
                 "The colour is linear from 0 to 1 and stays so (default: radiance without bound)");
-  verb.add_option("--exposure", common.exposure, "Factor that brings radiance to a mean log luminance of 0.18")
-      ->check(CLI::Validator(validExposure, "auto|E"))
-      ->capture_default_str();
+  addExposure(verb, common.exposure, "Factor that brings radiance to a mean log luminance of 0.18");
   verb.add_option("--denoisers", common.denoisers,
                   "Folder with the networks (default: where xrds import oidn puts them)")
       ->type_name("FOLDER");

@@ -15,15 +15,6 @@
 namespace xrds {
 namespace {
 
-std::string validExposure(const std::string& text) {
-  if (text == "auto") return {};
-  char* end = nullptr;
-  const float value = std::strtof(text.c_str(), &end);
-  return *end == 0 && Upscaler::isExposure(value)
-             ? ""
-             : "expected auto or a number from 1e-30 to 1e30, found '" + text + "'";
-}
-
 void addFiles(CLI::App& verb, UpscaleOptions& options) {
   verb.add_option("COLOR", options.color,
                   "EXR file with the low-resolution colour, many samples a pixel; this and AUX in any order")
@@ -72,9 +63,7 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
                   "denoiser, too")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();
-  verb.add_option("--exposure", options.exposure, "Factor that brings the colour to a mean log luminance of 0.18")
-      ->check(CLI::Validator(validExposure, "auto|E"))
-      ->capture_default_str();
+  addExposure(verb, options.exposure, "Factor that brings the colour to a mean log luminance of 0.18");
   addDevice(verb, options.device);
   verb.add_option(
           "--tune", options.tune,
