@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "xrds/error.h"
@@ -12,7 +13,8 @@ namespace {
 
 using Radiance = std::array<double, 3>;
 
-constexpr uint32_t kParts = 4;  // of the frame, to a side
+constexpr uint32_t kParts = 4;   // of the frame, to a side
+constexpr uint32_t kAround = 3;  // pixels to a side whose noise is told together
 constexpr double kLevelFloor = 0.01, kMostLevelRatio = 8;
 
 uint32_t scaleOf(const PixelView& low, const PixelView& full) {
@@ -60,31 +62,70 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
+/// The mean of the middle half of the values, in order of size.
+double middleMean(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  const auto quarter = static_cast<ptrdiff_t>(values.size() / 4);
+  const auto first = values.begin() + quarter, last = values.end() - quarter;
+  return std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
+}
+
+/// Of a low-resolution pixel, or the sums of some: radiance of both images, squares of half the difference of the two
+/// halves of the full-resolution pixels, and of the difference of the two images.
+struct PixelNoise {
+  double level = 0, halves = 0, both = 0;
+  uint32_t count = 0;
+
+  void add(const PixelNoise& other) {
+    level += other.level;
+    halves += other.halves;
+    both += other.both;
+    count += other.count;
+  }
+};
+
+/// Nothing where the pixel is not finite in one of the images.
+PixelNoise noiseOf(const PixelView& low, const PixelView& full, uint32_t scale, uint32_t x, uint32_t y) {
+  const SquareMean black = squareMean(full, scale, x, y, Pixels::black),
+                   white = squareMean(full, scale, x, y, Pixels::white);
+  if (black.count == 0 || white.count == 0) return {};
+  const float* pixel = pixelOf(low, x, y);
+  PixelNoise noise{.count = 1};
+  for (uint32_t c = 0; c < 3; ++c) {
+    const double mean = (black.mean[c] + white.mean[c]) / 2;
+    noise.level += mean + pixel[c];
+    noise.halves += square((black.mean[c] - white.mean[c]) / 2);
+    noise.both += square(pixel[c] - mean);
+  }
+  return std::isfinite(noise.both) ? noise : PixelNoise{};
+}
+
 }  // namespace
 
 double shareByNoise(const PixelView& low, const PixelView& full) {
   const uint32_t scale = scaleOf(low, full);
   if (scale < 2)
     throw InvalidArgument("The noise of a colour of full resolution cannot be told from that of the other render.");
-  std::vector<double> ofMeans, ofBoth;
+  std::vector<PixelNoise> pixels;
+  pixels.reserve(size_t{low.width} * low.height);
   for (uint32_t y = 0; y < low.height; ++y)
-    for (uint32_t x = 0; x < low.width; ++x) {
-      const SquareMean black = squareMean(full, scale, x, y, Pixels::black),
-                       white = squareMean(full, scale, x, y, Pixels::white);
-      const float* pixel = pixelOf(low, x, y);
-      if (black.count == 0 || white.count == 0) continue;
-      double level = 0, halves = 0, both = 0;
-      for (uint32_t c = 0; c < 3; ++c) {
-        const double mean = (black.mean[c] + white.mean[c]) / 2;
-        level += mean + pixel[c];
-        halves += square((black.mean[c] - white.mean[c]) / 2);
-        both += square(pixel[c] - mean);
-      }
-      if (!(level > 0) || !std::isfinite(both)) continue;
-      ofMeans.push_back(halves / square(level));
-      ofBoth.push_back(both / square(level));
+    for (uint32_t x = 0; x < low.width; ++x) pixels.push_back(noiseOf(low, full, scale, x, y));
+
+  // Of few samples most pixels of a dark scene are black: those around tell how much noise there is.
+  const uint32_t columns = std::min(kAround, low.width), rows = std::min(kAround, low.height);
+  std::vector<double> ofMeans, ofBoth;
+  for (uint32_t y = 0; y + rows <= low.height; ++y)
+    for (uint32_t x = 0; x + columns <= low.width; ++x) {
+      PixelNoise around;
+      for (uint32_t i = 0; i < rows * columns; ++i)
+        around.add(pixels[size_t{y + i / columns} * low.width + x + i % columns]);
+      if (!(around.level > 0)) continue;
+      const double relative = around.count / square(around.level);
+      ofMeans.push_back(relative * around.halves);
+      ofBoth.push_back(relative * around.both);
     }
-  const double means = median(ofMeans), both = std::max(median(ofBoth), means);
+  const double means = middleMean(ofMeans), both = std::max(middleMean(ofBoth), means);
   constexpr double kLeastShare = 1e-3;
   return both > 0 ? std::clamp((both - means) / both, kLeastShare, 1 - kLeastShare) : 0.5;
 }

@@ -71,6 +71,29 @@ TEST(MergedColour, EstimatesTheShareFromNoise) {
     }
 }
 
+/// Of a scene in which one sample in twenty meets light, most pixels are black at few samples.
+TEST(MergedColour, EstimatesTheShareOfDarkScenes) {
+  std::mt19937 bits(7);
+  std::bernoulli_distribution meetsLight(0.05);
+  const auto render = [&](uint32_t extent, int samples) {
+    std::vector<float> pixels;
+    for (uint32_t i = 0; i < extent * extent; ++i) {
+      float value = 0;
+      for (int k = 0; k < samples; ++k) value += meetsLight(bits) ? 1.F / static_cast<float>(samples) : 0;
+      pixels.insert(pixels.end(), 3, value);
+    }
+    return pixels;
+  };
+  for (const int samples : {4, 16}) {
+    const std::vector<float> low = render(64, samples), full = render(128, 1);
+    const double known = fullShare({static_cast<double>(samples), 1}, 2),
+                 estimated = estimatedFullShare({low.data(), 64, 64}, {full.data(), 128, 128});
+    const double ratio = estimated / (1 - estimated) / (known / (1 - known));
+    EXPECT_GT(ratio, 0.5) << samples;
+    EXPECT_LT(ratio, 2.0) << samples;
+  }
+}
+
 TEST(MergedColour, AFireflyChangesNoEstimate) {
   Renders renders(32, 2, {16, 4});
   const double before = estimatedFullShare(renders.lowView(), renders.fullView());
