@@ -9,6 +9,7 @@ import argparse
 import pathlib
 import pickle
 import sys
+import zipfile
 
 import torch
 from safetensors import SafetensorError
@@ -17,14 +18,28 @@ from safetensors.torch import save_file
 import architectures
 
 SCALES = (1, 2, 4, 8, 16)
-NO_CHECKPOINT = "it holds more than tensors, or is no checkpoint"
+NO_CHECKPOINT = "it holds more than tensors, is cut short, or is no checkpoint"
 WRAPPERS = ("state_dict", "params_ema", "params-ema", "params", "model", "net")     # keys under which checkpoints keep their tensors
 PREFIXES = ("module.", "netG.")                                                     # of all names, in some of them
 
 
+def loaded(path):
+    """What PyTorch has stored in a file. Raises ValueError on one that is cut short, of which PyTorch tells a fault of the system."""
+    with open(path, "rb") as file:
+        is_archive = file.read(4) == b"PK\x03\x04"
+    if is_archive and not zipfile.is_zipfile(path):
+        raise ValueError("the file is cut short: an archive's end is missing")
+    try:
+        return torch.load(path, map_location="cpu", weights_only=True)
+    except RuntimeError as error:
+        if "unexpected EOF" in str(error):      # of files from before PyTorch 1.6
+            raise ValueError("the file is cut short") from error
+        raise
+
+
 def read_checkpoint(path):
     """The tensors by name. Raises pickle.UnpicklingError on a pickle of anything but tensors, ValueError on other contents."""
-    stored = torch.load(path, map_location="cpu", weights_only=True)
+    stored = loaded(path)
     for key in WRAPPERS:
         if isinstance(stored, dict) and isinstance(stored.get(key), dict):
             stored = stored[key]
@@ -83,7 +98,11 @@ def main():
         print(convert(options.source, options.target, options.transfer))
     except (EOFError, pickle.UnpicklingError):      # PyTorch's own text advises to read it all the same
         sys.exit(f"{options.source} cannot be converted: {NO_CHECKPOINT}")
-    except (ValueError, AttributeError, OSError, RuntimeError, SafetensorError) as error:
+    except SafetensorError as error:
+        sys.exit(f"{options.target} cannot be written: {reason(error)}")
+    except OSError as error:
+        sys.exit(f"{error.filename or options.source}: {error.strerror or error}")
+    except (ValueError, AttributeError, RuntimeError) as error:
         sys.exit(f"{options.source} cannot be converted: {reason(error)}")
     except LookupError:     # of PyTorch's reader
         sys.exit(f"{options.source} cannot be converted: {NO_CHECKPOINT}")

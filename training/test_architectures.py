@@ -2,6 +2,7 @@
 import dataclasses
 import pathlib
 import pickle
+import re
 
 import pytest
 import torch
@@ -166,9 +167,31 @@ def test_sizes_that_the_engine_does_not_take_are_refused(config, reason, tmp_pat
         converting(official(config)[0], tmp_path)
 
 
+def message(source, target, monkeypatch):
+    """With what converting ends."""
+    monkeypatch.setattr("sys.argv", ["convert.py", str(source), str(target)])
+    with pytest.raises(SystemExit) as ended:
+        convert.main()
+    return ended.value.code
+
+
+@pytest.mark.parametrize("is_archive, share", [(True, 0.1), (True, 0.5), (True, 0.99), (False, 0.5), (False, 0.99)])
+def test_a_file_that_is_cut_short_is_told(is_archive, share, tmp_path, monkeypatch):
+    checkpoint, _ = official(edsr.Config(scale=2, channels=8, blocks=1, range=255))
+    torch.save(checkpoint, tmp_path / "x.pth", _use_new_zipfile_serialization=is_archive)
+    whole = (tmp_path / "x.pth").read_bytes()
+    (tmp_path / "x.pth").write_bytes(whole[:int(share * len(whole))])
+    assert re.search(r"x\.pth cannot be converted: the file is cut short[^\n]*\Z", message(tmp_path / "x.pth", tmp_path / "model.safetensors", monkeypatch))
+
+
+def test_files_that_cannot_be_read_or_written_are_named(tmp_path, monkeypatch):
+    assert message(tmp_path / "none.pth", tmp_path / "model.safetensors", monkeypatch) == f"{tmp_path / 'none.pth'}: No such file or directory"
+    torch.save(official(edsr.Config(scale=2, channels=8, blocks=1, range=255))[0], tmp_path / "x.pth")
+    (tmp_path / "folder").mkdir()
+    assert message(tmp_path / "x.pth", tmp_path / "folder", monkeypatch).startswith(f"{tmp_path / 'folder'} cannot be written: ")
+
+
 @pytest.mark.parametrize("contents", [b"no pickle at all", b"text", b"PK\x03\x04 cut", b""])
 def test_what_is_no_checkpoint_ends_with_a_sentence(contents, tmp_path, monkeypatch):
     (tmp_path / "x.pt").write_bytes(contents)
-    monkeypatch.setattr("sys.argv", ["convert.py", str(tmp_path / "x.pt"), str(tmp_path / "model.safetensors")])
-    with pytest.raises(SystemExit, match=r"cannot be converted: [^\n]+\Z"):
-        convert.main()
+    assert re.search(r"cannot be converted: [^\n]+\Z", message(tmp_path / "x.pt", tmp_path / "model.safetensors", monkeypatch))
