@@ -1,4 +1,4 @@
-"""Makes a model file of a PyTorch checkpoint of an official repository: EDSR-PyTorch, RCAN, SwinIR, and what architectures/ has.
+"""Makes a model file of a PyTorch checkpoint of an official repository (EDSR-PyTorch, RCAN, SwinIR) or of BasicSR.
 
     python training/convert.py edsr_x4.pt edsr-x4.safetensors [--transfer log1p]
 

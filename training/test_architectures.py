@@ -87,6 +87,45 @@ def test_official_checkpoints_convert(config, tmp_path):
         assert torch.allclose(stored[name], value), name
 
 
+def basicsr_name(name, config):
+    """What BasicSR calls a tensor of EDSR or RCAN."""
+    place, _, kind = name.rpartition(".")
+    last = {f"body.{config.groups if config.architecture == 'rcan' else config.blocks}": "conv_after_body", "head.0": "conv_first", "tail.1": "conv_last"}
+    if place in last:
+        return f"{last[place]}.{kind}"
+    if place.startswith("tail.0."):
+        return name.replace("tail.0.", "upsample.")
+    if config.architecture == "edsr":
+        return name.replace(".body.0.", ".conv1.").replace(".body.2.", ".conv2.")
+    _, group, _, block, *inside = place.split(".")
+    if not inside:      # the convolution behind the blocks of a group
+        return f"body.{group}.conv.{kind}"
+    inside = {"body.3.conv_du.0": "3.attention.1", "body.3.conv_du.2": "3.attention.3"}.get(".".join(inside), inside[-1])
+    return f"body.{group}.residual_group.{block}.rcab.{inside}.{kind}"
+
+
+BASICSR = [edsr.Config(scale=4, channels=8, blocks=3, range=255), edsr.Config(scale=2, channels=256, blocks=1, residual_divisor=10, range=255),
+           edsr.Config(scale=1, channels=8, blocks=1, range=255), rcan.Config(scale=8, channels=16, groups=2, blocks=3, reduction=8, range=255)]
+
+
+@pytest.mark.parametrize("config", BASICSR, ids=lambda config: f"{config.architecture}_x{config.scale}_{config.channels}")
+def test_checkpoints_of_basicsr_convert(config, tmp_path):
+    network = architectures.network_of(config)
+    torch.save({"params": {basicsr_name(name, config): value for name, value in network.state_dict().items() if name != "mean"}}, tmp_path / "basicsr.pth")
+    assert convert.convert(tmp_path / "basicsr.pth", tmp_path / "model.safetensors") == config
+    stored = load_file(tmp_path / "model.safetensors")
+    assert set(stored) == set(network.state_dict())
+    for name, value in network.state_dict().items():
+        assert torch.equal(stored[name], value), name
+
+
+def test_scale_3_of_basicsr_is_refused(tmp_path):
+    config = edsr.Config(scale=2, channels=8, blocks=1, range=255)
+    tensors = {basicsr_name(name, config): value for name, value in architectures.network_of(config).state_dict().items() if name != "mean"}
+    with pytest.raises(ValueError, match="scale 3"):
+        converting(tensors | {"upsample.0.weight": torch.zeros(72, 8, 3, 3)}, tmp_path)
+
+
 class Hostile:
     def __reduce__(self):
         return (print, ("ran",))

@@ -72,6 +72,21 @@ def steps_of(tensors, prefix):
     return len(numbers)
 
 
+def rename(tensors, names):
+    """Gives each tensor whose whole name a pattern of `names` matches the name beside it, in which \\1 is what the pattern captured."""
+    for old in list(tensors):
+        for pattern, new in names.items():
+            if re.fullmatch(pattern, old):
+                tensors[re.sub(pattern, new, old)] = tensors.pop(old)
+                break
+
+
+def names_of_basicsr(blocks):
+    """What BasicSR calls the outer layers of EDSR and RCAN; the bodies have so many blocks or groups. Its mean and its range, 255, are in its code."""
+    return {r"conv_first\.(\w+)": r"head.0.\1", r"conv_after_body\.(\w+)": rf"body.{blocks}.\1",
+            r"upsample\.(\d+\.\w+)": r"tail.0.\1", r"conv_last\.(\w+)": r"tail.1.\1"}
+
+
 def taken_mean(tensors, value_range):
     """Takes the mean shift of EDSR and RCAN out of the tensors, as `mean`. Raises ValueError where it is another map."""
     bias = tensors.get("sub_mean.bias")

@@ -6,7 +6,7 @@ import torch.nn as nn
 from network import conv3x3
 
 from . import common
-from .common import Normed, count, steps_of, taken_mean, upsampler
+from .common import Normed, count, names_of_basicsr, rename, steps_of, taken_mean, upsampler
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,6 +55,9 @@ class Network(Normed):
 
 
 def config_of_checkpoint(tensors, transfer):
+    if {"conv_after_body.weight", "body.0.conv1.weight"} <= tensors.keys():
+        rename(tensors, names_of_basicsr(count(tensors, r"body\.(\d+)\."))
+               | {r"body\.(\d+)\.conv1\.(\w+)": r"body.\1.body.0.\2", r"body\.(\d+)\.conv2\.(\w+)": r"body.\1.body.2.\2"})
     if "head.0.weight" not in tensors or any(".conv_du." in name for name in tensors):
         return None
     taken_mean(tensors, 255)

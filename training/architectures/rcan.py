@@ -6,7 +6,7 @@ import torch.nn as nn
 from network import conv3x3
 
 from . import common
-from .common import Normed, count, steps_of, taken_mean, upsampler
+from .common import Normed, count, names_of_basicsr, rename, steps_of, taken_mean, upsampler
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,7 +73,19 @@ class Network(Normed):
         return self.tail(self.body(x) + x)
 
 
+def rename_basicsr(tensors):
+    blocks = count(tensors, r"body\.0\.residual_group\.(\d+)\.")
+    block = r"body\.(\d+)\.residual_group\.(\d+)\.rcab\."
+    rename(tensors, names_of_basicsr(count(tensors, r"body\.(\d+)\.")) | {
+        r"body\.(\d+)\.conv\.(\w+)": rf"body.\1.body.{blocks}.\2",
+        block + r"([02]\.\w+)": r"body.\1.body.\2.body.\3",
+        block + r"3\.attention\.1\.(\w+)": r"body.\1.body.\2.body.3.conv_du.0.\3",
+        block + r"3\.attention\.3\.(\w+)": r"body.\1.body.\2.body.3.conv_du.2.\3"})
+
+
 def config_of_checkpoint(tensors, transfer):
+    if "body.0.residual_group.0.rcab.0.weight" in tensors:
+        rename_basicsr(tensors)
     gates = [value for name, value in tensors.items() if name.endswith("conv_du.0.weight")]
     if not gates:
         return None
