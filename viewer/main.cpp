@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
@@ -78,13 +79,20 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->type_name("auto|never|LAYER")
       ->capture_default_str();
   app.add_option("--size", options.size, "Of the window (default: as it was left)")->type_name("WIDTHxHEIGHT");
-  app.add_option("--frames", options.frames, "Leave after so many upscaled pictures")->type_name("N");
-  app.add_option("--screenshot", options.screenshot, "PNG file of the window to write then")->type_name("PNG");
+  app.add_option("--frames", options.frames, "Leave after so many upscaled pictures")
+      ->type_name("N")
+      ->check(CLI::Range(1, std::numeric_limits<int>::max()));
+  app.add_option("--screenshot", options.screenshot, "PNG file of the window to write then")
+      ->type_name("PNG")
+      ->needs("--frames");
   app.add_option("--script", options.script, "File of steps to take, as listed below; leaves after the last")
       ->type_name("FILE");
   app.add_flag("--statistics", options.statistics, "Print what the session took when leaving");
-  app.add_flag("--headless", options.headless,
-               "Time the live loop without a window, the camera going round: needs --live and --frames");
+  CLI::Option* headless =
+      app.add_flag("--headless", options.headless,
+                   "Time the live loop without a window, the camera going round: needs --live and --frames");
+  for (const char* ofWindow : {"FILES", "--watch", "--reference", "--screenshot", "--script"})
+    app.get_option(ofWindow)->excludes(headless);
   app.add_flag("--validation", options.validation, "With Vulkan's validation layers; their first message is a failure");
   app.footer(
       std::string(

@@ -130,6 +130,10 @@ void Viewer::run() {
   if (options_.statistics) printStatistics();
   if (complaints_ > 0)
     throw Failure{ExitCode::bug, "Vulkan's validation layers complained " + std::to_string(complaints_) + " times."};
+  if (!options_.screenshot.empty())
+    throw Failure{ExitCode::output, "The screenshot '" + options_.screenshot.string() +
+                                        "' was not written: the viewer was left before it had upscaled " +
+                                        std::to_string(options_.frames) + " pictures (--frames)."};
 }
 
 // Seconds until something is to be done without an event; nothing: never.

@@ -40,6 +40,23 @@ TEST(ViewerUsage, NamesTheSlipAndWhatIsNearest) {
   expectRefused(runXrds({"view", "--colour", "x", "--headless"}), 2, "--headless needs --live");  // as --color
 }
 
+TEST(ViewerUsage, RefusesAScreenshotThatWouldNotBeWritten) {
+  expectRefused(runXrds({"view", kColour, "--screenshot", "x.png"}), 2, "--screenshot requires --frames");
+  expectRefused(runXrds({"view", kColour, "--screenshot", "x.png", "--frames", "0"}), 2, "--frames");
+  const std::vector<std::string> live{"view", "--headless", "--live", "room", "--frames", "1"};
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
+           {"--screenshot", "x.png"}, {"--script", "x"}, {"--watch"}, {"--reference", "x"}, {"x.exr"}}) {
+    std::vector<std::string> arguments = live;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expectRefused(runXrds(arguments), 2, "excludes --headless");
+  }
+}
+
+TEST_F(ViewerDisplay, TellsOfAScreenshotThatCameToNothing) {
+  expectRefused(runViewer(desktop, folder, "wait\n", smallDisplay({"--frames", "9", "--screenshot", "x.png"})), 6,
+                "The screenshot 'x.png' was not written");
+}
+
 TEST_F(ViewerDisplay, StaysWhereTheUserIsAtIt) {
   const Ended ended = run("drop none.exr\nwait\nprint\nscreenshot failed.png\nwait\n", smallDisplay({}));
   EXPECT_TRUE(has(ended.output, "error=\"")) << ended.output;
