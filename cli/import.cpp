@@ -5,6 +5,7 @@
 #include "app/failing_with.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
+#include "cli/output_file.h"
 #include "xrds/oidn_import.h"
 
 namespace xrds {
@@ -15,11 +16,25 @@ struct ImportOptions {
   bool quiet = false;
 };
 
+// Asked before the library is read. The folder is made when that is known to hold networks.
+void requireFolder(const std::filesystem::path& folder) {
+  std::error_code unreadable;
+  std::filesystem::path there = std::filesystem::absolute(folder);
+  while (!std::filesystem::exists(there, unreadable) && there.has_relative_path()) there = there.parent_path();
+  try {
+    requireWritable((there / ".xrds").string());
+  } catch (const Failure&) {
+    throw Failure{ExitCode::output, "The models cannot be written to '" + folder.string() + "': '" + there.string() +
+                                        "' is no folder that takes new files; choose another with --output FOLDER."};
+  }
+}
+
 void run(const ImportOptions& options) {
   const std::filesystem::path folder =
       options.folder.empty() ? denoiserFolder() : std::filesystem::path(options.folder);
   if (folder.empty())
     throw Failure{ExitCode::usage, "The environment names no home: say where to put the models with --output FOLDER."};
+  requireFolder(folder);
   const auto files = failingWith(ExitCode::model, [&] { return importOidn(options.path, folder); });
   if (options.quiet) return;
   for (const auto& file : files) std::printf("%s\n", file.string().c_str());

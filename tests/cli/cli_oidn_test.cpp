@@ -79,6 +79,15 @@ TEST(CliOidn, RefusesToImportWhatIsNoLibrary) {
   expectFailure(ended, 4, "is no library of Open Image Denoise", folder, 1);
 }
 
+TEST(CliOidn, NamesTheFolderThatTakesNoModels) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "library.so").string();
+  std::ofstream(file) << std::string(5000, 'x');
+  for (const std::string& place : {file, file + "/networks"})
+    expectFailure(runXrds({"import", "oidn", file, "-o", place}), 6,
+                  "The models cannot be written to '" + place + "': '" + file + "' is no folder", folder, 1);
+}
+
 TEST(CliOidn, RefusesGuidesOfAnotherSize) {
   const SmallFrame frame;
   const Ended ended = runXrds({"denoise", frame.color, frame.aux, "-o", frame.out});
