@@ -21,6 +21,7 @@ light: only `full` has them right.
 import argparse
 import os
 import sys
+import tempfile
 import time
 
 import bpy
@@ -107,8 +108,25 @@ def configure(scene, ask):
     scene.render.filepath = os.path.abspath(ask.output)
 
 
+def cannot_write(output, why):
+    return f"blender_guides.py: cannot write {output}: {why}"
+
+
+def require_folder(output):
+    """Ends where the output's folder, or that in which Blender would make it, takes no files: asked before the render."""
+    folder = os.path.dirname(os.path.abspath(output))
+    while not os.path.exists(folder):
+        folder = os.path.dirname(folder)
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        sys.exit(cannot_write(output, error.strerror))
+
+
 def main():
     ask = arguments()
+    require_folder(ask.output)
     scene = bpy.context.scene
     if scene.camera is None:
         sys.exit("blender_guides.py: the scene has no camera")
@@ -117,7 +135,10 @@ def main():
     apply(ask.recipe, scene)
     configure(scene, ask)
     start, processor_start = time.monotonic(), time.process_time()
-    bpy.ops.render.render(write_still=True)
+    try:
+        bpy.ops.render.render(write_still=True)
+    except RuntimeError as error:
+        sys.exit(cannot_write(ask.output, str(error).removeprefix("Error: ").splitlines()[0]))
     print(f"blender_guides: {ask.recipe}, {ask.samples} samples, {time.monotonic() - start:.2f} s, {time.process_time() - processor_start:.2f} s "
           f"of processors, {ask.output}", flush=True)
 
