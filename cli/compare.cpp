@@ -28,15 +28,29 @@ struct CompareOptions {
   bool quiet = false;
 };
 
-/// A colour and where it lies in its frame.
+/// An image and where it lies in its frame.
 struct Placed {
   Image image;
   Box window;
 };
 
-Placed readColour(const std::string& path, const std::string& layer, const std::string& option) {
+// The colour, or the layer of that name, which may have a normal's channels X, Y, Z, too.
+ExrSelection findLayer(const ExrFile& file, const std::string& layer, const std::string& option) {
+  try {
+    return findAov(file, AovRole::kColor, layer, option);
+  } catch (const Error&) {
+    if (layer.empty()) throw;
+    try {
+      return findAov(file, AovRole::kNormal, layer, option);
+    } catch (const Error&) {  // told as of the colour
+    }
+    throw;
+  }
+}
+
+Placed readPlaced(const std::string& path, const std::string& layer, const std::string& option) {
   const ExrFile file = readExrHeader(path);
-  const ExrSelection found = findAov(file, AovRole::kColor, layer, option);
+  const ExrSelection found = findLayer(file, layer, option);
   return {readLayer(file, found), file.parts[found.part].dataWindow};
 }
 
@@ -49,8 +63,8 @@ void requireOutputs(const CompareOptions& options) {
 
 std::pair<Image, Image> readImages(const CompareOptions& options) {
   const std::string& referenceLayer = options.referenceLayer.empty() ? options.layer : options.referenceLayer;
-  Placed image = readColour(options.image, options.layer, "--layer"),
-         reference = readColour(options.reference, referenceLayer, "--reference-layer");
+  Placed image = readPlaced(options.image, options.layer, "--layer"),
+         reference = readPlaced(options.reference, referenceLayer, "--reference-layer");
   if (image.image.width != reference.image.width || image.image.height != reference.image.height)
     throw Error("The images have different sizes: " + std::to_string(image.image.width) + " x " +
                 std::to_string(image.image.height) + " and " + std::to_string(reference.image.width) + " x " +
@@ -103,7 +117,8 @@ void addCompare(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("compare", "Compare two images with every metric of the project");
   verb->add_option("IMAGE", options->image, "EXR file to judge")->required();
   verb->add_option("REFERENCE", options->reference, "EXR file that is right")->required();
-  verb->add_option("--layer", options->layer, "Layer to compare (default: the colour)")->type_name("LAYER");
+  verb->add_option("--layer", options->layer, "Layer to compare, of channels R, G, B or X, Y, Z (default: the colour)")
+      ->type_name("LAYER");
   verb->add_option("--reference-layer", options->referenceLayer, "Layer of REFERENCE (default: that of --layer)")
       ->type_name("LAYER");
   verb->add_option("--heat-map", options->heatMap, "PNG file to write with the perceptual error of each pixel")

@@ -26,6 +26,17 @@ TEST(CliCompare, PrintsEveryMetricAndJudges) {
   expectFailure(runXrds({"compare", other, frame.color, "--min-psnr", "60"}), 7, "below 60", frame.folder, 4);
 }
 
+TEST(CliCompare, ComparesNormalsByTheirName) {
+  const SmallFrame frame;
+  const std::string normals = (frame.folder / "normals.exr").string();
+  const auto slopes = [](int x, int y, int c) { return 0.1F * static_cast<float>(x - y + c); };
+  writeParts(normals, {{boxOf(10, 8), boxOf(10, 8), {colourLayer("", 10), {"Normal", "XYZ", slopes}}}});
+  EXPECT_EQ(runXrds({"compare", normals, normals, "--layer", "Normal", "--min-psnr", "90"}).exitCode, 0);
+  EXPECT_EQ(runXrds({"compare", normals, normals, "--reference-layer", "Normal", "--min-psnr", "90"}).exitCode, 7);
+  expectFailure(runXrds({"compare", normals, normals, "--layer", "Norm"}), 3, "expected a layer 'Norm'", frame.folder,
+                3);
+}
+
 TEST(CliCompare, RefusesWhatCannotBeCompared) {
   const SmallFrame frame;
   expectFailure(runXrds({"compare", frame.color, frame.aux, "--reference-layer", "albedo"}), 3, "different sizes",
