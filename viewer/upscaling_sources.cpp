@@ -17,6 +17,14 @@ std::vector<fs::path> filesOf(const FrameFiles& files) {
   return paths;
 }
 
+// What is told of the first file that is not there; empty if all are.
+std::string awaited(const std::vector<fs::path>& files) {
+  std::error_code unreadable;
+  for (const fs::path& file : files)
+    if (!fs::exists(file, unreadable)) return "Waiting for '" + file.string() + "', which is not there yet.";
+  return "";
+}
+
 }  // namespace
 
 // One step of the live view: more samples, then the picture that they make.
@@ -56,7 +64,11 @@ bool Upscaling::loadWanted(const Wanted& wanted) {
                     wanted.reload == served_.reload && wanted.temporal == served_.temporal;
   if (wanted.watching) {
     if (std::exchange(served_.reload, wanted.reload) != wanted.reload) watch_.forget();
-    if (!watch_.changed(filesOf(files), std::chrono::steady_clock::now())) return false;
+    if (!watch_.changed(filesOf(files), std::chrono::steady_clock::now())) {
+      const std::string text = frame_ ? "" : awaited(filesOf(files));
+      if (!text.empty() && text != report().waiting) tell([&](Report& report) { report.waiting = text; });
+      return false;
+    }
   } else if (same) {
     return false;
   }

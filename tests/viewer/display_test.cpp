@@ -63,12 +63,13 @@ TEST_F(ViewerDisplay, SwitchesModelAndPrecisionAndTellsPixels) {
 
 // The viewer takes a file that nobody has written to for a while: only time shows that it leaves half of one alone.
 TEST_F(ViewerDisplay, WaitsForHalfWrittenFiles) {
-  const Ended ended =
-      run("copy " + kColour + " lr.exr\npart 20000 " + kAuxiliary + " aux.exr\nsleep 0.4\nprint\ncopy " + kAuxiliary +
-              " aux.exr\nawait 1\nwait\nprint\ncopy " + kColour + " lr.exr\nawait 2\nwait\nprint\n",
-          smallDisplay({"--watch", "lr.exr", "aux.exr"}));
+  const Ended ended = run("copy " + kColour + " lr.exr\nsleep 0.4\nprint\npart 20000 " + kAuxiliary +
+                              " aux.exr\nsleep 0.4\nprint\ncopy " + kAuxiliary +
+                              " aux.exr\nawait 1\nwait\nprint\ncopy " + kColour + " lr.exr\nawait 2\nwait\nprint\n",
+                          smallDisplay({"--watch", "lr.exr", "aux.exr"}));
   EXPECT_TRUE(has(ended.output, "pictures=0")) << ended.output;
-  EXPECT_TRUE(has(ended.output, "waiting=\"")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "waiting=\"Waiting for 'aux.exr', which is not there yet.\"")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "waiting=\"Cannot read 'aux.exr'")) << ended.output;
   EXPECT_TRUE(has(ended.output, "pictures=1 files=lr.exr")) << ended.output;
   EXPECT_TRUE(has(ended.output, "pictures=2 files=lr.exr")) << ended.output;
 }
