@@ -1,6 +1,8 @@
 #include "engine/device.h"
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "engine/bytes.h"
 #include "engine/cache_file.h"
@@ -263,15 +265,22 @@ void runOnce(Gpu::Handles& gpu, const std::function<void(VkCommandBuffer)>& reco
 }
 
 // Second by second: a process that is stopped meanwhile, as a job that is suspended, loses one of them, not its
-// patience.
+// patience. A wait without memory has not waited: the work goes on, and nothing that it uses may be freed.
 void awaitFence(Gpu::Handles& gpu, VkFence fence) {
-  constexpr uint64_t kSecond = 1'000'000'000;
+  constexpr std::chrono::nanoseconds kSecond = std::chrono::seconds(1);
+  const auto untold = [](VkResult result) {
+    return result == VK_TIMEOUT || result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  };
   VkResult result = VK_TIMEOUT;
-  for (uint32_t second = 0; second < gpu.patienceSeconds && result == VK_TIMEOUT; ++second)
-    result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, kSecond);
-  if (result == VK_TIMEOUT) gpu.abandoned = true;
-  if (result == VK_ERROR_DEVICE_LOST) gpu.lost = true;
-  checkResult(result, "vkWaitForFences");
+  for (uint32_t second = 0; second < gpu.patienceSeconds && untold(result); ++second) {
+    if (result != VK_TIMEOUT) std::this_thread::sleep_for(kSecond);
+    result = gpu.vk.vkWaitForFences(gpu.device, 1, &fence, VK_TRUE, kSecond.count());
+  }
+  if (result == VK_ERROR_DEVICE_LOST)
+    gpu.lost = true;
+  else if (result != VK_SUCCESS)
+    gpu.abandoned = true;
+  checkResult(untold(result) ? VK_TIMEOUT : result, "vkWaitForFences");
 }
 
 void requireAnswering(const Gpu::Handles& gpu) {

@@ -229,6 +229,33 @@ TEST(Recording, OfADeviceThatDidNotAnswerIsRefusedEverAfter) {
 }
 
 PFN_vkWaitForFences waitOfTheDriver = nullptr;
+int waitsWithoutMemory = 0;
+
+VKAPI_ATTR VkResult VKAPI_CALL waitOrLackMemory(VkDevice device, uint32_t count, const VkFence* fences, VkBool32 all,
+                                                uint64_t nanoseconds) {
+  if (waitsWithoutMemory-- > 0) return VK_ERROR_OUT_OF_HOST_MEMORY;
+  return waitOfTheDriver(device, count, fences, all, nanoseconds);
+}
+
+// Nothing is known of the work then: it is waited for again, and as long as of a device that does not answer.
+TEST(Recording, WaitsAgainWhereAWaitLackedMemory) {
+  for (const bool recovers : {true, false}) {
+    Gpu device(test::gpuOptions());
+    Buffer buffer(device, 3 * kRegion);
+    test::uploadFloats(buffer, 0, test::randomNumbers(kQuads * 4, 1));
+    Recording recording(device, chain(buffer, 2));
+    device.setPatience(2);
+    waitOfTheDriver = device.handles().vk.vkWaitForFences;
+    device.handles().vk.vkWaitForFences = &waitOrLackMemory;
+    waitsWithoutMemory = recovers ? 1 : 2;
+    if (recovers)
+      EXPECT_TRUE(recording.run());
+    else
+      EXPECT_THROW(recording.run(), DeviceLost);
+    EXPECT_EQ(device.handles().abandoned, !recovers);
+    waitsWithoutMemory = 0;
+  }
+}
 
 VKAPI_ATTR VkResult VKAPI_CALL waitAndLose(VkDevice device, uint32_t count, const VkFence* fences, VkBool32, uint64_t) {
   static_cast<void>(waitOfTheDriver(device, count, fences, VK_TRUE, UINT64_MAX));  // what is destroyed is not in use

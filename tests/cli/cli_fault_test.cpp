@@ -48,6 +48,21 @@ TEST(CliFault, TooLittleMemoryMakesTheRunSmaller) {
   }());
 }
 
+// The work that was waited for goes on: its memory must not be freed.
+TEST(CliFault, AWaitThatLacksMemoryIsWaitedAgain) {
+  const SmallFrame frame;
+  const std::string good = goodPicture(frame);
+  const auto log = frame.folder / "faults";
+  for (const unsigned call : {1u, 3u}) {
+    std::filesystem::remove(log);
+    const Ended ended =
+        runXrds(frame.arguments(), withFaults(rule("vkWaitForFences", call, 1, VK_ERROR_OUT_OF_HOST_MEMORY), log));
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    EXPECT_EQ(readBytes(log), "vkWaitForFences\n");
+    EXPECT_EQ(readBytes(frame.out), good);
+  }
+}
+
 TEST(CliFault, AnotherDeviceGoesOnWhereOneFails) {
   const SmallFrame frame;
   const TemporaryFolder drivers;
