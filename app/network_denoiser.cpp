@@ -118,8 +118,10 @@ Image NetworkDenoiser::denoised(Device& device, const Image& colour, const Image
 }
 
 Image NetworkDenoiser::prefiltered(Device& device, const Image& colour, const Image* albedo, const Image* normal) {
-  if (!albedo || !normal) return denoised(device, colour, albedo, normal, false);
-  const Image cleanAlbedo = denoisedAlbedo(device, *albedo), cleanNormal = denoisedNormal(device, *normal);
+  if (!albedo) return denoised(device, colour, nullptr, nullptr, false);
+  const Image cleanAlbedo = denoisedAlbedo(device, *albedo);
+  if (!normal) return denoised(device, colour, &cleanAlbedo, nullptr, true);
+  const Image cleanNormal = denoisedNormal(device, *normal);
   return denoised(device, colour, &cleanAlbedo, &cleanNormal, true);
 }
 

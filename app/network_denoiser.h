@@ -54,7 +54,7 @@ class NetworkDenoiser {
   /// share of it (Upscaler::run()). Throws Error, as load() does.
   Image denoised(Device& device, const Image& colour, const Image* albedo, const Image* normal, bool clean,
                  std::span<const LayerSet> layers = {});
-  /// The same with albedo and normal that were denoised before, where both are there; an albedo alone stays as it is.
+  /// The same with albedo and normal that were denoised before.
   Image prefiltered(Device& device, const Image& colour, const Image* albedo, const Image* normal);
   /// Albedo and normal without their noise, each by a network of its own.
   Image denoisedAlbedo(Device& device, const Image& albedo);

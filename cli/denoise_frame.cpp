@@ -52,7 +52,7 @@ NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::fu
 bool areClean(const DenoiseOptions& options) { return options.guides == "clean"; }
 
 bool arePrefiltered(const DenoiseOptions& options, size_t guides) {
-  return options.guides == "prefilter" && guides == 2;
+  return options.guides == "prefilter" && guides > 0;
 }
 
 Denoised denoised(NetworkDenoiser& networks, Device& device, const Frame& frame, const DenoiseOptions& options) {
@@ -63,8 +63,10 @@ Denoised denoised(NetworkDenoiser& networks, Device& device, const Frame& frame,
   return untilInterrupted([&]() -> Denoised {
     if (prefilters) {
       cleanAlbedo = networks.denoisedAlbedo(device, *albedo);
-      cleanNormal = networks.denoisedNormal(device, *normal);
       albedo = &cleanAlbedo;
+    }
+    if (prefilters && normal) {
+      cleanNormal = networks.denoisedNormal(device, *normal);
       normal = &cleanNormal;
     }
     if (!frame.layers()) return {networks.denoised(device, frame.colour(), albedo, normal, clean)};
@@ -83,7 +85,7 @@ size_t runsFor(const Frame& frame, const DenoiseOptions& options) {
   const bool prefilters = arePrefiltered(options, frame.auxiliary().size());
   const size_t ofLayers =
       frame.layers() ? frame.layers()->noisyImages() + (prefilters ? frame.layers()->noisyColours() : 0) : 0;
-  return 1 + (prefilters ? 2 : 0) + ofLayers;
+  return 1 + (prefilters ? frame.auxiliary().size() : 0) + ofLayers;
 }
 
 ExrOutput outputOf(const DenoiseOptions& options, const Frame& frame, const std::string& denoiser) {

@@ -13,7 +13,7 @@ Image denoisedRender(NetworkDenoiser& networks, Device& device, const LoadedFram
   if (!colour) throw Error("The files hold no full-resolution colour to denoise.");
   const Image* albedo = find(kAlbedo);
   const Image* normal = albedo ? find(kNormal) : nullptr;
-  networks.load(normal ? 2 : albedo ? 1 : 0, false, normal != nullptr);
+  networks.load(normal ? 2 : albedo ? 1 : 0, false, true);
   return networks.prefiltered(device, *colour, albedo, normal);
 }
 

@@ -102,6 +102,16 @@ def test_a_render_is_denoised_as_by_the_command(networks, tmp_path, words, optio
         assert denoiser.device_bytes > 0
 
 
+def test_a_render_with_an_albedo_alone(networks, tmp_path):
+    (networks / "rt_hdr_alb.safetensors").write_bytes((ROOT / "tests/golden/unet/hdr_albedo_base.model.safetensors").read_bytes())
+    colour, albedo = noise(20, 28), noise(20, 28, seed=2)
+    found = xrds.denoise(colour, albedo=albedo, denoisers=networks)
+    same(found, denoised(tmp_path, networks, colour, {"albedo": albedo}))
+    clean = xrds.upscale(albedo, model=networks / "rt_alb.safetensors")
+    same(found, xrds.denoise(colour, albedo=clean, guides="clean", denoisers=networks))
+    assert not numpy.array_equal(found, xrds.denoise(colour, albedo=albedo, guides="clean", denoisers=networks))
+
+
 def test_a_render_without_guides(networks, tmp_path):
     (networks / "rt_hdr_small.safetensors").write_bytes((ROOT / "tests/golden/unet/hdr_small.model.safetensors").read_bytes())
     colour = noise(20, 28, channels=4)

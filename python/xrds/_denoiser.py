@@ -20,8 +20,7 @@ class Denoiser(Held[Networks]):
 
     width, height: of all images, pixels.
     inputs: the images that come with the colour: ("albedo", "normal"), ("albedo",) or ().
-    guides: "prefilter": albedo and normal are denoised first, each by a network of its own, where both are there; "noisy": they stay
-    as they are; "clean": so they do, and have no noise.
+    guides: "prefilter": albedo and normal are denoised first, each by a network of its own; "noisy": they stay as they are; "clean": so they do, and have no noise.
     quality: "high": the largest networks that there are; "balanced", "fast": the base ones, the small ones.
     denoisers: folder of the networks; None: denoiser_folder(), where import_oidn() puts them.
     The others are those of Upscaler.

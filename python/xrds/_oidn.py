@@ -57,7 +57,7 @@ def networks_alone(
     guides, quality: those of Denoiser. Raises Error if one is missing.
     """
     home, sizes = _home(folder), _SIZES[quality]
-    prefilters = {"albedo": "rt_alb", "normal": "rt_nrm"} if guides == "prefilter" and len(inputs) == 2 else {}
+    prefilters = {name: kind for name, kind in (("albedo", "rt_alb"), ("normal", "rt_nrm")) if guides == "prefilter" and name in inputs}
     noisy = len(inputs) == 2 and guides == "noisy"
     colour = "rt_hdr_alb_nrm" if noisy else _kinds(inputs, True)[0]
     return _network(home, colour, sizes), {name: _network(home, kind, sizes) for name, kind in prefilters.items()}

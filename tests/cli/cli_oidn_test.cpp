@@ -63,6 +63,32 @@ TEST(CliOidn, TakesTheColourAlone) {
   EXPECT_LT(frame.difference(), 1e-4);
 }
 
+TEST(CliOidn, DenoisesAnAlbedoWithoutANormal) {
+  const NoisyFrame frame("hdr_albedo_base", "rt_hdr_alb");
+  const std::string network = (frame.folder / "networks/rt_alb.safetensors").string();
+  std::filesystem::copy_file(kGolden + "albedo_small.model.safetensors", network);
+  const Ended ended = frame.denoise({});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_GT(frame.difference(), 1e-3);  // from the colour with the albedo as it is
+  const Image found = readColour(frame.out);
+
+  const auto& shape = frame.golden.tensors.at("colour").shape;
+  const int height = static_cast<int>(shape[0]), width = static_cast<int>(shape[1]);
+  const Box box = boxOf(width, height);
+  const std::string alone = (frame.folder / "albedo.exr").string(), clean = (frame.folder / "clean.exr").string();
+  writeParts(alone, {{box, box, {layerOf("", frame.golden.tensors.at("albedo").values, width)}}});
+  const Ended albedo = runXrds({"upscale", alone, "-o", clean, "--model", network});
+  ASSERT_EQ(albedo.exitCode, 0) << albedo.error;
+  writeParts(frame.in, {{box,
+                         box,
+                         {layerOf("", frame.golden.tensors.at("colour").values, width),
+                          layerOf("albedo", readColour(clean).pixels, width)}}});
+  ASSERT_EQ(frame.denoise({"--guides", "noisy"}).exitCode, 0);
+  const Image expected = readColour(frame.out);
+  ASSERT_EQ(found.pixels.size(), expected.pixels.size());
+  for (size_t i = 0; i < found.pixels.size(); ++i) EXPECT_NEAR(found.pixels[i], expected.pixels[i], 1e-5) << i;
+}
+
 TEST(CliOidn, SaysWhatToImportWhereANetworkIsMissing) {
   const NoisyFrame frame("hdr_small", "rt_ldr");
   const Ended ended = frame.denoise({});
