@@ -40,8 +40,8 @@ def arguments():
 
 
 def without_light(scene, put=setattr):
-    """No lamp, no surface and no sky is sampled; the sky stays what the camera sees behind the scene."""
-    for item in scene.objects:
+    """No lamp, no surface and no sky is sampled; the sky stays what the camera sees behind the scene. Lamps may be in background scenes and instances."""
+    for item in bpy.data.objects:
         if item.type == "LIGHT":
             put(item, "hide_render", True)
     for material in bpy.data.materials:

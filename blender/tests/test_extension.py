@@ -959,6 +959,22 @@ class Recording(WithBlender):
         self.assertEqual([found for found in differences(before, snapshot()) if "use_extra_user" not in found], [], "which undo itself sets")
         self.assertNotIn(recorder.MARK, bpy.context.scene)
 
+    def test_cheap_guides_hide_every_lamp(self):
+        """Those of a background scene and of an instanced collection, too."""
+        scene = self.open("layers")
+        scene.xrds.guides = "CHEAP"
+        lamps = [bpy.data.objects.new(name, bpy.data.lights.new(name, "POINT")) for name in ("Behind", "Instanced")]
+        scene.background_set = bpy.data.scenes.new("Behind")
+        scene.background_set.collection.objects.link(lamps[0])
+        instance = bpy.data.objects.new("Instance", None)
+        instance.instance_type, instance.instance_collection = "COLLECTION", bpy.data.collections.new("Lamps")
+        instance.instance_collection.objects.link(lamps[1])
+        scene.collection.objects.link(instance)
+        with recorder.Recorder(scene) as made:
+            passes.configure_full(scene, scene.xrds, "/nowhere", made)
+            self.assertTrue(all(lamp.hide_render for lamp in [*lamps, bpy.data.objects["Lamp"]]))
+        self.assertFalse(any(lamp.hide_render for lamp in [*lamps, bpy.data.objects["Lamp"]]))
+
     def test_what_is_deleted_hinders_nothing(self):
         scene = self.open("layers")
         item = bpy.data.objects["Lamp"]
