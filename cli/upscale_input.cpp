@@ -41,8 +41,10 @@ std::vector<std::string> inputsThere(const UpscaleOptions& options, const ExrFil
   return inputs;
 }
 
-// Samples a pixel of the low-resolution colour, where they are known.
+// Samples a pixel of the low-resolution colour by which the model is chosen, where they are known. With --skip they do
+// not count: the models of few samples cannot skip windows.
 std::optional<double> lowSamples(const UpscaleOptions& options, const Frame& frame) {
+  if (parseSkip(options.skip) > 0) return {};
   if (const auto given = parsePair(options.samples)) return given->first;
   return samplesOf(frame.colourLayer());
 }

@@ -87,6 +87,14 @@ def test_the_colour_of_the_full_render_is_merged(tmp_path, samples):
         same(xrds.upscale(low, full_colour=full, samples=samples, **images), wanted)
 
 
+def test_skipping_takes_a_model_that_can_skip(tmp_path):
+    low, images = frame(12, 16)
+    full = numpy.repeat(numpy.repeat(low, 4, 0), 4, 1)
+    wanted = picture(tmp_path, *files(tmp_path, low, beauty=full, **images), "--samples", "2,1", "--skip", "safe")
+    same(xrds.upscale(low, full_colour=full, samples=(2, 1), skip="safe", **images), wanted)
+    same(xrds.upscale(low, samples=(2, 1), skip="safe", **images), xrds.upscale(low, model="xrds-x4-compact", **images))
+
+
 def test_a_colour_of_other_light_is_left_out(tmp_path):
     low, images = frame(12, 16)
     full = numpy.repeat(numpy.repeat(3 * low, 4, 0), 4, 1)

@@ -121,7 +121,7 @@ def upscale(
         "clean_guides": clean_guides,
         "denoised_colour": denoised_colour,
     }
-    chosen = model if model is not None else _suitable(scale, given, both is not None, samples)
+    chosen = model if model is not None else _suitable(scale, given, both is not None, samples, skip)
     model_key = chosen if isinstance(chosen, Model) else os.fspath(chosen)
     upscaler = _kept(
         (Upscaler, low.width, low.height, model_key, *options.values(), os.environ.get("XRDS_DENOISERS")), device, progress,
@@ -237,9 +237,10 @@ def _scale(low: _native.Image, given: dict[str, _native.Image]) -> int:
     return scale
 
 
-def _suitable(scale: int, given: dict[str, _native.Image], merged: bool, samples: Optional[Samples]) -> str:
-    inputs = [name for name in given if merged or name != "colour"]
-    return _native.choose_model(scale, inputs, float(samples[0]) if samples else 0)
+def _suitable(scale: int, given: dict[str, _native.Image], merged: bool, samples: Optional[Samples], skip: Skip) -> str:
+    skips = skip not in (None, "off", 0)  # the full models, and those of few samples, cannot
+    inputs = [name for name in given if name != "colour" or (merged and not skips)]
+    return _native.choose_model(scale, inputs, float(samples[0]) if samples and not skips else 0)
 
 
 def _kept(key: tuple[Any, ...], device: AnyDevice, progress: Optional[Progress], make: Callable[[Device], Kept]) -> Kept:

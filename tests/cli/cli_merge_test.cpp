@@ -169,6 +169,8 @@ TEST(CliMerge, TakesTheModelThatSuitsWhatTheFilesHold) {
     writeColours(frame, 0.5F, {{"cycles.ViewLayer.samples", samples}});
     EXPECT_EQ(chosen({}), model) << samples;
     EXPECT_EQ(chosen({"--aux-colour", "never"}), model) << samples;
+    EXPECT_EQ(chosen({"--skip", "safe"}), "xrds-x4-compact") << samples;  // which the others refuse
+    EXPECT_EQ(chosen({"--skip", "safe", "--aux-colour", "never"}), "xrds-x4-compact") << samples;
   }
 }
 
