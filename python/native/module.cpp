@@ -52,7 +52,7 @@ using LayerColour = std::tuple<const Image*, const Image*, const Image*>;  // lo
 using LayerSet = std::tuple<std::vector<Layer>, std::vector<LayerColour>, const Image*>;  // and what they are part of
 
 struct UpscalerOptions {
-  bool fp16 = false, keepUnchanged = false, exactTiles = false, denoisedColour = false;
+  bool fp16 = false, keepUnchanged = false, exactTiles = false, wrap = false, denoisedColour = false;
   float exposure = 0, skip = 0;
   uint32_t ensemble = 1;
   uint64_t memory = 0;
@@ -66,6 +66,7 @@ XrdsUpscalerOptions optionsOf(const UpscalerOptions& given) {
   options.ensemble = given.ensemble;
   options.memoryBytes = given.memory;
   options.exactTiles = given.exactTiles;
+  options.wrap = given.wrap;
   options.skipBound = given.skip;
   options.keepUnchanged = given.keepUnchanged;
   options.tune = static_cast<XrdsTune>(given.tune);
@@ -240,6 +241,7 @@ NB_MODULE(_native, module) {
       .def_rw("ensemble", &UpscalerOptions::ensemble)
       .def_rw("memory", &UpscalerOptions::memory)
       .def_rw("exact_tiles", &UpscalerOptions::exactTiles)
+      .def_rw("wrap", &UpscalerOptions::wrap)
       .def_rw("tune", &UpscalerOptions::tune)
       .def_rw("denoised_colour", &UpscalerOptions::denoisedColour);
   nb::class_<Upscaler>(module, "Upscaler")

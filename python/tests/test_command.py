@@ -61,6 +61,7 @@ def test_the_model_that_suits_is_chosen(tmp_path):
     (["--ensemble", "2"], {"ensemble": 2}),
     (["--skip", "safe"], {"skip": "safe"}),
     (["--memory", "16M"], {"memory": 16 << 20}),
+    (["--wrap"], {"wrap": True}),
 ])
 def test_options_are_those_of_the_command(tmp_path, words, options):
     colour, images = corner("studio")

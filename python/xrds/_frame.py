@@ -31,7 +31,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: None = ..., model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[float] = ...,
-    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tiles: str = ..., wrap: bool = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
 
 
@@ -41,7 +41,7 @@ def upscale(
     diffuse: Optional[Array] = ..., glossy: Optional[Array] = ..., full_colour: Optional[Array] = ...,
     samples: Optional[Samples] = ..., merged: bool = ..., layers: Layers, model: Optional[AnyModel] = ..., device: AnyDevice = ...,
     precision: str = ..., exposure: Optional[float] = ..., skip: Skip = ..., ensemble: int = ..., memory: Optional[float] = ...,
-    tiles: str = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
+    tiles: str = ..., wrap: bool = ..., tune: str = ..., denoise_first: Union[bool, Path] = ..., clean_guides: bool = ..., denoised_colour: bool = ..., out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
 
 
@@ -65,6 +65,7 @@ def upscale(
     ensemble: int = 1,
     memory: Optional[float] = None,
     tiles: str = "bounded",
+    wrap: bool = False,
     tune: str = "auto",
     denoise_first: Union[bool, Path] = False,
     clean_guides: bool = False,
@@ -116,6 +117,7 @@ def upscale(
         "ensemble": ensemble,
         "memory": memory,
         "tiles": tiles,
+        "wrap": wrap,
         "tune": tune,
         "denoise_first": denoise_first,
         "clean_guides": clean_guides,

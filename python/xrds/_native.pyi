@@ -41,6 +41,7 @@ class UpscalerOptions:
     ensemble: int
     memory: int
     exact_tiles: bool
+    wrap: bool
     tune: int
     denoised_colour: bool
 

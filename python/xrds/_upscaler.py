@@ -38,9 +38,10 @@ class Upscaler(Held[_native.Upscaler]):
     ensemble: passes over mirrored images, 1, 2, 4 or 8.
     memory: bytes of the device at most, as 64e6; a larger frame is cut into tiles. None: three quarters.
     tiles: "bounded", or "exact": with the bits of the whole frame, for more work.
+    wrap: the left and right edges continue into each other: a panorama. Not with skip, nor ensemble=8.
     tune: "auto", "never" or "now": whether the device's fastest kernels are found before, minutes on a CPU.
     denoise_first: Open Image Denoise's networks take the noise out of all images first, on the same device: True: those of
-    denoiser_folder(), where import_oidn() puts them; or a folder. Not with ensemble, skip or keep_unchanged. For the
+    denoiser_folder(), where import_oidn() puts them; or a folder. Not with ensemble, skip, keep_unchanged or wrap. For the
     first frame with layers, each of which goes through the denoiser, the networks are made ready once more.
     clean_guides: albedo and normal have no noise.
     denoised_colour: the colour was denoised before: of what the model changes in it only the part is taken that its file
@@ -65,6 +66,7 @@ class Upscaler(Held[_native.Upscaler]):
         ensemble: int = 1,
         memory: Optional[float] = None,
         tiles: str = "bounded",
+        wrap: bool = False,
         tune: str = "auto",
         denoise_first: Union[bool, Path] = False,
         clean_guides: bool = False,
@@ -73,6 +75,7 @@ class Upscaler(Held[_native.Upscaler]):
     ) -> None:
         options = _options(precision, exposure, skip, ensemble, memory, tune)
         options.exact_tiles = _one_of(tiles, "tiles", ("bounded", "exact")) == "exact"
+        options.wrap = wrap
         options.keep_unchanged = keep_unchanged
         options.denoised_colour = denoised_colour
         self.width, self.height = _size(width, "width"), _size(height, "height")
