@@ -180,10 +180,12 @@ void addUpscaleOptions(CLI::App& verb, UpscaleOptions& options) {
       "Of a sequence: compute only windows that differ from the frame before. Needs --exposure E, so that the result "
       "does not\ndepend on which frame was before");
   verb.footer(
-      "The output keeps the attributes of COLOR and its windows, scaled. It is written under a temporary name and\n"
-      "renamed, so it may replace COLOR or AUX. Layers are found by the naming of Cycles, pbrt, Mitsuba, Arnold,\n"
-      "RenderMan, LuxCore and plain names; --color, --albedo, --normal and --depth choose others. The scale follows\n"
-      "from the two sizes.\n\n"
+      "The output keeps the attributes of COLOR and its windows, scaled; xrds:version, xrds:model and xrds:options\n"
+      "say what made it. It is written under a temporary name and renamed, so it may replace COLOR or AUX. Layers\n"
+      "are found by the naming of Cycles, pbrt, Mitsuba, Arnold, RenderMan, LuxCore, Karma, Redshift, V-Ray and plain\n"
+      "names; --color, --albedo, --normal and --depth choose others. The scale follows from the two sizes. Without\n"
+      "--model a colour of at most 4 samples a pixel is upscaled by xrds-x4-live or xrds-x2-live, unless there is a\n"
+      "full-resolution colour to merge. With --skip, which these refuse, the compact model is taken.\n\n"
       "Sequences: COLOR, AUX and --output with #### or %04d in their names, or folders of one numbered series; AUX may "
       "be one\nfile for all frames. The model is chosen by the first frame. A frame that fails is told and the others "
       "are "
