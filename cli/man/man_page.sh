@@ -39,4 +39,7 @@ Where the folder xrds keeps compiled kernels; without it, ~/.cache.
 .TP
 \fBXDG_DATA_HOME\fR
 Where the folder xrds/denoisers keeps imported networks; without it, ~/.local/share.
+.TP
+\fBXDG_CONFIG_HOME\fR
+Where the file xrds/viewer.json keeps the place of the viewer's window; without it, ~/.config.
 END
