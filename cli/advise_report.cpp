@@ -106,7 +106,7 @@ std::string plainText(const Advice& advice) {
              ": ways of that scale are left out.\n";
   std::vector<Row> rows{{"way", "low-resolution samples", "full", "render s", "then s", "PSNR dB", "+-"}};
   for (const Plan& plan : advice.plans) rows.push_back(rowOf(advice, plan));
-  lines += "\nPlans than which no quicker one is as good, on " + advice.device + ":\n\n" + aligned(rows);
+  lines += "\nThe best plans, each better than all quicker ones, on " + advice.device + ":\n\n" + aligned(rows);
   if (!advice.chosen) return lines;
   lines += "\nAdvised, " + text("%.1f", advice.chosen->seconds()) + " s for " + text("%.1f", advice.chosen->psnr) +
            " dB, give or take " + text("%.1f", advice.chosen->way.spread) + ":\n";
