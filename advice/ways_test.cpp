@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -15,16 +15,14 @@ constexpr const char* kWays = R"({"ways": [{
   "denoisesFirst": false, "takesFullColour": true, "ratios": [4, 16], "noise": [-12, -5], "spread": 0.9,
   "coefficients": {"constant": 10, "noise": -2, "detail": -0.5, "guideNoise": -0.25}}]})";
 
-// Tests run beside each other: each has a file of its own.
-std::filesystem::path written(const std::string& text) {
-  const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
-  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / ("xrds_ways_" + test + ".json");
-  std::ofstream(file) << text;
-  return file;
+std::vector<Way> read(const std::string& text) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "ways.json") << text;
+  return readWays(folder / "ways.json");
 }
 
 TEST(Ways, AreReadWithAllTheirFields) {
-  const std::vector<Way> ways = readWays(written(kWays));
+  const std::vector<Way> ways = read(kWays);
   ASSERT_EQ(ways.size(), 1U);
   const Way& way = ways.front();
   EXPECT_EQ(way.name, "x4-full, merged");
@@ -38,7 +36,7 @@ TEST(Ways, AreReadWithAllTheirFields) {
 }
 
 TEST(Ways, PredictFromTheNoiseThatIsLeft) {
-  Way way = readWays(written(kWays)).front();
+  Way way = read(kWays).front();
   const SceneFeatures scene{-2, -8, -6};
   EXPECT_EQ(way.noiseLeft(scene, {64, 4}), -9);  // 64 + 16 * 4 samples
   EXPECT_EQ(way.predictedPsnr(scene, {64, 4}), 10 + 2 * 9 + 0.5 * 8 + 0.25 * 8);
@@ -55,7 +53,7 @@ TEST(Ways, FilesThatTellNoneAreRefused) {
   senseless.replace(senseless.find("\"scale\": 4"), 10, "\"scale\": 1");
   for (const std::string& text :
        {std::string("{"), std::string("{}"), std::string(R"({"ways": [{"name": 3}]})"), senseless})
-    EXPECT_THROW(readWays(written(text)), Error) << text;
+    EXPECT_THROW(read(text), Error) << text;
   EXPECT_THROW(readWays("/nowhere/ways.json"), Error);
 }
 

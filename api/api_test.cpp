@@ -3,11 +3,10 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
-#include <random>
 
 #include "tests/environment_variable.h"
+#include "tests/temporary_folder.h"
 #include "xrds/stress.h"
 #include "xrds/tuning.h"
 #include "xrds/xrds.hpp"
@@ -188,10 +187,8 @@ TEST(Api, ListsDevicesWithTheKernelsThatTheyWouldRun) {
 
 /// A device whose caches are its own.
 struct FreshDevice {
-  std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / ("xrds_api_" + std::to_string(std::random_device{}()));
-  Device device{{.cacheFolder = folder}};
-  ~FreshDevice() { std::filesystem::remove_all(folder); }
+  test::TemporaryFolder folder;
+  Device device{{.cacheFolder = folder.path()}};
 };
 
 TEST(Api, TunesNowWhereItIsAsked) {

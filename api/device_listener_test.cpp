@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "tests/temporary_folder.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {
@@ -16,11 +16,10 @@ namespace {
 
 // While another thread's calls end well.
 TEST(DeviceListener, ThrowsInTheThreadOfTheCall) {
-  const std::filesystem::path cache = std::filesystem::path(testing::TempDir()) / "xrds_device_listener";
-  std::filesystem::remove_all(cache);
+  const test::TemporaryFolder cache;
   {
     bool refuses = false;
-    Device::Options options{.cacheFolder = cache};
+    Device::Options options{.cacheFolder = cache.path()};
     options.onPreparation = [&](const Preparation&) {
       if (refuses) throw std::runtime_error("no programs today");
       return true;
@@ -45,7 +44,6 @@ TEST(DeviceListener, ThrowsInTheThreadOfTheCall) {
     refuses = false;
     EXPECT_NO_THROW(Upscaler(device, model, 16, 8, {}));
   }
-  std::filesystem::remove_all(cache);
 }
 
 // Whatever the device has to say while it is closed.

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <random>
 
 #include "engine/cache_file.h"
 #include "tests/engine_programs.h"
 #include "tests/environment_variable.h"
 #include "tests/harness.h"
+#include "tests/temporary_folder.h"
 
 namespace xrds {
 namespace {
@@ -17,12 +17,6 @@ namespace fs = std::filesystem;
 
 class CacheFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("xrds_cache_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path file() const { return folder_ / "cache.bin"; }
   std::vector<std::byte> read(std::string_view key = "device") const { return readCacheFile(file(), key); }
   bool write(std::string_view key = "device") const { return writeCacheFile(file(), key, content_); }
@@ -33,7 +27,7 @@ class CacheFile : public testing::Test {
   }
   void setText(const std::string& text) const { std::ofstream(file(), std::ios::binary) << text; }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
   std::vector<std::byte> content_{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{250}};
 };
 
@@ -45,7 +39,7 @@ TEST_F(CacheFile, GivesBackWhatWasWritten) {
 TEST_F(CacheFile, LeavesNothingElseBehind) {
   write();
   write();
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+  EXPECT_EQ(folder_.fileCount(), 1u);
 }
 
 TEST_F(CacheFile, MissingIsEmpty) { EXPECT_TRUE(read().empty()); }
@@ -95,16 +89,16 @@ std::vector<float> runWithCache(const fs::path& folder, uint32_t quads = 1) {
 
 TEST_F(CacheFile, DamagedPipelineCacheIsReplacedAndHarmless) {
   const std::vector<float> expected{3, 5, 7, 9};
-  EXPECT_EQ(runWithCache(folder_), expected);
+  EXPECT_EQ(runWithCache(folder_.path()), expected);
   fs::path pipelines;
-  for (const auto& entry : fs::directory_iterator(folder_))
+  for (const auto& entry : fs::directory_iterator(folder_.path()))
     if (entry.path().extension() == ".bin") pipelines = entry.path();
   ASSERT_FALSE(pipelines.empty());
   const auto size = fs::file_size(pipelines);
 
-  EXPECT_EQ(runWithCache(folder_), expected);
+  EXPECT_EQ(runWithCache(folder_.path()), expected);
   std::ofstream(pipelines, std::ios::binary) << "not a cache";
-  EXPECT_EQ(runWithCache(folder_), expected);
+  EXPECT_EQ(runWithCache(folder_.path()), expected);
   EXPECT_EQ(fs::file_size(pipelines), size);
 }
 
@@ -115,9 +109,9 @@ constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
 TEST_F(CacheFile, AnotherSizeCompilesNothingAnew) {
   if (test::gpu().description().kind != DeviceKind::cpu) GTEST_SKIP() << "not Mesa's CPU driver";
   const auto compiled = [&](uint32_t quads) {
-    const test::EnvironmentVariable mesa(kShaderCache, folder_);
-    EXPECT_EQ(runWithCache(folder_, quads), (std::vector<float>{3, 5, 7, 9}));
-    const fs::recursive_directory_iterator files(folder_);
+    const test::EnvironmentVariable mesa(kShaderCache, folder_.path());
+    EXPECT_EQ(runWithCache(folder_.path(), quads), (std::vector<float>{3, 5, 7, 9}));
+    const fs::recursive_directory_iterator files(folder_.path());
     return std::count_if(begin(files), end(files), [](const auto& entry) { return entry.is_regular_file(); });
   };
   const auto once = compiled(16);

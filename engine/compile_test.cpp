@@ -1,17 +1,13 @@
 // Compilation in parallel: the same results as one after the other, and the same error whichever thread meets it.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <random>
-
 #include "tests/engine_programs.h"
+#include "tests/environment_variable.h"
 #include "tests/harness.h"
+#include "tests/temporary_folder.h"
 
 namespace xrds {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr uint32_t kPrograms = 48;
 
@@ -36,22 +32,14 @@ TEST(Compile, ManyProgramsGiveTheirResults) { expectResults(test::gpu(), 2000); 
 #ifndef _WIN32
 // With no disk cache to help, further devices compile too, and hand over what they made.
 TEST(Compile, AnEmptyCacheGivesTheSameResults) {
-  const fs::path folder = fs::path(testing::TempDir()) / ("xrds_compile_" + std::to_string(std::random_device{}()));
-  const char* variable = "MESA_SHADER_CACHE_DIR";
-  const char* present = std::getenv(variable);
-  const std::string before = present ? present : "";
-  fs::create_directories(folder);
-  setenv(variable, folder.c_str(), 1);
-  {
-    DeviceOptions options = test::gpuOptions();
-    options.cacheFolder = folder;
-    options.programs = test::engineProgram;
-    Gpu gpu(std::move(options));
-    expectResults(gpu, 3000);
-    expectResults(gpu, 3000 + kPrograms / 2);
-  }
-  present ? setenv(variable, before.c_str(), 1) : unsetenv(variable);
-  fs::remove_all(folder);
+  const test::TemporaryFolder folder;
+  const test::EnvironmentVariable mesa("MESA_SHADER_CACHE_DIR", folder.path());
+  DeviceOptions options = test::gpuOptions();
+  options.cacheFolder = folder.path();
+  options.programs = test::engineProgram;
+  Gpu gpu(std::move(options));
+  expectResults(gpu, 3000);
+  expectResults(gpu, 3000 + kPrograms / 2);
 }
 #endif
 

@@ -11,9 +11,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <random>
 
 #include "tests/environment_variable.h"
+#include "tests/temporary_folder.h"
 
 namespace xrds {
 namespace {
@@ -26,12 +26,11 @@ constexpr uint32_t kPrograms = 24;
 /// Devices whose caches, and whose temporary folder, lie in a folder of their own.
 class Start : public testing::Test {
  protected:
-  Start() : folder_(fs::path(testing::TempDir()) / ("xrds_start_" + std::to_string(std::random_device{}()))) {
+  Start() {
     fs::create_directories(folder_ / "temporary");
     fs::create_directories(folder_ / "mesa");
     std::ofstream(folder_ / "file") << "no folder";
   }
-  ~Start() override { fs::remove_all(folder_); }
 
   Gpu open(const fs::path& cacheFolder, PreparationProgress onPreparation = {}) const {
     DeviceOptions options = test::gpuOptions();
@@ -41,7 +40,7 @@ class Start : public testing::Test {
     return Gpu(std::move(options));
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 // Writes 2 * 0 + add + i to quad i + 1, by a program for each i.
@@ -66,7 +65,7 @@ std::vector<Preparation> ofPhase(const std::vector<Preparation>& told, Phase pha
 TEST_F(Start, EveryProgramIsCounted) {
   const test::EnvironmentVariable mesa("MESA_SHADER_CACHE_DIR", folder_ / "mesa");
   std::vector<Preparation> told;
-  Gpu gpu = open(folder_, [&](const Preparation& now) { return told.push_back(now), true; });
+  Gpu gpu = open(folder_.path(), [&](const Preparation& now) { return told.push_back(now), true; });
   expectResults(gpu, 5000);
   for (const Phase phase : {Phase::pipelines, Phase::machineCode}) {
     if (phase == Phase::machineCode && gpu.description().kind != DeviceKind::cpu) continue;
@@ -86,7 +85,7 @@ TEST_F(Start, EveryProgramIsCounted) {
 TEST_F(Start, WhoCancelsCanGoOnLater) {
   const test::EnvironmentVariable mesa("MESA_SHADER_CACHE_DIR", folder_ / "mesa");
   std::optional<Phase> cancelled;
-  Gpu gpu = open(folder_, [&](const Preparation& now) { return now.phase != cancelled; });
+  Gpu gpu = open(folder_.path(), [&](const Preparation& now) { return now.phase != cancelled; });
   const bool compiles = gpu.description().kind == DeviceKind::cpu;
   for (const Phase phase : {Phase::pipelines, Phase::machineCode}) {
     if (phase == Phase::machineCode && !compiles) continue;
@@ -134,10 +133,10 @@ TEST_F(Start, ATemporaryFolderThatOthersCanWriteIsNotTaken) {
 
 TEST_F(Start, AShaderCacheOfTheUsersThatCannotBeWrittenIsNamed) {
   const test::EnvironmentVariable mesa("MESA_SHADER_CACHE_DIR", folder_ / "file" / "mesa");
-  const Gpu gpu = open(folder_);
+  const Gpu gpu = open(folder_.path());
   ASSERT_EQ(gpu.notes().size(), 1u);
   EXPECT_NE(gpu.notes()[0].find("'" + (folder_ / "file" / "mesa").string() + "'"), std::string::npos);
-  EXPECT_EQ(std::string(std::getenv("MESA_SHADER_CACHE_DIR")).rfind(folder_.string() + "/mesa", 0), 0u);
+  EXPECT_EQ(std::string(std::getenv("MESA_SHADER_CACHE_DIR")).rfind(folder_.path().string() + "/mesa", 0), 0u);
 }
 
 TEST_F(Start, AFolderThatCanBeWrittenIsNotSpokenOf) {

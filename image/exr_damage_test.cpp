@@ -7,6 +7,7 @@
 
 #include "image/exr_read.h"
 #include "image/test_files.h"
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds {

@@ -11,6 +11,7 @@
 
 #include "image/test_files.h"
 #include "tests/print_case.h"
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds {

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <fstream>
 
-#include "image/test_files.h"
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds::test {

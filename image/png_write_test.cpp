@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "image/compose.h"
-#include "image/test_files.h"
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds {

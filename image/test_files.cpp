@@ -10,7 +10,6 @@
 
 #include <fstream>
 #include <iterator>
-#include <random>
 
 namespace xrds::test {
 namespace {
@@ -63,21 +62,6 @@ void writePart(Imf::MultiPartOutputFile& file, int number, const FixturePart& pa
 }
 
 }  // namespace
-
-TemporaryFolder::TemporaryFolder()
-    : path_(std::filesystem::temp_directory_path() / ("xrds_image_" + std::to_string(std::random_device{}()))) {
-  std::filesystem::create_directories(path_);
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-size_t TemporaryFolder::fileCount() const {
-  const std::filesystem::directory_iterator files(path_);
-  return static_cast<size_t>(std::distance(begin(files), end(files)));
-}
 
 float fixtureValue(int x, int y, size_t c) {
   return static_cast<float>(((x & 15) * 4 + (y & 15)) * 4 + static_cast<int>(c & 3U)) / 8.0F;

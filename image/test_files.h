@@ -12,21 +12,6 @@
 
 namespace xrds::test {
 
-/// A folder of its own for one test, removed with all that is in it at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  size_t fileCount() const;
-
- private:
-  std::filesystem::path path_;
-};
-
 /// One part of a fixture file: its channels by full name, all of one type, with values that `fixtureValue` gives.
 struct FixturePart {
   std::string name;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "network/network_model.h"
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -33,7 +34,8 @@ TEST(Safetensors, ReadsWhatItWrites) {
   file.metadata = {{"format", "xrds"}};
   file.tensors["a"] = {{2, 3}, {1, -2, 0.5f, 65504, 6e-8f, 0}};
   file.tensors["b"] = {{1}, {3}};
-  const auto path = std::filesystem::path(testing::TempDir()) / "tensors.safetensors";
+  const test::TemporaryFolder folder;
+  const auto path = folder / "tensors.safetensors";
   for (const DataType type : {DataType::f32, DataType::f16}) {
     writeTensors(path, file, type);
     const TensorFile read = readTensors(path);
@@ -79,7 +81,8 @@ TEST(Safetensors, RefusesHostileHeaders) {
 }
 
 TEST(Safetensors, NoByteFlipCrashes) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "flip.safetensors";
+  const test::TemporaryFolder folder;
+  const auto path = folder / "flip.safetensors";
   NetworkConfig config{
       .scale = 2, .channels = 8, .auxChannels = 4, .groups = 1, .blocks = 1, .window = 4, .headChannels = 4};
   writeTensors(path, NetworkModel::random(config, 1).file(), DataType::f16);

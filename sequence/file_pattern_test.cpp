@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <random>
 
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -14,15 +14,10 @@ namespace fs = std::filesystem;
 
 class FilePatterns : public testing::Test {
  protected:
-  FilePatterns() : folder_(fs::path(testing::TempDir()) / ("xrds_pattern_" + std::to_string(std::random_device{}()))) {
-    fs::create_directories(folder_);
-  }
-  ~FilePatterns() override { fs::remove_all(folder_); }
-
   void touch(const char* name) const { std::ofstream(folder_ / name) << "x"; }
   std::string at(const char* name) const { return (folder_ / name).string(); }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(FilePatterns, FieldsOfDigits) {
@@ -58,13 +53,13 @@ TEST_F(FilePatterns, FramesThatAreThere) {
 
 TEST_F(FilePatterns, AFolderOfOneSeries) {
   for (const char* name : {"v2_b.0098.exr", "v2_b.0099.exr", "v2_b.0100.exr", "notes.txt", "cover.exr"}) touch(name);
-  const FilePattern pattern(folder_.string());
+  const FilePattern pattern(folder_.path().string());
   EXPECT_EQ(pattern.text(), at("v2_b.####.exr"));
   EXPECT_EQ(pattern.frames(), (std::vector<int>{98, 99, 100}));
   touch("v2_b.-0002.exr");
-  EXPECT_EQ(FilePattern(folder_.string()).frames(), (std::vector<int>{-2, 98, 99, 100}));
+  EXPECT_EQ(FilePattern(folder_.path().string()).frames(), (std::vector<int>{-2, 98, 99, 100}));
   touch("v2_c.0001.exr");
-  EXPECT_THROW(FilePattern{folder_.string()}, Error);
+  EXPECT_THROW(FilePattern{folder_.path().string()}, Error);
 }
 
 }  // namespace

@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <fstream>
-#include <random>
 
 #include "engine/handles.h"
 #include "shaders/programs.h"
 #include "tests/environment_variable.h"
 #include "tests/harness.h"
+#include "tests/temporary_folder.h"
 #include "tuning/frame_duel.h"
 #include "xrds/error.h"
 
@@ -33,22 +33,14 @@ NetworkModel smallModel() {
 
 class Tuner : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("xrds_tuner_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-    open();
-  }
-  void TearDown() override {
-    gpu_.reset();
-    fs::remove_all(folder_);
-  }
+  void SetUp() override { open(); }
 
   void open(ProgramSource programs = embeddedProgram) {
     gpu_.reset();
     DeviceOptions options = test::gpuOptions();
     options.validation = false;
     options.onMessage = nullptr;
-    options.cacheFolder = folder_;
+    options.cacheFolder = folder_.path();
     options.programs = std::move(programs);
     gpu_.emplace(std::move(options));
   }
@@ -57,7 +49,7 @@ class Tuner : public testing::Test {
 
   const test::EnvironmentVariable shaders_{"MESA_SHADER_CACHE_DIR",
                                            (fs::path(testing::TempDir()) / "xrds_tuner_shaders").string()};
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
   std::optional<Gpu> gpu_;
   const NetworkModel model_ = smallModel();
 };

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 #ifndef _WIN32
@@ -32,12 +31,7 @@ namespace fs = std::filesystem;
 
 class TuningLockFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("xrds_lock_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(TuningLockFile, IsHeldOnceAtATime) {
@@ -54,7 +48,7 @@ TEST_F(TuningLockFile, IsSeenByThoseWhoDoNotWantIt) {
   const fs::path file = folder_ / "tuning.bin";
   EXPECT_FALSE(isTuningLocked({}));
   EXPECT_FALSE(isTuningLocked(file));
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
   {
     const TuningLock held(file);
     EXPECT_TRUE(isTuningLocked(file));

@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <random>
+
+#include "tests/temporary_folder.h"
 
 namespace xrds {
 namespace {
@@ -12,12 +13,7 @@ namespace fs = std::filesystem;
 
 class TuningRecordFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("xrds_tuning_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 TuningRecord fullRecord() {
@@ -50,7 +46,7 @@ TuningRecord fullRecord() {
 }
 
 TEST_F(TuningRecordFile, GivesBackWhatWasWritten) {
-  const TuningFile file(folder_, "device and driver");
+  const TuningFile file(folder_.path(), "device and driver");
   ASSERT_TRUE(file.write(fullRecord()));
   const TuningRecord read = file.read();
   EXPECT_EQ(toText(read), toText(fullRecord()));
@@ -63,7 +59,7 @@ TEST_F(TuningRecordFile, GivesBackWhatWasWritten) {
 }
 
 TEST_F(TuningRecordFile, OfAnotherDriverIsNotRead) {
-  const TuningFile file(folder_, "driver 1"), other(folder_, "driver 2");
+  const TuningFile file(folder_.path(), "driver 1"), other(folder_.path(), "driver 2");
   ASSERT_TRUE(file.write(fullRecord()));
   EXPECT_NE(file.path(), other.path());
   EXPECT_EQ(toText(other.read()), toText({}));
@@ -72,7 +68,7 @@ TEST_F(TuningRecordFile, OfAnotherDriverIsNotRead) {
 }
 
 TEST_F(TuningRecordFile, WhatCannotBeWrittenIsKnownToTheProcess) {
-  const TuningFile file(folder_, "driver"), none({}, "driver");
+  const TuningFile file(folder_.path(), "driver"), none({}, "driver");
   fs::create_directories(file.path());
   for (const TuningFile* each : {&file, &none}) {
     EXPECT_FALSE(each->write(fullRecord()));
@@ -88,7 +84,7 @@ TEST_F(TuningRecordFile, WhatCannotBeWrittenIsKnownToTheProcess) {
 }
 
 TEST_F(TuningRecordFile, DamagedIsEmpty) {
-  const TuningFile file(folder_, "driver");
+  const TuningFile file(folder_.path(), "driver");
   ASSERT_TRUE(file.write(fullRecord()));
   std::string whole;
   {

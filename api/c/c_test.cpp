@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <thread>
 
 #include "engine/half.h"
 #include "tests/c_api.h"
 #include "tests/environment_variable.h"
+#include "tests/temporary_folder.h"
 #include "xrds/shipped_models.h"
 
 namespace xrds {
@@ -320,9 +320,8 @@ TEST(CApiDevices, AreDescribed) {
 
 // Minutes on a CPU, which nobody must have to wait for.
 TEST(CApiDevices, CancelATuning) {
-  const std::filesystem::path cache = std::filesystem::path(testing::TempDir()) / "xrds_c_api_tuning";
-  std::filesystem::remove_all(cache);
-  const std::string folder = cache.string();
+  const test::TemporaryFolder cache;
+  const std::string folder = cache.path().string();
   int heard = 0;
   XrdsDeviceOptions options = xrdsDeviceOptionsDefault();
   options.cacheFolder = folder.c_str();
@@ -344,7 +343,6 @@ TEST(CApiDevices, CancelATuning) {
   EXPECT_EQ(upscaler, nullptr);
   xrdsCloseModel(model);
   xrdsCloseDevice(device);
-  std::filesystem::remove_all(cache);
 }
 
 TEST(CApiColours, AreMerged) {

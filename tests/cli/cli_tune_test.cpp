@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <set>
 #include <sstream>
 
@@ -24,11 +23,6 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 class CliTune : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("xrds_cli_tune_" + std::to_string(std::random_device{}()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   // Caches of its own, but programs that are compiled once for all tests of the command.
   StartOptions start(const std::string& family = "") const {
     return {.environment = {{"XDG_CACHE_HOME", (folder_ / "cache").string()},
@@ -57,7 +51,7 @@ class CliTune : public testing::Test {
       if (line.starts_with("finding\t")) found.insert(line);
     return found;
   }
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(CliTune, RefusesWhatItCannotTune) {

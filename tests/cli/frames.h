@@ -13,6 +13,7 @@
 #include "image/exr_write.h"
 #include "image/test_files.h"
 #include "tests/cli/process.h"
+#include "tests/temporary_folder.h"
 
 namespace xrds::test {
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "image/test_files.h"
+#include "tests/temporary_folder.h"
 
 namespace xrds::test {
 namespace {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "image/test_files.h"
+#include "tests/temporary_folder.h"
 #include "xrds/error.h"
 
 namespace xrds::test {

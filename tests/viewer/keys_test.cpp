@@ -5,6 +5,7 @@
 #include <set>
 
 #include "image/test_files.h"
+#include "tests/temporary_folder.h"
 #include "viewer/script.h"
 #include "xrds/error.h"
 

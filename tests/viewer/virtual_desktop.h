@@ -8,6 +8,7 @@
 #include "image/image.h"
 #include "image/test_files.h"
 #include "tests/cli/process.h"
+#include "tests/temporary_folder.h"
 
 namespace xrds::test {
 

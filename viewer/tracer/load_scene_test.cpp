@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "image/png_write.h"
+#include "tests/temporary_folder.h"
 #include "viewer/tracer/scene.h"
 #include "xrds/error.h"
 
@@ -13,15 +14,11 @@ namespace fs = std::filesystem;
 
 class LoadScene : public testing::Test {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
   }
-  fs::path folder_ = fs::temp_directory_path() /
-                     ("xrds_load_scene_" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) + "_" +
-                      testing::UnitTest::GetInstance()->current_test_info()->name());
+  const test::TemporaryFolder folder_;
 };
 
 // A triangle of corners (0, 0, 0), (2, 0, 0), (0, 1, 0), moved by (0, 0, 5), and a camera.
