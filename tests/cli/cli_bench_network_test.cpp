@@ -8,8 +8,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 Ended bench(std::vector<std::string> more) {
   more.insert(more.begin(), {"bench", "network", "--runs", "2"});
   return runXrds(more);

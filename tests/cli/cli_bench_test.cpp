@@ -7,8 +7,6 @@
 namespace xrds::test {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 Part partOf(int width, int height, std::vector<Layer> layers) {
   return {boxOf(width, height), boxOf(width, height), std::move(layers)};
 }

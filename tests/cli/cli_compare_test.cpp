@@ -6,8 +6,6 @@
 namespace xrds::test {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 TEST(CliCompare, PrintsEveryMetricAndJudges) {
   const SmallFrame frame;
   const Ended same = runXrds({"compare", frame.color, frame.color, "--min-psnr", "40"});

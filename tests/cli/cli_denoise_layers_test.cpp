@@ -23,8 +23,6 @@ Image layer(const std::string& path, const std::string& name) {
   return readLayer(readExrHeader(path), {0, name, {name + ".R", name + ".G", name + ".B"}});
 }
 
-bool contains(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
-
 /// A render of 40 x 32 pixels with lights, a colour pass, guides and data, and networks for it.
 struct NoisyFrame {
   TemporaryFolder folder;

@@ -9,8 +9,6 @@
 namespace xrds::test {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 bool anyContains(const std::vector<std::string>& sentences, const std::string& part) {
   return std::any_of(sentences.begin(), sentences.end(), [&](const auto& s) { return contains(s, part); });
 }

@@ -14,8 +14,6 @@ bool allFinite(const Image& image) {
   return true;
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 TEST(CliFrame, UpscalesTwoFilesAndSaysWhatItDid) {
   const SmallFrame frame;
   const Ended ended = runXrds(frame.arguments({"--preview", (frame.folder / "p.png").string()}));

@@ -10,8 +10,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 // The number behind the name of a row.
 double numberOf(const std::string& output, const std::string& row) {
   const size_t at = output.find("\n" + row + " ");

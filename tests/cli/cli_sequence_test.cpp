@@ -75,8 +75,6 @@ struct Sequence {
   }
 };
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 TEST(CliSequence, EveryFrameIsThatOfARunAlone) {
   const Sequence sequence(5);
   const Ended ended = runXrds(sequence.arguments());

@@ -19,8 +19,6 @@ namespace fs = std::filesystem;
 // A network of few operator shapes, each of which costs seconds.
 const std::string kModel = XRDS_GOLDEN_FOLDER "/edsr_s4.model.safetensors";
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 class CliTune : public testing::Test {
  protected:
   // Caches of its own, but programs that are compiled once for all tests of the command.

@@ -15,6 +15,10 @@ struct Ended {
   std::string output, error;
 };
 
+inline bool contains(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
+
 struct StartOptions {
   std::map<std::string, std::string> environment{};
   std::filesystem::path folder{};  // to start in; empty: here
