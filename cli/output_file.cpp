@@ -1,18 +1,15 @@
 #include "cli/output_file.h"
 
-#include <algorithm>
-#include <cctype>
 #include <fstream>
 
 #include "app/failing_with.h"
 #include "image/pending_file.h"
+#include "sequence/file_pattern.h"
 
 namespace xrds {
 
 void requireExtension(const std::string& path, const std::string& extension, const char* option) {
-  std::string found = std::filesystem::path(path).extension().string();
-  std::transform(found.begin(), found.end(), found.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (found != extension)
+  if (!hasExtension(path, extension))
     throw Failure{ExitCode::usage,
                   std::string(option) + " takes a name that ends in " + extension + ", found '" + path + "'."};
 }

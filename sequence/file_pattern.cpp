@@ -49,11 +49,10 @@ std::vector<fs::path> filesIn(const fs::path& folder) {
 
 }  // namespace
 
-bool isExr(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".exr";
+bool hasExtension(const fs::path& file, std::string_view extension) {
+  std::string found = file.extension().string();
+  std::transform(found.begin(), found.end(), found.begin(), [](unsigned char c) { return std::tolower(c); });
+  return found == extension;
 }
 
 bool FilePattern::mayBeMany(const std::string& text) {
@@ -89,7 +88,7 @@ void FilePattern::findSeries(const fs::path& folder) {
   std::map<Series, std::vector<std::string>> found;
   for (const fs::path& file : filesIn(folder)) {
     const std::string name = file.filename().string();
-    if (std::smatch match; isExr(file) && std::regex_match(name, match, kLast)) {
+    if (std::smatch match; hasExtension(file, ".exr") && std::regex_match(name, match, kLast)) {
       std::string before = match[1];
       if (before.ends_with(".-") || before.ends_with("_-")) before.pop_back();  // a sign
       found[{before, match[3]}].push_back(match[2]);

@@ -2,12 +2,13 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace xrds {
 
-/// Whether a file's name ends in .exr, in upper or lower case.
-bool isExr(const std::filesystem::path& file);
+/// Whether a file's name ends in `extension` (".exr"), in upper or lower case.
+bool hasExtension(const std::filesystem::path& file, std::string_view extension);
 
 /// The names of a sequence's files: a path whose file name has the frame's number in it.
 class FilePattern {

@@ -7,6 +7,8 @@
 #include <cctype>
 #include <utility>
 
+#include "sequence/file_pattern.h"
+
 namespace xrds {
 namespace fs = std::filesystem;
 
@@ -42,7 +44,7 @@ void FileBrowser::list(const std::string& under) {
     Entry entry{at->path().filename().string()};
     std::error_code broken;  // a link to nowhere, say
     entry.isFolder = at->is_directory(broken);
-    const bool isImage = lowered(at->path().extension().string()) == ".exr" && at->is_regular_file(broken);
+    const bool isImage = hasExtension(at->path(), ".exr") && at->is_regular_file(broken);
     if (entry.name.starts_with('.') || !(entry.isFolder || isImage)) continue;
     if (isImage) entry.byteSize = at->file_size(broken);
     entries_.push_back(std::move(entry));

@@ -95,7 +95,7 @@ FrameFiles newestFrame(const fs::path& folder) {
   std::vector<fs::directory_entry> entries;
   std::error_code error, broken;  // the folder, and a link to nowhere in it, say
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (isExr(entry->path()) && entry->is_regular_file(broken)) entries.push_back(*entry);
+    if (hasExtension(entry->path(), ".exr") && entry->is_regular_file(broken)) entries.push_back(*entry);
   std::sort(entries.begin(), entries.end(), [&](const auto& a, const auto& b) {
     const auto timeA = a.last_write_time(broken), timeB = b.last_write_time(broken);
     return timeA != timeB ? timeA > timeB : a.path() < b.path();
