@@ -113,10 +113,7 @@ void requireChosen(const AdviseOptions& options, const Advice& advice) {
 }
 
 void run(AdviseOptions options) {
-  if (!options.json.empty()) {
-    requireExtension(options.json, ".json", "--json");
-    requireWritable(options.json);
-  }
+  requireOutput(options.json, ".json", "--json");
   const Frame frame = failingWith(ExitCode::input, [&] { return readRenders(options); });
   printWarnings(frame.warnings());
   warnOfOtherLight(frame);
@@ -175,7 +172,7 @@ void addAdvise(CLI::App& app) {
                    "Layer to take as the colour of the full-resolution render")
       ->type_name("LAYER");
   addDevice(*verb, options->device);
-  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
+  addReportFile(*verb, options->json);
   addQuiet(*verb, options->quiet);
   verb->footer(
       "Times are those of the two renders, extended to other samples, and of networks and denoiser on this device.\n"

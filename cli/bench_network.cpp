@@ -120,10 +120,7 @@ NetworkReport measureAll(const BenchNetworkOptions& options, const std::vector<N
 }
 
 void run(const BenchNetworkOptions& options) {
-  if (!options.json.empty()) {
-    requireExtension(options.json, ".json", "--json");
-    requireWritable(options.json);
-  }
+  requireOutput(options.json, ".json", "--json");
   const auto models = failingWith(ExitCode::model, [&] { return modelsOf(options); });
   requireMultiples(options, models);
   const auto devices = failingWith(ExitCode::device, [&] { return devicesOf(options); });
@@ -183,7 +180,7 @@ void addBenchNetwork(CLI::App& group) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
       ->type_name("K");
-  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
+  addReportFile(*verb, options->json);
   addQuiet(*verb, options->quiet);
   verb->footer(
       "Every model runs on every device in every size and precision, on random pixels, each time on a device opened\n"

@@ -205,14 +205,8 @@ QualityReport reportFor(const BenchQualityOptions& options, const Contest& conte
 }
 
 void checkOutputs(const BenchQualityOptions& options) {
-  if (!options.json.empty()) {
-    requireExtension(options.json, ".json", "--json");
-    requireWritable(options.json);
-  }
-  if (!options.markdown.empty()) {
-    requireExtension(options.markdown, ".md", "--markdown");
-    requireWritable(options.markdown);
-  }
+  requireOutput(options.json, ".json", "--json");
+  requireOutput(options.markdown, ".md", "--markdown");
   if (options.write.empty()) return;
   std::error_code error;
   fs::create_directories(options.write, error);
@@ -257,7 +251,7 @@ void addFiles(CLI::App& verb, BenchQualityOptions& options) {
                   "Finished images of another program, FOLDER/NAME*.exr, as a method of this name; may be repeated")
       ->allow_extra_args(false)
       ->type_name("METHOD=FOLDER");
-  verb.add_option("--json", options.json, "File to write with every number and its definition")->type_name("JSON");
+  addReportFile(verb, options.json);
   verb.add_option("--markdown", options.markdown, "File to write with the tables")->type_name("MD");
   verb.add_option("--write", options.write, "Folder for the images, NAME_METHOD.exr")->type_name("FOLDER");
 }
@@ -289,9 +283,7 @@ void addBenchQuality(CLI::App& group) {
   verb->add_option("--ensemble", options->ensemble, "Also measure each model as the mean of so many passes")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();
-  verb->add_option("--precision", options->precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({kFp32, kFp16}))
-      ->capture_default_str();
+  addPrecision(*verb, options->precision);
   addDevice(*verb, options->device);
   addQuiet(*verb, options->quiet);
   verb->footer(

@@ -82,9 +82,8 @@ SkipMeasurement measureScene(Device& device, const Model& model, const SceneFile
 void checkOptions(const BenchSkipOptions& options) {
   if (parseSkip(options.skip) == 0)
     throw Failure{ExitCode::usage, "--skip off leaves nothing to compare with full runs: expected safe or a bound."};
-  if (!options.json.empty()) requireExtension(options.json, ".json", "--json");
-  for (const std::string& file : {options.json, options.markdown})
-    if (!file.empty()) requireWritable(file);
+  requireOutput(options.json, ".json", "--json");
+  if (!options.markdown.empty()) requireWritable(options.markdown);
 }
 
 void run(const BenchSkipOptions& options) {
@@ -129,11 +128,9 @@ void addBenchSkip(CLI::App& group) {
       ->capture_default_str();
   verb->add_flag("--cpu-time", options->cpuTime,
                  "Time what the process takes of the cores: for CPU devices, busy machines");
-  verb->add_option("--precision", options->precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({kFp32, kFp16}))
-      ->capture_default_str();
+  addPrecision(*verb, options->precision);
   addDevice(*verb, options->device);
-  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
+  addReportFile(*verb, options->json);
   verb->add_option("--markdown", options->markdown, "File to write with the table")->type_name("MD");
   addQuiet(*verb, options->quiet);
   verb->footer(

@@ -74,7 +74,7 @@ void addBenchStress(CLI::App& group) {
   verb->add_flag("--short", options->shortForm,
                  "Nine random models, which have every operator, and no others but --model: a minute");
   verb->add_flag("--no-random", options->noRandom, "Leave out the random models")->excludes("--short");
-  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
+  addReportFile(*verb, options->json);
   verb->add_option("--markdown", options->markdown, "File to write with the tables")->type_name("MD");
   addQuiet(*verb, options->quiet);
   verb->footer(

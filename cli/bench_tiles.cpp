@@ -139,10 +139,7 @@ void measureScene(const BenchTilesOptions& options, Device& device, const Model&
 }
 
 void run(const BenchTilesOptions& options) {
-  if (!options.json.empty()) {
-    requireExtension(options.json, ".json", "--json");
-    requireWritable(options.json);
-  }
+  requireOutput(options.json, ".json", "--json");
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
   if (options.halosAsked) failingWith(ExitCode::usage, [&] { requireHalos(options.halos, model); });
   QualitySetting setting{
@@ -194,9 +191,7 @@ void addBenchTiles(CLI::App& group) {
   verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")
       ->capture_default_str()
       ->type_name("K");
-  verb->add_option("--precision", options->precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({kFp32, kFp16}))
-      ->capture_default_str();
+  addPrecision(*verb, options->precision);
   addDevice(*verb, options->device);
   verb->add_option(
           "--heat-map", options->heatMap,
@@ -204,7 +199,7 @@ void addBenchTiles(CLI::App& group) {
           "and more brightest")
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
-  verb->add_option("--json", options->json, "File to write with every number and its definition")->type_name("JSON");
+  addReportFile(*verb, options->json);
   addQuiet(*verb, options->quiet);
   verb->footer(
       "Each scene is upscaled as a whole and in tiles. RMS: of the difference over that of the whole frame, both as\n"

@@ -18,6 +18,18 @@ inline void addDevice(CLI::App& verb, std::string& device) {
   verb.add_option("--device", device, "Number, part of the name, or UUID (see xrds devices)")->type_name("DEVICE");
 }
 
+/// Declares --precision of a command that takes one.
+inline void addPrecision(CLI::App& verb, std::string& precision) {
+  verb.add_option("--precision", precision, "Storage of activations and weights")
+      ->check(CLI::IsMember({kFp32, kFp16}))
+      ->capture_default_str();
+}
+
+/// Declares --json of a command whose report defines each of its numbers.
+inline void addReportFile(CLI::App& verb, std::string& json) {
+  verb.add_option("--json", json, "File to write with every number and its definition")->type_name("JSON");
+}
+
 /// Declares --exposure, auto or a factor, of a command that takes one. `help`: what the factor does.
 inline void addExposure(CLI::App& verb, std::string& exposure, const char* help) {
   const auto valid = [](const std::string& text) {

@@ -116,9 +116,7 @@ void addOptions(CLI::App& verb, DenoiseOptions& options) {
   verb.add_option("--denoisers", common.denoisers,
                   "Folder with the networks (default: where xrds import oidn puts them)")
       ->type_name("FOLDER");
-  verb.add_option("--precision", common.precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({"fp32", "fp16"}))
-      ->capture_default_str();
+  addPrecision(verb, common.precision);
   addDevice(verb, common.device);
   verb.add_option(
           "--memory", common.memory,

@@ -34,10 +34,7 @@ void print(const std::vector<Device::Description>& devices) {
 }
 
 void run(const std::string& jsonFile) {
-  if (!jsonFile.empty()) {
-    requireExtension(jsonFile, ".json", "--json");
-    requireWritable(jsonFile);
-  }
+  requireOutput(jsonFile, ".json", "--json");
   const auto devices = failingWith(ExitCode::device, [] { return Device::list(); });
   if (devices.empty())
     throw Failure{ExitCode::device, "There is no Vulkan 1.2 device: install a driver (Debian: mesa-vulkan-drivers)."};

@@ -57,10 +57,7 @@ Findings examine(Device& device, const DoctorOptions& options) {
 }
 
 void run(const DoctorOptions& options) {
-  if (!options.json.empty()) {
-    requireExtension(options.json, ".json", "--json");
-    requireWritable(options.json);
-  }
+  requireOutput(options.json, ".json", "--json");
   const Findings findings = failingWith(ExitCode::device, [&] {
     const EndsAtOnce endsAtOnce;
     Device device({.select = options.device});

@@ -147,10 +147,7 @@ void listModels(const InfoOptions& options) {
 }
 
 void run(const InfoOptions& options) {
-  if (!options.json.empty()) {
-    requireExtension(options.json, ".json", "--json");
-    requireWritable(options.json);
-  }
+  requireOutput(options.json, ".json", "--json");
   if (options.model.empty()) return listModels(options);
   const OutputSize size = parseOutputSize(options.size);
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });

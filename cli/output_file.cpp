@@ -23,6 +23,12 @@ void requireWritable(const std::string& path) {
   });
 }
 
+void requireOutput(const std::string& path, const std::string& extension, const char* option) {
+  if (path.empty()) return;
+  requireExtension(path, extension, option);
+  requireWritable(path);
+}
+
 void writeText(const std::string& path, const std::string& text) {
   PendingFile file(path);
   std::ofstream stream(file.temporaryPath(), std::ios::binary);

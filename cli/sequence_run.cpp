@@ -117,10 +117,7 @@ bool isSequence(const UpscaleOptions& options) {
 }
 
 std::optional<SequencePlan> planMissing(const UpscaleOptions& options) {
-  if (!options.log.empty()) {
-    requireExtension(options.log, ".json", "--log");
-    requireWritable(options.log);
-  }
+  requireOutput(options.log, ".json", "--log");
   SequencePlan plan = planSequence(options);
   if (!plan.frames.empty()) return plan;
   SequenceReport(options, plan, {}).writeLog();

@@ -82,10 +82,7 @@ TunedModel tuneModel(ReopenedDevice& reopened, const std::string& name, const Mo
 }
 
 void run(TuneOptions options) {
-  if (!options.json.empty()) {
-    requireExtension(options.json, ".json", "--json");
-    requireWritable(options.json);
-  }
+  requireOutput(options.json, ".json", "--json");
   parseOutputSize(options.size);
   if (options.models.empty()) options.models.push_back(defaultModelName(4));
   std::vector<std::pair<std::string, Model>> models;

@@ -54,9 +54,7 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
   verb.add_flag("--clean-guides", options.cleanGuides,
                 "With --denoise-first: albedo and normal have no noise, as those of a rasterizer, and stay as they are")
       ->needs("--denoise-first");
-  verb.add_option("--precision", options.precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({kFp32, kFp16}))
-      ->capture_default_str();
+  addPrecision(verb, options.precision);
   verb.add_option("--ensemble", options.ensemble,
                   "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways; 8, also on the "
                   "diagonal. Better, and as many times slower; normals must be in the camera's axes. So many of the "
