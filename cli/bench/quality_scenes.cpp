@@ -1,4 +1,4 @@
-#include "cli/quality_scenes.h"
+#include "cli/bench/quality_scenes.h"
 
 #include <algorithm>
 #include <cctype>

@@ -10,11 +10,11 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "app/network_denoiser.h"
+#include "cli/bench/quality_report.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/quality_report.h"
 
 namespace xrds {
 namespace {

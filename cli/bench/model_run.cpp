@@ -1,4 +1,4 @@
-#include "cli/model_run.h"
+#include "cli/bench/model_run.h"
 
 #include <nlohmann/json.hpp>
 #include <thread>

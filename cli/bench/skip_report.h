@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/model_run.h"
+#include "cli/bench/model_run.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {

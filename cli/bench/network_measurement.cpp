@@ -1,4 +1,4 @@
-#include "cli/network_measurement.h"
+#include "cli/bench/network_measurement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <random>
 
 #include "app/failing_with.h"
-#include "cli/process_memory.h"
+#include "cli/bench/process_memory.h"
+#include "cli/bench/quality_report.h"
 #include "cli/progress.h"
-#include "cli/quality_report.h"
 #include "cli/timer.h"
 
 namespace xrds {

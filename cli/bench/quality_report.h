@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/quality_methods.h"
-#include "cli/quality_scenes.h"
+#include "cli/bench/quality_methods.h"
+#include "cli/bench/quality_scenes.h"
 #include "image/metrics.h"
 
 namespace xrds {

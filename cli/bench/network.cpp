@@ -6,9 +6,9 @@
 
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "cli/bench/network_report.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
-#include "cli/network_report.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
 

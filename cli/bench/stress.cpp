@@ -4,11 +4,11 @@
 
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "cli/bench/stress_report.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/stress_report.h"
 
 namespace xrds {
 namespace {

@@ -1,4 +1,4 @@
-#include "cli/skip_report.h"
+#include "cli/bench/skip_report.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

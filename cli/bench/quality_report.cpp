@@ -1,4 +1,4 @@
-#include "cli/quality_report.h"
+#include "cli/bench/quality_report.h"
 
 #include <algorithm>
 #include <cstdio>

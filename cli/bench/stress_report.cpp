@@ -1,4 +1,4 @@
-#include "cli/stress_report.h"
+#include "cli/bench/stress_report.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "cli/tiles_report.h"
+#include "cli/bench/tiles_report.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cli/network_measurement.h"
+#include "cli/bench/network_measurement.h"
 
 namespace xrds {
 

@@ -1,4 +1,4 @@
-#include "cli/network_report.h"
+#include "cli/bench/network_report.h"
 
 #include <nlohmann/json.hpp>
 #include <thread>

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "cli/quality_scenes.h"
+#include "cli/bench/quality_scenes.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {

@@ -9,11 +9,11 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "app/skip_bound.h"
+#include "cli/bench/skip_report.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/skip_report.h"
 #include "image/metrics.h"
 
 namespace xrds {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/quality_scenes.h"
+#include "cli/bench/quality_scenes.h"
 #include "image/metrics.h"
 #include "xrds/xrds.hpp"
 

@@ -7,11 +7,11 @@
 
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "cli/bench/tiles_report.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "cli/tiles_report.h"
 #include "image/compose.h"
 #include "image/metrics.h"
 #include "image/png_write.h"

@@ -1,4 +1,4 @@
-#include "cli/quality_methods.h"
+#include "cli/bench/quality_methods.h"
 
 #include <algorithm>
 #include <cstdio>
