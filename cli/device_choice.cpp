@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "app/failing_with.h"
@@ -30,16 +31,11 @@ std::vector<Candidate> bestFirst(const std::vector<Device::Description>& devices
   return candidates;
 }
 
-std::unique_ptr<Device> open(const std::string& select, PreparationLine& line) {
-  const EndsAtOnce endsAtOnce;
-  return std::make_unique<Device>(
-      Device::Options{.select = select, .onPreparation = [&line](const Preparation& now) { return line.update(now); }});
-}
-
 void runOn(const std::string& select, bool quiet, const std::function<void(Device&)>& work) {
-  PreparationLine line(quiet);
   failingWith(ExitCode::device, [&] {
-    const auto device = open(select, line);
+    std::optional<EndsAtOnce> endsAtOnce(std::in_place);
+    const auto device = openDevice(select, quiet);
+    endsAtOnce.reset();
     printNotes(*device);
     untilInterrupted([&] { work(*device); });
   });

@@ -9,6 +9,7 @@
 #include "app/listed.h"
 #include "cli/json_text.h"
 #include "cli/output_file.h"
+#include "cli/table.h"
 #include "cli/warnings.h"
 #include "sequence/frame_range.h"
 
@@ -16,12 +17,6 @@ namespace xrds {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string text(const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
 
 std::string timeText(double seconds) {
   const auto whole = static_cast<long>(std::lround(seconds));
