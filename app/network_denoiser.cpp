@@ -1,8 +1,8 @@
 #include "app/network_denoiser.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "app/timer.h"
 #include "image/image_view.h"
 #include "xrds/error.h"
 #include "xrds/oidn_import.h"
@@ -98,10 +98,10 @@ Image NetworkDenoiser::filtered(Device& device, const Model& model, const Image&
   std::unique_ptr<Upscaler> network = prepared_.take(model, width, height);
   if (!network) network = std::make_unique<Upscaler>(device, model, width, height, options);
   Image result(colour.width, colour.height, 3);
-  const auto start = std::chrono::steady_clock::now();
+  const Timer timer;
   if (!network->run(viewOf(colour), views, result.pixels, layers, options_.progress))
     throw Cancelled("The denoiser was stopped.");
-  runSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  runSeconds_ += timer.seconds();
   deviceBytes_ = std::max(deviceBytes_, network->deviceBytes());
   tiling_ = network->tiling();
   layerReports_ = network->layerReports();

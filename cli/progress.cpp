@@ -81,7 +81,7 @@ PreparationLine::PreparationLine(bool quiet) : style_(progressStyle(quiet)) {}
 bool PreparationLine::update(const Preparation& preparation) {
   constexpr double kSecondsBetween = 2;
   const bool compiles = preparation.phase == Preparation::Phase::machineCode;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double seconds = timer_.seconds();
   const int tenth = static_cast<int>(10 * preparation.done / std::max<size_t>(preparation.total, 1));
   if (preparation.phase != phase_) lastTenth_ = -1;
   phase_ = preparation.phase;
@@ -107,7 +107,7 @@ ProgressBar::~ProgressBar() {
 }
 
 bool ProgressBar::update(double share) {
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double seconds = timer_.seconds();
   const std::string left = share > 0 ? std::to_string(std::lround(seconds * (1 - share) / share)) + " s left" : "";
   if (style_ == ProgressStyle::bar) {
     constexpr int kWidth = 30;

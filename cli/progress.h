@@ -1,7 +1,6 @@
 #pragma once
 
-#include <chrono>
-
+#include "app/timer.h"
 #include "xrds/error.h"
 #include "xrds/preparation.h"
 
@@ -54,7 +53,7 @@ class PreparationLine {
   Preparation::Phase phase_{};
   int lastTenth_ = -1;
   double nextLine_ = 0.5;  // seconds after the start
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Timer timer_;
 };
 
 /// Shows the share done: a bar with the time left on a terminal, a line every ten percent otherwise, nothing if quiet.
@@ -71,7 +70,7 @@ class ProgressBar {
  private:
   ProgressStyle style_;
   int lastTenth_ = 0;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Timer timer_;
 };
 
 }  // namespace xrds

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "app/exit_code.h"
+#include "app/timer.h"
 #include "cli/progress.h"
 #include "cli/sequence_plan.h"
-#include "cli/timer.h"
 #include "sequence/assembly_line.h"
 
 namespace xrds {

@@ -6,8 +6,8 @@
 #include "app/frame.h"
 #include "app/models.h"
 #include "app/network_denoiser.h"
+#include "app/timer.h"
 #include "cli/progress.h"
-#include "cli/timer.h"
 
 namespace xrds {
 namespace {

@@ -5,13 +5,13 @@
 
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "app/timer.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/device_choice.h"
 #include "cli/output_file.h"
 #include "cli/output_size.h"
 #include "cli/progress.h"
-#include "cli/timer.h"
 #include "cli/tune_report.h"
 #include "cli/warnings.h"
 

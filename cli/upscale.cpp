@@ -5,6 +5,7 @@
 
 #include "app/failing_with.h"
 #include "app/skip_map.h"
+#include "app/timer.h"
 #include "cli/alpha.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
@@ -13,7 +14,6 @@
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/sequence_run.h"
-#include "cli/timer.h"
 #include "cli/upscale_frame.h"
 #include "cli/upscale_report.h"
 #include "cli/upscale_sequence.h"

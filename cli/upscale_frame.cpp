@@ -2,9 +2,9 @@
 
 #include <cstdio>
 
+#include "app/timer.h"
 #include "app/upscale_frame.h"
 #include "cli/progress.h"
-#include "cli/timer.h"
 #include "cli/warnings.h"
 #include "xrds/tuning.h"
 

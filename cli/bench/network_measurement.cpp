@@ -8,10 +8,10 @@
 #include <random>
 
 #include "app/failing_with.h"
+#include "app/timer.h"
 #include "cli/bench/process_memory.h"
 #include "cli/bench/quality_report.h"
 #include "cli/progress.h"
-#include "cli/timer.h"
 
 namespace xrds {
 namespace {

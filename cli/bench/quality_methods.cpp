@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "app/models.h"
+#include "app/timer.h"
 #include "app/upscale_frame.h"
 #include "cli/progress.h"
-#include "cli/timer.h"
 
 namespace xrds {
 namespace {
