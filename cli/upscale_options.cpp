@@ -6,10 +6,10 @@
 
 #include "app/byte_count.h"
 #include "app/exit_code.h"
+#include "app/layer_options.h"
 #include "app/number_pair.h"
 #include "app/skip_bound.h"
 #include "cli/common_options.h"
-#include "cli/layer_options.h"
 #include "cli/output_file.h"
 
 namespace xrds {

@@ -7,6 +7,7 @@
 #include "app/exit_code.h"
 #include "app/help_format.h"
 #include "app/kernel_family.h"
+#include "app/layer_options.h"
 #include "app/skip_bound.h"
 #include "app/typos.h"
 #include "viewer/headless.h"
@@ -65,13 +66,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->capture_default_str();
   app.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
       ->type_name("DEVICE");
-  app.add_option("--color,--colour", options.layers.names[xrds::AovRole::kColor], "Layer to take as colour")
-      ->type_name("LAYER");
-  for (const xrds::AuxiliaryInput& input : xrds::kAuxiliaryInputs)
-    if (input.name != xrds::kFullColour.name)
-      app.add_option("--" + std::string(input.name), options.layers.names[xrds::roleOf(input.name)],
-                     "Layer to take as " + std::string(input.meaning))
-          ->type_name("LAYER");
+  xrds::addLayerOptions(app, options.layers);
   app.add_option(
          "--aux-colour", options.auxColour,
          "Colour of the full-resolution render, which is merged into the low-resolution colour: auto, never, or a\n"

@@ -1,4 +1,4 @@
-#include "cli/layer_options.h"
+#include "app/layer_options.h"
 
 #include <CLI/CLI.hpp>
 #include <string>
