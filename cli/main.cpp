@@ -3,7 +3,7 @@
 #include <exception>
 #include <thread>
 
-#include "app/exit_code.h"
+#include "app/failing_with.h"
 #include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "app/typos.h"
@@ -67,11 +67,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
     return fail(xrds::ExitCode::usage, xrds::usageSentence(app, error));
-  } catch (const xrds::Failure& failure) {
+  } catch (...) {
+    const xrds::Failure failure = xrds::failureOf(std::current_exception());
     return fail(failure.code, failure.message);
-  } catch (const std::bad_alloc&) {
-    return fail(xrds::ExitCode::device, "The machine has not enough memory for this frame.");
-  } catch (const std::exception& error) {
-    return fail(xrds::ExitCode::bug, std::string("This is a bug of xrds: ") + error.what());
   }
 }

@@ -25,19 +25,6 @@ std::string timeText(double seconds) {
   return text("%.1f h", seconds / 3600);
 }
 
-// A failure's code and sentence, whatever was thrown.
-Failure failureOf(const std::exception_ptr& error) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const Failure& failure) {
-    return failure;
-  } catch (const std::bad_alloc&) {
-    return {ExitCode::device, "The machine has not enough memory for this frame."};
-  } catch (const std::exception& other) {
-    return {ExitCode::bug, std::string("This is a bug of xrds: ") + other.what()};
-  }
-}
-
 Json jsonOf(const std::array<double, 3>& seconds) {
   Json json;
   for (size_t stage = 0; stage < seconds.size(); ++stage) json[kStageNames[stage]] = seconds[stage];

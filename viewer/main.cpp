@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "app/byte_count.h"
-#include "app/exit_code.h"
+#include "app/failing_with.h"
 #include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "app/layer_options.h"
@@ -127,11 +127,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
     return fail(xrds::ExitCode::usage, xrds::usageSentence(app, error));
-  } catch (const xrds::Failure& failure) {
-    return fail(failure.code, failure.message);
   } catch (const xrds::Error& error) {  // of the display or the device
     return fail(xrds::ExitCode::device, error.what());
-  } catch (const std::exception& error) {
-    return fail(xrds::ExitCode::bug, std::string("This is a bug of xrds: ") + error.what());
+  } catch (...) {
+    const xrds::Failure failure = xrds::failureOf(std::current_exception());
+    return fail(failure.code, failure.message);
   }
 }

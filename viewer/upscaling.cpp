@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "app/failing_with.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -98,12 +99,10 @@ void Upscaling::loop() {
     try {
       serve(*wanted);
     } catch (const Cancelled&) {  // something else is wanted by now, or the end
-    } catch (const Failure& failure) {
-      tellFailure(*wanted, failure);
     } catch (const Error& failure) {
       tellFailure(*wanted, {ExitCode::device, failure.what()});
-    } catch (const std::exception& failure) {
-      tellFailure(*wanted, {ExitCode::bug, std::string("This is a bug of xrds: ") + failure.what()});
+    } catch (...) {
+      tellFailure(*wanted, failureOf(std::current_exception()));
     }
   }
   const std::lock_guard lock(mutex_);

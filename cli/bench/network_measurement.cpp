@@ -131,7 +131,7 @@ NetworkMeasurement measureNetwork(const NetworkCase& networkCase, int runs) {
   } catch (const Error& error) {
     result.refusal = error.what();
   } catch (const std::bad_alloc&) {
-    result.refusal = "The machine has not enough memory for this frame.";
+    result.refusal = failureOf(std::current_exception()).message;
   }
   if (ownPeak && result.refusal.empty()) result.peakProcessBytes = peakMemory();
   return result;
