@@ -11,23 +11,23 @@ namespace {
 constexpr uint32_t kBins = 12;
 
 struct TreeNode {
-  Box box;
+  Bounds box;
   uint32_t begin = 0, end = 0;  // of a leaf, in the order of triangles
   int axis = -1;                // of an inner node: its children are split along it
   uint32_t left = 0, right = 0;
 };
 
 struct Builder {
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   std::vector<uint32_t> order;
   std::vector<TreeNode> nodes;
 
   uint32_t build(uint32_t begin, uint32_t end);
-  uint32_t split(uint32_t begin, uint32_t end, const Box& centres, int& axis);
+  uint32_t split(uint32_t begin, uint32_t end, const Bounds& centres, int& axis);
 };
 
 struct Bin {
-  Box box;
+  Bounds box;
   uint32_t count = 0;
 };
 
@@ -37,7 +37,7 @@ struct Cut {
   uint32_t bin = 0;  // the first of the right side
 };
 
-uint32_t binOf(const Box& centres, Vec3 centre, int axis) {
+uint32_t binOf(const Bounds& centres, Vec3 centre, int axis) {
   const float extent = std::max(centres.upper[axis] - centres.lower[axis], 1e-30F);
   return std::min(kBins - 1, static_cast<uint32_t>(kBins * ((centre[axis] - centres.lower[axis]) / extent)));
 }
@@ -60,7 +60,7 @@ void improve(Cut& best, const std::array<Bin, kBins>& bins, int axis) {
 }
 
 // Reorders the triangles and returns where the right side begins; `axis` is that of the cut.
-uint32_t Builder::split(uint32_t begin, uint32_t end, const Box& centres, int& axis) {
+uint32_t Builder::split(uint32_t begin, uint32_t end, const Bounds& centres, int& axis) {
   Cut best;
   for (int candidate = 0; candidate < 3; ++candidate) {
     if (centres.upper[candidate] <= centres.lower[candidate]) continue;
@@ -83,7 +83,7 @@ uint32_t Builder::split(uint32_t begin, uint32_t end, const Box& centres, int& a
 
 uint32_t Builder::build(uint32_t begin, uint32_t end) {
   TreeNode node{.begin = begin, .end = end};
-  Box centres;
+  Bounds centres;
   for (uint32_t i = begin; i < end; ++i) {
     node.box.include(boxes[order[i]]);
     centres.include(boxes[order[i]].centre());
@@ -125,7 +125,7 @@ Bvh buildBvh(std::span<const Triangle> triangles) {
                 std::to_string(kMostTriangles) + " are possible.");
   Builder builder;
   for (const Triangle& triangle : triangles) {
-    Box box;
+    Bounds box;
     for (const Vec3& position : triangle.positions) box.include(position);
     builder.boxes.push_back(box);
   }

@@ -8,10 +8,11 @@
 
 namespace xrds {
 
-struct Box {
+/// The smallest box along the axes that holds what it includes; at first nothing.
+struct Bounds {
   Vec3 lower{1e30F, 1e30F, 1e30F}, upper{-1e30F, -1e30F, -1e30F};
   void include(Vec3 point) { lower = minimum(lower, point), upper = maximum(upper, point); }
-  void include(const Box& box) { lower = minimum(lower, box.lower), upper = maximum(upper, box.upper); }
+  void include(const Bounds& box) { lower = minimum(lower, box.lower), upper = maximum(upper, box.upper); }
   Vec3 centre() const { return 0.5F * (lower + upper); }
   float halfArea() const {
     const Vec3 size = maximum(upper - lower, {});
@@ -33,7 +34,7 @@ struct Bvh {
   static constexpr uint32_t kMaxLeafTriangles = 4;
   static constexpr uint32_t kOctants = 8;
 
-  Box bounds;
+  Bounds bounds;
   std::vector<uint32_t> triangles;  // indices of the scene's triangles, in the order that the leaves count in
   uint32_t nodeCount = 0;
   /// The tree once for each octant of ray directions (bit 0: x negative, bit 1: y, bit 2: z), nearer children first:

@@ -124,7 +124,7 @@ void Loader::mesh(const aiMesh& mesh, const aiMatrix4x4& toWorld) {
 }
 
 void Loader::camera() {
-  Box bounds;
+  Bounds bounds;
   for (const Triangle& triangle : scene_.triangles)
     for (const Vec3& position : triangle.positions) bounds.include(position);
   const Vec3 centre = bounds.centre();

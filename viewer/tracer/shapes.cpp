@@ -96,11 +96,11 @@ void addTurned(TraceScene& scene, Vec3 base, std::span<const Vec2> profile, uint
   addGrid(scene, vertices, segments + 1, material);
 }
 
-void addInstance(TraceScene& scene, std::span<const Triangle> shape, const Placement& placement) {
+void addInstance(TraceScene& scene, std::span<const Triangle> shape, const Transform& transform) {
   for (Triangle triangle : shape) {
     for (Vec3& position : triangle.positions)
-      position = placement.position + placement.scale * turned(position, placement.turn);
-    for (Vec3& normal : triangle.normals) normal = turned(normal, placement.turn);
+      position = transform.position + transform.scale * turned(position, transform.turn);
+    for (Vec3& normal : triangle.normals) normal = turned(normal, transform.turn);
     scene.triangles.push_back(triangle);
   }
 }

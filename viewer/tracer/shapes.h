@@ -25,12 +25,12 @@ void addSphere(TraceScene& scene, Vec3 centre, float radius, uint32_t material, 
 void addTurned(TraceScene& scene, Vec3 base, std::span<const Vec2> profile, uint32_t material, uint32_t segments = 24);
 
 /// Where an instance stands: scaled, turned about +y by radians, moved.
-struct Placement {
+struct Transform {
   Vec3 position;
   float scale = 1, turn = 0;
 };
 
 /// A copy of the triangles.
-void addInstance(TraceScene& scene, std::span<const Triangle> shape, const Placement& placement);
+void addInstance(TraceScene& scene, std::span<const Triangle> shape, const Transform& transform);
 
 }  // namespace xrds
