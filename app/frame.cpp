@@ -302,13 +302,6 @@ bool hasFullColour(const std::filesystem::path& colourPath, const std::filesyste
   }
 }
 
-void requireKnownInputs(const Model& model, const std::string& modelName) {
-  for (const std::string& input : model.auxiliaryInputs())
-    if (!findAuxiliaryInput(input))
-      throw Error("Model '" + modelName + "' needs the auxiliary image '" + printable(input) +
-                  "', which this program cannot find in an EXR file: use the library.");
-}
-
 const Image* imageOf(const std::vector<std::string>& inputs, const std::vector<Image>& images, std::string_view input) {
   const auto found = std::find(inputs.begin(), inputs.end(), input);
   return found == inputs.end() ? nullptr : &images.at(static_cast<size_t>(found - inputs.begin()));
@@ -332,13 +325,6 @@ std::vector<PixelView> inputsOf(const Model& model, const Frame& frame) {
                 (frame.neverMerges() ? "leave out --aux-colour never" : "give --samples LOW,HIGH") +
                 ", or take a model of albedo and normal.");
   return inputsOf(model, frame.inputs(), frame.auxiliary());
-}
-
-std::vector<PixelView> viewsOf(const std::vector<Image>& images) {
-  std::vector<PixelView> views;
-  views.reserve(images.size());
-  for (const Image& image : images) views.push_back(viewOf(image));
-  return views;
 }
 
 }  // namespace xrds

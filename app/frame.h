@@ -134,14 +134,8 @@ class Frame {
 bool hasFullColour(const std::filesystem::path& colourPath, const std::filesystem::path& auxPath,
                    const AovRequest& layers);
 
-/// Throws Error unless a Frame can find every auxiliary input of this model: they are of kAuxiliaryInputs.
-void requireKnownInputs(const Model& model, const std::string& modelName);
-
 /// The image of that input, one of `images` for each of `inputs`; null if it is none of them.
 const Image* imageOf(const std::vector<std::string>& inputs, const std::vector<Image>& images, std::string_view input);
-
-/// viewOf() of each.
-std::vector<PixelView> viewsOf(const std::vector<Image>& images);
 
 /// The auxiliary images that the model takes, in its order, of those there are, one for each of `inputs`. Throws Error
 /// if one is not among them.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/listed.h"
+#include "image/exr_file.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -65,6 +66,13 @@ std::string liveModelName() { return nameOf(4, "mini"); }
 bool takes(const Model& model, const AuxiliaryInput& input) {
   const auto& inputs = model.auxiliaryInputs();
   return std::find(inputs.begin(), inputs.end(), input.name) != inputs.end();
+}
+
+void requireKnownInputs(const Model& model, const std::string& modelName) {
+  for (const std::string& input : model.auxiliaryInputs())
+    if (!findAuxiliaryInput(input))
+      throw Error("Model '" + modelName + "' needs the auxiliary image '" + printable(input) +
+                  "', which this program cannot find in an EXR file: use the library.");
 }
 
 fs::path shippedVariant(int scale, const std::vector<std::string>& inputs) {

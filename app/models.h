@@ -30,6 +30,9 @@ std::string liveModelName();
 /// Whether the input is one of the model's.
 bool takes(const Model& model, const AuxiliaryInput& input);
 
+/// Throws Error unless a Frame can find every auxiliary input of this model: they are of kAuxiliaryInputs.
+void requireKnownInputs(const Model& model, const std::string& modelName);
+
 /// The file of the default model's variant for frames with these auxiliary images: of the colour alone, without
 /// normals, with the full-resolution colour, or the default model itself. Empty if it is not shipped for the scale.
 std::filesystem::path shippedVariant(int scale, const std::vector<std::string>& inputs);
