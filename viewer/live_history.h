@@ -26,8 +26,6 @@ class LiveHistory {
   /// The tracer's pictures merged with what was kept, valid until the next call; nothing where that does not count.
   std::optional<Pictures> merged(const PathTracer& tracer, const Camera& camera);
 
-  uint64_t deviceBytes() const { return filter_.deviceBytes(); }
-
  private:
   /// Pictures as TemporalFilter takes them, four floats a pixel of the tracer's and three of its own.
   struct Shown {

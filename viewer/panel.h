@@ -7,9 +7,10 @@
 #include "viewer/file_browser.h"
 #include "viewer/keys.h"
 #include "viewer/layout.h"
+#include "viewer/report.h"
 #include "viewer/swapchain.h"
-#include "viewer/upscaling.h"
 #include "viewer/view_state.h"
+#include "viewer/wanted.h"
 
 namespace xrds {
 
