@@ -26,6 +26,7 @@ struct Divergence {
 /// made of that, after a run of a session without aliasing.
 std::vector<Divergence> operatorErrors(const Session& session);
 
+/// How far a frame on the device is from its reference, node by node.
 struct CheckResult {
   std::vector<Divergence> nodes;  // in order
   int firstDivergent = -1;        // index into nodes; -1: none exceeds the bound

@@ -190,7 +190,6 @@ std::span<const uint32_t> Gpu::program(std::string_view name) const {
   return handles_->options.programs ? handles_->options.programs(name) : std::span<const uint32_t>{};
 }
 Pace Gpu::pace() const { return handles_->pace; }
-void Gpu::setPace(const Pace& pace) { handles_->pace = pace; }
 void Gpu::setPatience(uint32_t seconds) { handles_->patienceSeconds = seconds; }
 bool Gpu::hasTimestamps() const { return handles_->timestampValidBits > 0; }
 void Gpu::setTraits(const DeviceTraits& traits) { handles_->traits = traits; }

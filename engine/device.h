@@ -33,6 +33,7 @@ struct DeviceDescription {
 /// Finds the SPIR-V words of a program by its name; empty if there is none.
 using ProgramSource = std::function<std::span<const uint32_t>(std::string_view)>;
 
+/// Which device is opened, and how.
 struct DeviceOptions {
   /// Empty: the best one (discrete, integrated, virtual, CPU). Else an index, a part of the name, or a UUID.
   std::string select;
@@ -87,7 +88,6 @@ class Gpu {
   std::span<const uint32_t> program(std::string_view name) const;
   /// How fast the device is, as measured by recordings that ran, in this process or an earlier one.
   Pace pace() const;
-  void setPace(const Pace& pace);
   /// How long a submission may take before the device counts as lost. It must be longer than a driver takes to compile
   /// a program.
   void setPatience(uint32_t seconds);

@@ -240,13 +240,6 @@ bool Recording::run(const std::function<bool(size_t, size_t)>& progress) {
 
 std::vector<double> Recording::gpuMicroseconds() const { return handles_->gpuMicroseconds; }
 
-size_t Recording::submissionCount() const { return handles_->submissions.size(); }
-uint64_t Recording::largestSubmission() const {
-  uint64_t most = 0;
-  for (const Submission& submission : handles_->submissions) most = std::max(most, submission.work);
-  return most;
-}
-
 size_t Recording::barrierCount() const {
   return static_cast<size_t>(
       std::count(handles_->recorder.barriers().begin(), handles_->recorder.barriers().end(), true));

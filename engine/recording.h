@@ -27,6 +27,7 @@ struct PlacedDispatch {
   std::vector<ByteRange> ranges;
 };
 
+/// How a list of dispatches is recorded and run.
 struct RecordingOptions {
   bool timestamps = false;  // each dispatch then waits for the one before
   /// A submission holds at most that much work (see workOf()) or one dispatch, and no more than the device does in
@@ -59,9 +60,6 @@ class Recording {
   /// Device time of each dispatch in the last run, in microseconds; empty without timestamps.
   std::vector<double> gpuMicroseconds() const;
   size_t barrierCount() const;
-  /// The submissions of a run, and the work of the largest.
-  size_t submissionCount() const;
-  uint64_t largestSubmission() const;
 
  private:
   struct Handles;

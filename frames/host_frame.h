@@ -12,6 +12,7 @@ struct FramePart {
   Tile tile;
 };
 
+/// The images of a frame, as another program holds them, and how the frame is exposed.
 struct HostPictures {
   HostPicture colour;                  // [h, w]
   std::vector<HostPicture> auxiliary;  // [s h, s w] each, in the model's order

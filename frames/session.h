@@ -29,6 +29,7 @@ uint64_t arenaByteSize(const Graph& graph);
 
 class Session;
 
+/// How a frame is planned and recorded.
 struct SessionOptions {
   Precision precision = Precision::fp32;
   bool autoExposure = true;
@@ -54,6 +55,7 @@ struct PackedKey {
   auto operator<=>(const PackedKey&) const = default;  // NOLINT(modernize-use-nullptr): no null pointer is written
 };
 
+/// What one dispatch does, and the device time that it took.
 struct DispatchTime {
   std::string label, program;
   uint64_t multiplyAdds = 0, byteSize = 0;

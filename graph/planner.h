@@ -13,6 +13,7 @@ struct Lifetime {
   uint64_t alignment = 256;
 };
 
+/// Where each value lies in one arena.
 struct MemoryPlan {
   std::vector<uint64_t> offsets;  // of each value in the arena
   uint64_t byteSize = 0;          // of the arena

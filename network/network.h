@@ -18,6 +18,7 @@ using WeightLookup = std::function<std::span<const float>(const std::string& nam
 /// GraphOptions::bandRows for a frame in one piece.
 inline constexpr uint32_t kWholeFrame = kMaxSide;
 
+/// How a network is written as a graph.
 struct GraphOptions {
   Precision precision = Precision::fp32;
   bool autoExposure = true;  // else the exposure is an input of the graph

@@ -13,6 +13,7 @@ struct TuningStep {
   std::string text;  // "conv3x3 32 > 32"
 };
 
+/// What a tuning is asked for.
 struct TuningOptions {
   Precision precision = Precision::fp32;
   std::string label{};  // TunedFrame::label
