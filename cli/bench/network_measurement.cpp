@@ -11,6 +11,7 @@
 #include "app/timer.h"
 #include "cli/bench/process_memory.h"
 #include "cli/bench/quality_report.h"
+#include "cli/bench/quantile.h"
 #include "cli/progress.h"
 
 namespace xrds {
@@ -22,10 +23,9 @@ Device::Options optionsOf(const NetworkCase& networkCase) {
   return {.select = networkCase.device, .kernelFamily = networkCase.family};
 }
 
-Spread spreadOf(std::vector<double> samples) {
-  std::sort(samples.begin(), samples.end());
-  const size_t count = samples.size();
-  return {(samples[(count - 1) / 2] + samples[count / 2]) / 2, samples.front(), samples.back()};
+Spread spreadOf(const std::vector<double>& samples) {
+  const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
+  return {median(samples), *least, *most};
 }
 
 /// Random pixels in [0, 1): colour, and the model's auxiliary images.

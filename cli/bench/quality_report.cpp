@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/listed.h"
+#include "cli/bench/quantile.h"
 #include "cli/json_text.h"
 #include "cli/metric_columns.h"
 #include "cli/table.h"
@@ -125,8 +126,7 @@ std::optional<double> MethodQuality::medianSeconds() const {
   for (const SceneQuality& scene : scenes)
     if (scene.seconds) times.push_back(scene.seconds->best());
   if (times.empty()) return {};
-  std::sort(times.begin(), times.end());
-  return (times[(times.size() - 1) / 2] + times[times.size() / 2]) / 2;
+  return median(times);
 }
 
 const MethodQuality* QualityReport::guided() const {

@@ -5,6 +5,7 @@
 
 #include "app/listed.h"
 #include "app/skip_bound.h"
+#include "cli/bench/quantile.h"
 #include "cli/json_text.h"
 #include "cli/table.h"
 
@@ -27,16 +28,6 @@ constexpr std::pair<const char*, const char*> kDefinitions[] = {
      "largest of the windows that were skipped, and of the others"},
     {"cost", "time with skipping over that without, of all pairs of the scenes in which nothing was skipped"},
 };
-
-// Of the values in order, interpolated.
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const double at = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<size_t>(at);
-  const double above = values[std::min(below + 1, values.size() - 1)];
-  return values[below] + (at - static_cast<double>(below)) * (above - values[below]);
-}
-double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
 // The first of each pair over the second.
 std::vector<double> ratios(const std::vector<double>& first, const std::vector<double>& second) {
