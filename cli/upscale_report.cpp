@@ -5,6 +5,7 @@
 
 #include "app/listed.h"
 #include "app/skip_bound.h"
+#include "cli/device_json.h"
 #include "cli/json_text.h"
 #include "cli/metric_columns.h"
 #include "cli/table.h"
@@ -110,7 +111,7 @@ std::string upscaleJson(const UpscaleOptions& options, const UpscaleInput& input
   json["height"] = result.colour.height;
   json["scale"] = input.opened.model.scale();
   json["model"] = {{"name", input.opened.name()}, {"hash", input.opened.model.hash()}};
-  json["device"] = {{"name", device.name}, {"kind", device.kind}, {"uuid", device.uuid}, {"driver", device.driver}};
+  json["device"] = jsonOf(device);
   json["precision"] = options.precision;
   json["ensemble"] = options.ensemble;
   json["exposure"] = result.exposure;

@@ -83,7 +83,7 @@ void checkOptions(const BenchSkipOptions& options) {
   if (parseSkip(options.skip) == 0)
     throw Failure{ExitCode::usage, "--skip off leaves nothing to compare with full runs: expected safe or a bound."};
   requireOutput(options.json, ".json", "--json");
-  if (!options.markdown.empty()) requireWritable(options.markdown);
+  requireOutput(options.markdown, ".md", "--markdown");
 }
 
 void run(const BenchSkipOptions& options) {
@@ -120,9 +120,17 @@ void addBenchSkip(CLI::App& group) {
   verb->add_option("--skip", options->skip, "As in xrds upscale, but off")
       ->check(CLI::Validator(validSkip, "safe|N"))
       ->capture_default_str();
-  verb->add_option("--scale", options->scale, "Of the colour's render")->capture_default_str();
-  verb->add_option("--samples", options->colour, "Samples a pixel of the colour")->capture_default_str();
-  verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")->capture_default_str();
+  verb->add_option("--scale", options->scale, "Of the colour's render")
+      ->check(CLI::IsMember({1, 2, 4, 8, 16}))
+      ->capture_default_str();
+  verb->add_option("--samples", options->colour, "Samples a pixel of the colour")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("K");
+  verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("K");
   verb->add_option("--runs", options->runs, "Pairs of runs, of which the median is taken")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

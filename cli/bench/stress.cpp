@@ -33,8 +33,8 @@ std::vector<std::string> modelNames(const BenchStressOptions& options) {
 }
 
 void run(const BenchStressOptions& options) {
-  for (const std::string& file : {options.json, options.markdown})
-    if (!file.empty()) requireWritable(file);
+  requireOutput(options.json, ".json", "--json");
+  requireOutput(options.markdown, ".md", "--markdown");
   const auto names = modelNames(options);
   std::vector<Model> models;
   for (const std::string& name : names)

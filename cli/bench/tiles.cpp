@@ -186,9 +186,11 @@ void addBenchTiles(CLI::App& group) {
   verb->add_option("--columns", options->columns, "Tiles in a row")->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--rows", options->rows, "Rows of tiles")->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--samples", options->colour, "Samples a pixel of the colour")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str()
       ->type_name("K");
   verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str()
       ->type_name("K");
   addPrecision(*verb, options->precision);

@@ -42,6 +42,7 @@ TEST(CliJson, OfUpscaleHasEveryNumber) {
   EXPECT_EQ(run["skip"]["share"], 0);
   EXPECT_EQ(run["repairedPixels"]["input"], 0);
   EXPECT_GT(run["deviceBytes"], 0);
+  EXPECT_GT(run["device"]["memoryBytes"], 0);
   EXPECT_GT(run["computeSeconds"], 0);
   EXPECT_GT(run["seconds"], run["computeSeconds"]);
   EXPECT_GT(run["profile"].size(), 0U);

@@ -81,6 +81,9 @@ TEST(CliSkip, BenchTimesPairsOfRunsAndTellsTheLargestChange) {
                 6);
   bench.push_back("skip.txt");
   expectFailure(runXrds(bench), 2, "--json takes a name that ends in .json", folder, 6);
+  expectFailure(runXrds({"bench", "skip", (folder / "").string(), "--markdown", "skip.txt"}), 2,
+                "--markdown takes a name that ends in .md", folder, 6);
+  expectFailure(runXrds({"bench", "skip", (folder / "").string(), "--samples", "0"}), 2, "--samples", folder, 6);
 }
 
 }  // namespace
