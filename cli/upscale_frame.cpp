@@ -89,15 +89,29 @@ void writePicture(const std::filesystem::path& path, const Frame& frame, const I
     writeExr(path, image, output);
 }
 
-ExrOutput outputOf(const UpscaleOptions& options, const OpenedModel& opened, const Frame& frame, float factor) {
-  char exposure[32];
-  std::snprintf(exposure, sizeof exposure, "%.6g", factor);
+/// What the picture depends on, for the file's metadata.
+std::string optionsOf(const UpscaleOptions& options, const Frame& frame, float exposure) {
+  char factor[32], share[32];
+  std::snprintf(factor, sizeof factor, "%.6g", exposure);
+  std::string text =
+      "precision=" + options.precision + " exposure=" + factor + (options.exposure == "auto" ? " (auto)" : "");
+  if (frame.merged()) {
+    std::snprintf(share, sizeof share, "%.3g", frame.merged()->share);
+    text += std::string(" merged=") + share;
+  }
+  if (options.ensemble > 1) text += " ensemble=" + std::to_string(options.ensemble);
+  if (options.skip != "off") text += " skip=" + options.skip;
+  if (options.wrap) text += " wrap";
+  if (options.temporal) text += " temporal";
+  return text;
+}
+
+ExrOutput outputOf(const UpscaleOptions& options, const OpenedModel& opened, const Frame& frame, float exposure) {
   ExrOutput output = frame.output(static_cast<int>(opened.model.scale()));
   output.texts["xrds:version"] = XRDS_VERSION;
   output.texts["xrds:model"] = opened.name() + " " + opened.model.hash();
-  output.texts["xrds:options"] =
-      "precision=" + options.precision + " exposure=" + exposure + (options.exposure == "auto" ? " (auto)" : "");
-  if (options.ensemble > 1) output.texts["xrds:options"] += " ensemble=" + std::to_string(options.ensemble);
+  output.texts["xrds:options"] = optionsOf(options, frame, exposure);
+  if (!frame.denoisedBy().empty()) output.texts["xrds:denoiser"] = frame.denoisedBy();
   output.pixelType = options.half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
   return output;
 }

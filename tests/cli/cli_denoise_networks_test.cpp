@@ -72,6 +72,7 @@ TEST(CliDenoiseNetworks, MakeWhatTheyMakeByThemselves) {
   const Ended ended = frame.upscale({"--denoise-first", "--clean-guides", "--denoisers", frame.networks});
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_NE(ended.output.find("Denoised first, by rt_hdr_calb_cnrm."), std::string::npos) << ended.output;
+  EXPECT_EQ(headerOf(frame.out).attributes.text("xrds:denoiser"), "rt_hdr_calb_cnrm");
   expectNear(readColour(frame.out), readColour(two.out), kRounded);
 }
 

@@ -55,7 +55,8 @@ TEST(CliEnsemble, TakesTilesAndSkippingAndIsNoted) {
   EXPECT_NE(ended.output.find(" % of the windows skipped"), std::string::npos) << ended.output;
   const Image picture = readColour(frame.out);
   for (int y = 0; y < 280; ++y) EXPECT_NEAR(picture.at(359, y, 1), 0.4F, 1e-4F);
-  EXPECT_NE(headerOf(frame.out).attributes.text("xrds:options").value_or("").find("ensemble=2"), std::string::npos);
+  EXPECT_NE(headerOf(frame.out).attributes.text("xrds:options").value_or("").find("ensemble=2 skip=safe"),
+            std::string::npos);
 }
 
 TEST(CliEnsemble, RefusesOtherCounts) {

@@ -49,8 +49,10 @@ TEST(CliMerge, WeighsByTheSamplesThatAreGiven) {
   EXPECT_EQ(run["mergedColour"]["source"], "given");
   EXPECT_EQ(run["mergedColour"]["samples"], Json({64, 16}));
   EXPECT_NE(run["printed"].get<std::string>().find("merged with 'Combined'"), std::string::npos) << run["printed"];
+  EXPECT_TRUE(contains(headerOf(frame.out).attributes.text("xrds:options").value_or(""), " merged=0.8"));
   const Json low = jsonOf(frame, {"--aux-colour", "never"});
   EXPECT_TRUE(low["mergedColour"].is_null());
+  EXPECT_FALSE(contains(headerOf(frame.out).attributes.text("xrds:options").value_or(""), "merged"));
   EXPECT_NEAR(low["exposure"].get<double>() / run["exposure"].get<double>(), 0.2 + 0.8 * 1.1, 1e-4);
 }
 
