@@ -30,6 +30,15 @@ inline void addReportFile(CLI::App& verb, std::string& json) {
   verb.add_option("--json", json, "File to write with every number and its definition")->type_name("JSON");
 }
 
+/// Declares --samples and --aux of a benchmark on a folder of scenes.
+inline void addSceneSamples(CLI::App& verb, int& colour, int& aux) {
+  const auto add = [&](const char* name, int& samples, const char* help) {
+    verb.add_option(name, samples, help)->check(CLI::PositiveNumber)->capture_default_str()->type_name("K");
+  };
+  add("--samples", colour, "Samples a pixel of the scenes' colour; at scale 1 those of --aux count");
+  add("--aux", aux, "Samples a pixel of the scenes' albedo and normal");
+}
+
 /// Declares --exposure, auto or a factor, of a command that takes one. `help`: what the factor does.
 inline void addExposure(CLI::App& verb, std::string& exposure, const char* help) {
   const auto valid = [](const std::string& text) {

@@ -81,20 +81,13 @@ std::vector<NetworkCase> casesOf(const BenchNetworkOptions& options, const std::
   return cases;
 }
 
-QualitySetting settingOf(const BenchNetworkOptions& options, const Model& model) {
-  const int scale = static_cast<int>(model.scale());
-  QualitySetting setting{
-      .scale = scale, .colourSamples = scale == 1 ? options.aux : options.colour, .auxSamples = options.aux};
-  setting.read(model);
-  return setting;
-}
-
 AccuracyRow accuracyOf(const BenchNetworkOptions& options, const NetworkCase& networkCase) {
   AccuracyRow row{networkCase};
   if (!options.noCheck) row.engine = engineError(networkCase);
   stopIfInterrupted();
   if (!options.scenes.empty())
-    row.image = imageError(networkCase, options.scenes, settingOf(options, networkCase.model->model));
+    row.image =
+        imageError(networkCase, options.scenes, settingFor(networkCase.model->model, options.colour, options.aux));
   return row;
 }
 
@@ -171,15 +164,7 @@ void addBenchNetwork(CLI::App& group) {
   verb->add_flag("--no-check", options->noCheck, "Leave out the comparison with the double-precision reference");
   verb->add_option("--scenes", options->scenes, "Folder of scenes for the image error, as bench quality takes it")
       ->type_name("FOLDER");
-  verb->add_option("--samples", options->colour,
-                   "Samples a pixel of the scenes' colour; at scale 1 those of --aux count")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("K");
-  verb->add_option("--aux", options->aux, "Samples a pixel of the scenes' albedo and normal")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("K");
+  addSceneSamples(*verb, options->colour, options->aux);
   addReportFile(*verb, options->json);
   addQuiet(*verb, options->quiet);
   verb->footer(

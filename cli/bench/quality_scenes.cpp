@@ -66,6 +66,13 @@ void QualitySetting::read(const Model& model) {
   if (takes(model, kFullColour)) mergesColour = true;
 }
 
+QualitySetting settingFor(const Model& model, int colour, int aux) {
+  const int scale = static_cast<int>(model.scale());
+  QualitySetting setting{.scale = scale, .colourSamples = scale == 1 ? aux : colour, .auxSamples = aux};
+  setting.read(model);
+  return setting;
+}
+
 std::string QualitySetting::auxText() const { return auxSamples ? std::to_string(*auxSamples) : "converged"; }
 
 std::optional<double> QualitySetting::averageSamples() const {

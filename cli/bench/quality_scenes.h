@@ -32,6 +32,9 @@ struct QualitySetting {
   std::optional<double> averageSamples() const;
 };
 
+/// Of the model's scale, with what it takes; at scale 1 the colour is that of the `aux` samples' render.
+QualitySetting settingFor(const Model& model, int colour, int aux);
+
 /// Finished images of another program: a folder with one NAME*.exr a scene, or a pattern in which * is the scene's
 /// name.
 struct FinishedImages {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 #include <memory>
+#include <optional>
 
 #include "app/failing_with.h"
 #include "app/models.h"
@@ -21,7 +22,8 @@ namespace {
 
 struct BenchSkipOptions {
   std::string folder, model, device, json, markdown, skip = "safe", precision = kFp32;
-  int scale = 4, runs = 5, colour = 64, aux = 16;
+  std::optional<int> scale;  // the model's
+  int runs = 5, colour = 64, aux = 16;
   bool cpuTime = false, quiet = false;
 
   Upscaler::Options upscaler(float bound) const { return {.fp16 = precision == kFp16, .skip = {.bound = bound}}; }
@@ -88,10 +90,12 @@ void checkOptions(const BenchSkipOptions& options) {
 
 void run(const BenchSkipOptions& options) {
   checkOptions(options);
-  QualitySetting setting{options.scale, options.colour, options.aux};
-  const std::string name = options.model.empty() ? defaultModelName(options.scale) : options.model;
+  const std::string name = options.model.empty() ? defaultModelName(options.scale.value_or(4)) : options.model;
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(name)); });
-  setting.read(model);
+  if (options.scale.value_or(model.scale()) != static_cast<int>(model.scale()))
+    throw Failure{ExitCode::usage, "The model '" + name + "' has scale " + std::to_string(model.scale()) +
+                                       ": leave --scale out, or --model."};
+  const QualitySetting setting = settingFor(model, options.colour, options.aux);
   const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   SkipReport report{{options.folder, name, model.hash(), options.precision, setting, device.description()},
@@ -120,17 +124,9 @@ void addBenchSkip(CLI::App& group) {
   verb->add_option("--skip", options->skip, "As in xrds upscale, but off")
       ->check(CLI::Validator(validSkip, "safe|N"))
       ->capture_default_str();
-  verb->add_option("--scale", options->scale, "Of the colour's render")
-      ->check(CLI::IsMember({1, 2, 4, 8, 16}))
-      ->capture_default_str();
-  verb->add_option("--samples", options->colour, "Samples a pixel of the colour")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("K");
-  verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("K");
+  verb->add_option("--scale", options->scale, "Of the colour's render (default: the model's, else 4)")
+      ->check(CLI::IsMember({1, 2, 4, 8, 16}));
+  addSceneSamples(*verb, options->colour, options->aux);
   verb->add_option("--runs", options->runs, "Pairs of runs, of which the median is taken")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -142,9 +142,7 @@ void run(const BenchTilesOptions& options) {
   requireOutput(options.json, ".json", "--json");
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
   if (options.halosAsked) failingWith(ExitCode::usage, [&] { requireHalos(options.halos, model); });
-  QualitySetting setting{
-      .scale = static_cast<int>(model.scale()), .colourSamples = options.colour, .auxSamples = options.aux};
-  setting.read(model);
+  const QualitySetting setting = settingFor(model, options.colour, options.aux);
   const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   TilesReport report{{options.folder, options.model, model.hash(), options.precision, setting, device.description()},
@@ -185,14 +183,7 @@ void addBenchTiles(CLI::App& group) {
       ->type_name("N");
   verb->add_option("--columns", options->columns, "Tiles in a row")->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--rows", options->rows, "Rows of tiles")->check(CLI::Range(1, 64))->capture_default_str();
-  verb->add_option("--samples", options->colour, "Samples a pixel of the colour")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("K");
-  verb->add_option("--aux", options->aux, "Samples a pixel of albedo and normal")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("K");
+  addSceneSamples(*verb, options->colour, options->aux);
   addPrecision(*verb, options->precision);
   addDevice(*verb, options->device);
   verb->add_option(

@@ -84,6 +84,8 @@ TEST(CliSkip, BenchTimesPairsOfRunsAndTellsTheLargestChange) {
   expectFailure(runXrds({"bench", "skip", (folder / "").string(), "--markdown", "skip.txt"}), 2,
                 "--markdown takes a name that ends in .md", folder, 6);
   expectFailure(runXrds({"bench", "skip", (folder / "").string(), "--samples", "0"}), 2, "--samples", folder, 6);
+  expectFailure(runXrds({"bench", "skip", (folder / "").string(), "--model", goldenModel("s4_guided"), "--scale", "2"}),
+                2, "has scale 4", folder, 6);
 }
 
 }  // namespace
