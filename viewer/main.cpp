@@ -74,7 +74,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->type_name("auto|never|LAYER")
       ->capture_default_str();
   app.add_option("--size", options.size, "Of the window (default: as it was left)")->type_name("WIDTHxHEIGHT");
-  app.add_option("--frames", options.frames, "Leave after so many upscaled pictures")
+  app.add_option("--frames", options.frames, "Leave after so many upscaled pictures; a sequence plays meanwhile")
       ->type_name("N")
       ->check(CLI::Range(1, std::numeric_limits<int>::max()));
   app.add_option("--screenshot", options.screenshot, "PNG file of the window to write then")

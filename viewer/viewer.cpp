@@ -104,6 +104,7 @@ Viewer::Viewer(const ViewerOptions& options)
   });
   if (!options.scene.empty()) showScene(options.scene);
   if (!options.files.empty()) failingWith(ExitCode::input, [&] { open(options.files); });
+  playback_.playing = playback_.count() > 1 && options.frames > 1;  // a sequence that stands still makes one picture
   if (!options.script.empty())
     script_ = failingWith(ExitCode::usage, [&] {
       return std::make_unique<Script>(readScript(options.script), scriptVerbs(), scriptActions());

@@ -42,6 +42,17 @@ TEST_F(ViewerDisplay, PlaysASequenceWithAndWithoutItsNeighbours) {
   }
 }
 
+TEST_F(ViewerDisplay, PlaysASequenceUntilItsPicturesAreMade) {
+  const MovingSequence sequence;
+  std::vector<std::string> arguments =
+      shown(sequence, {"--frames", "3", "--screenshot", (folder / "third.png").string()});
+  arguments.insert(arguments.begin(), "view");
+  const Ended ended = runXrds(
+      arguments, {.environment = {{"DISPLAY", desktop.name()}, {"XDG_CONFIG_HOME", (folder / "config").string()}}});
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(readPng(folder / "third.png").width, 400);
+}
+
 TEST_F(ViewerDisplay, TellsThatASequenceHasNoMotion) {
   const MovingSequence sequence({.layer = "speed"});
   const Ended ended = run("wait\nkey A\nwait\nprint\nkey A\nwait\nprint\n", shown(sequence));
