@@ -1,4 +1,5 @@
-// e = 0.18 / exp(mean(log L)) >= 1e-37 over the pixels with finite Rec. 709 luminance L > 1e-8 M; 1 if there are none.
+// e = 0.18 / exp(mean(log L)) >= 1e-37 over the pixels with finite Rec. 709 luminance L > 1e-8 M, of which negative
+// channels count as 0; 1 if there are none.
 // M = (mean(L^(1/8)))^8 over those with finite L > 1e-37. colour: [pixels][4]; target: (e, 1 / e, count, 0). One
 // workgroup; each of its kGroup invocations sums every kGroup-th pixel, 64 at a time (long sums of single pixels would lose digits), then a
 // tree: the order never changes. fp32.
@@ -26,7 +27,8 @@ void sumOver(bool roots, float darkest) {
       vec3 value[kExposureAtOnce];
       [[unroll]] for (uint i = 0; i < kExposureAtOnce; i++) {
         const uint pixel = min(first + i * kGroup + lane, p.pixelCount - 1);
-        value[i] = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
+        const vec3 stored = texelFetch(colour, int(pixel * p.source.stride + p.source.offset)).rgb;
+        value[i] = mix(stored, vec3(0), lessThan(stored, vec3(0)));  // NaN stays
       }
       [[unroll]] for (uint i = 0; i < kExposureAtOnce; i++) {
         const float luminance = dot(value[i], vec3(0.2126, 0.7152, 0.0722));

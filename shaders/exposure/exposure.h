@@ -24,9 +24,9 @@ XRDS_SHARED_END
 namespace xrds {
 
 /// The automatic exposure of an image: e = 0.18 over the geometric mean of its Rec. 709 luminances L, at least 1e-37; 1
-/// if the image is black. Pixels count that are below 3.4e38 and brighter than 1e-8 of the power mean (mean of
-/// L^(1/8))^8 of all from 1e-37 to 3.4e38: nearly black ones do not, however bright the image is, and fireflies hardly
-/// move it. So the exposure of k times the image is e / k.
+/// if the image is black. Negative channels count as 0. Pixels count that are below 3.4e38 and brighter than 1e-8 of
+/// the power mean (mean of L^(1/8))^8 of all from 1e-37 to 3.4e38: nearly black ones do not, however bright the image
+/// is, and fireflies hardly move it. So the exposure of k times the image is e / k.
 struct Exposure {
   TensorView colour;  // [h, w, 4] linear radiance
   TensorView output;  // [1, 1, 4] f32: e, 1 / e, the number of pixels that count, 0
@@ -53,8 +53,11 @@ void propagate(const Exposure& op, Moments& moments);
 /// On which a device is examined; none where it does not make this operator.
 void addExamples(ExampleMaker& maker, std::vector<Exposure>& examples);
 
-/// Rec. 709.
-inline double luminance(double red, double green, double blue) { return 0.2126 * red + 0.7152 * green + 0.0722 * blue; }
+/// Rec. 709, of a pixel whose negative channels count as 0. NaN of what has one.
+inline double luminance(double red, double green, double blue) {
+  const auto light = [](double channel) { return channel < 0 ? 0 : channel; };
+  return 0.2126 * light(red) + 0.7152 * light(green) + 0.0722 * light(blue);
+}
 
 /// The exposure of pixelCount pixels in double precision, where luminanceOf(i) is the luminance of pixel i.
 struct ExposureResult {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -61,6 +62,22 @@ TEST(Exposure, LeavesOutBlackAndNonFinitePixels) {
                                   1,     0,     1,     infinity, 1,      0,      1,      -infinity, 1,   0,
                                   -1,    -1,    -1,    0,        4e-3f,  1e-3f,  0,      nan};
   test::expectMatchesReference(exposureOf(1, 7), {{0, pixels}});
+}
+
+// As the network and its base image have it: what is negative is 0.
+TEST(Exposure, CountsNegativeChannelsAsBlack) {
+  const std::vector<float> pixels{0.5f, -2, 0.25f, 0, -1, 1, 2, 0, -3, -2, -1, 0, 0.1f, 0.2f, 0.3f, 0};
+  std::vector<float> clamped = pixels;
+  for (float& value : clamped) value = std::max(value, 0.0f);
+  const Exposure op = exposureOf(1, 4);
+  const auto onHost = [&](const std::vector<float>& values) {
+    HostMemory memory;
+    memory.storage(op.colour).assign(values.begin(), values.end());
+    reference(op, memory);
+    return memory.at(op.output, 0, 0, 0);
+  };
+  EXPECT_EQ(onHost(pixels), onHost(clamped));
+  test::expectMatchesReference(op, {{0, pixels}});
 }
 
 double exposureOnHostOf(const std::vector<float>& luminances) {
