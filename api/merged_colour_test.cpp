@@ -59,6 +59,16 @@ TEST(MergedColour, LeavesOutWhatIsNotFinite) {
   }
 }
 
+// Before they are merged, as xrds upscale does: afterwards they were filled with their neighbours' share of both.
+TEST(MergedColour, RepairsTheLowResolutionColour) {
+  const float bad = std::numeric_limits<float>::quiet_NaN();
+  const float low[] = {bad, 1, 1, 5, -5, 5};
+  std::vector<float> full(size_t{3} * 8, 3);
+  const auto merged = mergedColour({low, 2, 1}, {full.data(), 4, 2}, 0.5);
+  const float expected[] = {4, 1.5F, 4, 4, 1.5F, 4};  // of both 5, 0, 5
+  for (int i = 0; i < 6; ++i) EXPECT_FLOAT_EQ(merged[i], expected[i]) << i;
+}
+
 TEST(MergedColour, EstimatesTheShareFromNoise) {
   for (const uint32_t scale : {2u, 4u})
     for (const RenderSamples samples : {RenderSamples{64, 16}, RenderSamples{16, 1}, RenderSamples{4, 4}}) {

@@ -3,6 +3,9 @@
 
 #include "api/c/images.h"
 #include "api/c/result.h"
+#include "api/finite_image.h"
+#include "image/image_view.h"
+#include "image/repair.h"
 #include "xrds/merged_colour.h"
 
 using namespace xrds::c;
@@ -13,6 +16,18 @@ struct BothColours {
   BothColours(const XrdsImage* lowImage, const XrdsImage* fullImage)
       : low(required(lowImage, "low"), "low-resolution"), full(required(fullImage, "full"), "full-resolution") {}
   const ReadImage low, full;
+};
+
+/// A low-resolution colour as it is merged: what is negative is 0, what is not finite filled from the neighbours.
+class RepairedColour {
+ public:
+  explicit RepairedColour(const ReadImage& given) : image_(xrds::imageOf(given.view())) {
+    xrds::repairRadiance(image_);
+  }
+  xrds::PixelView view() const { return xrds::viewOf(image_); }
+
+ private:
+  xrds::Image image_;
 };
 
 void writeColour(const XrdsImage& image, const std::vector<float>& pixels) {
@@ -32,10 +47,11 @@ XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double l
   return guarded([&] {
     const BothColours colours(low, full);
     checkSameSize(required(merged, "merged"), *low, "merged", "low-resolution");
+    const RepairedColour repaired(colours.low);
     const bool known = lowSamples != 0 || fullSamples != 0;
     const double share = known ? xrds::fullShare({lowSamples, fullSamples}, full->width / low->width)
-                               : xrds::shareByNoise(colours.low.view(), colours.full.view());
-    const std::vector<float> pixels = xrds::mergedByShare(colours.low.view(), colours.full.view(), share);
+                               : xrds::shareByNoise(repaired.view(), colours.full.view());
+    const std::vector<float> pixels = xrds::mergedByShare(repaired.view(), colours.full.view(), share);
     const std::vector<float> alpha = low->channels[3] ? readChannel(*low, 3) : std::vector<float>();
     writeColour(*merged, pixels);
     if (merged->channels[3]) {
@@ -49,7 +65,7 @@ XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double l
 XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double* difference) {
   return guarded([&] {
     const BothColours colours(low, full);
-    required(difference, "difference") = xrds::differenceOf(colours.low.view(), colours.full.view());
+    required(difference, "difference") = xrds::differenceOf(RepairedColour(colours.low).view(), colours.full.view());
     return XRDS_OK;
   });
 }
@@ -57,7 +73,7 @@ XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double
 XrdsResult xrdsEstimateFullShare(const XrdsImage* low, const XrdsImage* full, double* share) {
   return guarded([&] {
     const BothColours colours(low, full);
-    required(share, "share") = xrds::shareByNoise(colours.low.view(), colours.full.view());
+    required(share, "share") = xrds::shareByNoise(RepairedColour(colours.low).view(), colours.full.view());
     return XRDS_OK;
   });
 }
@@ -68,7 +84,7 @@ XrdsResult xrdsMergeByShare(const XrdsImage* low, const XrdsImage* full, double 
     checkSameSize(required(merged, "merged"), *low, "merged", "low-resolution");
     if (!(share >= 0 && share <= 1))
       throw xrds::InvalidArgument("The share is " + std::to_string(share) + ", expected a number from 0 to 1.");
-    writeColour(*merged, xrds::mergedByShare(colours.low.view(), colours.full.view(), share));
+    writeColour(*merged, xrds::mergedByShare(RepairedColour(colours.low).view(), colours.full.view(), share));
     return XRDS_OK;
   });
 }
