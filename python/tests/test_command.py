@@ -55,6 +55,26 @@ def test_the_model_that_suits_is_chosen(tmp_path):
     same(xrds.upscale(colour, **images), picture(tmp_path, *files(tmp_path, colour, **images)))
 
 
+@pytest.mark.parametrize("constant", ["albedo", "normal"])
+def test_an_image_that_tells_nothing_is_left_out(tmp_path, constant):
+    colour, images = frame(12, 16)
+    images[constant][:] = 0, 0.5, 1
+    with pytest.warns(UserWarning, match=f"The {constant} is the same everywhere; taking model xrds-x4-compact-"):
+        found = xrds.upscale(colour, **images)
+    same(found, picture(tmp_path, *files(tmp_path, colour, **images)))
+
+
+def test_broken_pixels_are_repaired_alike(tmp_path):
+    colour, images = frame(12, 16)
+    full = numpy.repeat(numpy.repeat(colour, 4, 0), 4, 1)
+    colour[3, 4], colour[5, 6, 1], colour[7, 7] = numpy.nan, -2, (-1, numpy.inf, 1)
+    same(xrds.upscale(colour, model=MODEL, **images), picture(tmp_path, *files(tmp_path, colour, **images), "--model", MODEL))
+    for samples in (None, (64, 4)):
+        words = ["--samples", "64,4"] if samples else []
+        wanted = picture(tmp_path, *files(tmp_path, colour, beauty=full, **images), *words)
+        same(xrds.upscale(colour, full_colour=full, samples=samples, **images), wanted)
+
+
 @pytest.mark.parametrize("words, options", [
     (["--precision", "fp16"], {"precision": "fp16"}),
     (["--exposure", "2"], {"exposure": 2.0}),

@@ -30,6 +30,12 @@ def readable(array: Array, name: str) -> _native.Image:
     return _native.Image(array, name, False)
 
 
+def is_constant(array: Array) -> bool:
+    """Whether all of its pixels are the same."""
+    image = array if isinstance(array, numpy.ndarray) else numpy.from_dlpack(array)
+    return bool((image[0, ..., :3] == image[0, 0, :3]).all() and (image[..., :3] == image[0, 0, :3]).all())
+
+
 def _can_be_shared(array: numpy.typing.NDArray[Any]) -> bool:
     """Whether DLPack can tell where its numbers are, and they are of this machine."""
     return array.dtype.isnative and not any(stride % array.itemsize for stride in array.strides)

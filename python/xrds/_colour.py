@@ -31,7 +31,7 @@ def merge_colour(low: Array, full: Array, *, samples: Optional[Samples] = None, 
 
 
 def merge_into(result: Result, low: _native.Image, full: _native.Image, samples: Optional[Samples]) -> None:
-    of_low, of_full = _checked(samples)
+    of_low, of_full = checked(samples)
     _native.merge_colour(low, full, of_low, of_full, writable(result, "out"))
 
 
@@ -58,7 +58,7 @@ def levelled(full: _native.Image, merged: _native.Image) -> Result:
     return result
 
 
-def _checked(samples: Optional[Samples]) -> Samples:
+def checked(samples: Optional[Samples]) -> Samples:
     if samples is None:
         return 0, 0
     if len(samples) != 2 or not all(number > 0 for number in samples):

@@ -5,15 +5,16 @@ from __future__ import annotations
 import atexit
 import os
 import threading
+import warnings
 from collections.abc import Callable
 from typing import Any, Optional, TypeVar, Union, overload
 
 from . import _native
-from ._arrays import Array, Result, readable
-from ._colour import Samples, merged_or_none
+from ._arrays import Array, Result, is_constant, readable
+from ._colour import Samples, checked, merged_or_none
 from ._denoiser import Denoiser
 from ._devices import Device
-from ._errors import ArgumentError, DeviceLost
+from ._errors import ArgumentError, DeviceLost, Error
 from ._layers import LayerRun, Layers
 from ._models import Model
 from ._oidn import Path
@@ -87,7 +88,8 @@ def upscale(
     multiplies DiffDir and DiffInd; so do other stems, and "Diffuse Color" the lights "Diffuse Direct" and "Diffuse
     Indirect". Emit, Env and volumes do not follow the albedo, others without a colour do. "Combined" is what they are the sum of where
     that is not the colour, as of a TemporalFilter. Not with skip.
-    model: a Model, the name of a shipped one, or a file; None: what suits the images and samples.
+    model: a Model, the name of a shipped one, or a file; None: what suits the images and samples. An albedo
+    or a normal that is the same everywhere tells nothing: then it is one that does without, with a warning.
     out: an array for the result, of which no byte is the inputs'; None: a new one.
     progress: hears how far it is, and can end it, see Progress. So does KeyboardInterrupt.
     The others are those of Upscaler.
@@ -123,7 +125,13 @@ def upscale(
         "clean_guides": clean_guides,
         "denoised_colour": denoised_colour,
     }
+    if samples is not None:
+        checked(samples)
     chosen = model if model is not None else _suitable(scale, given, both is not None, samples, skip)
+    if model is None and (constant := _constant(arrays)) and (variant := _without(constant, scale)):
+        warnings.warn(f"The {constant} is the same everywhere; taking model {variant}.", stacklevel=2)
+        chosen = variant
+        arrays = {name: array for name, array in arrays.items() if name == "colour" or (name == "albedo" and constant == "normal")}
     model_key = chosen if isinstance(chosen, Model) else os.fspath(chosen)
     upscaler = _kept(
         (Upscaler, low.width, low.height, model_key, *options.values(), os.environ.get("XRDS_DENOISERS")), device, progress,
@@ -243,6 +251,21 @@ def _suitable(scale: int, given: dict[str, _native.Image], merged: bool, samples
     skips = skip not in (None, "off", 0)  # the full models, and those of few samples, cannot
     inputs = [name for name in given if name != "colour" or (merged and not skips)]
     return _native.choose_model(scale, inputs, float(samples[0]) if samples and not skips else 0)
+
+
+def _constant(arrays: dict[str, Array]) -> Optional[str]:
+    """Of albedo and normal the first that is the same everywhere, and tells nothing."""
+    return next((name for name in ("albedo", "normal") if name in arrays and is_constant(arrays[name])), None)
+
+
+def _without(constant: str, scale: int) -> Optional[str]:
+    """The model that does without it; None where none of the scale is shipped."""
+    name = f"xrds-x{scale}-compact-" + ("plain" if constant == "albedo" else "albedo")
+    try:
+        _native.find_model(name)
+    except Error:
+        return None
+    return name
 
 
 def _kept(key: tuple[Any, ...], device: AnyDevice, progress: Optional[Progress], make: Callable[[Device], Kept]) -> Kept:
