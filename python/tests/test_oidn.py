@@ -120,6 +120,15 @@ def test_a_render_without_guides(networks, tmp_path):
     numpy.testing.assert_array_equal(found[..., 3], colour[..., 3])
 
 
+def test_a_colour_from_0_to_1(networks, tmp_path):
+    colour, images = noise(20, 28), {"albedo": noise(20, 28, seed=2), "normal": noise(20, 28, seed=3)}
+    with pytest.raises(xrds.Error, match="no network rt_ldr_calb_cnrm of"):
+        xrds.denoise(colour, ldr=True, denoisers=networks, **images)
+    (networks / "rt_ldr_calb_cnrm.safetensors").write_bytes((ROOT / "tests/golden/unet/ldr_albedo_normal_small.model.safetensors").read_bytes())
+    found = xrds.denoise(colour, ldr=True, denoisers=networks, **images)
+    same(found, denoised(tmp_path, networks, colour, images, "--ldr"))
+
+
 def test_tiles_have_the_bits_of_the_whole(networks):
     (networks / "rt_hdr_small.safetensors").write_bytes((ROOT / "tests/golden/unet/hdr_small.model.safetensors").read_bytes())
     colour = noise(128, 1024)

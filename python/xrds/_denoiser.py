@@ -22,6 +22,7 @@ class Denoiser(Held[Networks]):
     inputs: the images that come with the colour: ("albedo", "normal"), ("albedo",) or ().
     guides: "prefilter": albedo and normal are denoised first, each by a network of its own; "noisy": they stay as they are; "clean": so they do, and have no noise.
     quality: "high": the largest networks that there are; "balanced", "fast": the base ones, the small ones.
+    ldr: the colour is linear from 0 to 1 and stays so; else it is radiance without bound.
     denoisers: folder of the networks; None: denoiser_folder(), where import_oidn() puts them.
     The others are those of Upscaler.
 
@@ -37,6 +38,7 @@ class Denoiser(Held[Networks]):
         inputs: tuple[str, ...] = ("albedo", "normal"),
         guides: str = "prefilter",
         quality: str = "high",
+        ldr: bool = False,
         denoisers: Optional[Path] = None,
         device: AnyDevice = None,
         precision: str = "fp32",
@@ -49,7 +51,7 @@ class Denoiser(Held[Networks]):
             raise ArgumentError(f"A denoiser takes albedo and normal, albedo, or nothing beside the colour, not {_listed(self.inputs)}.")
         _one_of(guides, "guides", ("prefilter", "noisy", "clean"))
         _one_of(quality, "quality", ("high", "balanced", "fast"))
-        colour, prefilters = networks_alone(self.inputs, guides, quality, denoisers)
+        colour, prefilters = networks_alone(self.inputs, guides, quality, ldr, denoisers)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
         options = {"device": self.device, "precision": precision, "memory": memory, "tiles": "exact", "tune": "never"}
         self._prefilters = {

@@ -148,7 +148,7 @@ def upscale(
 
 @overload
 def denoise(
-    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: None = ..., guides: str = ..., quality: str = ...,
+    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: None = ..., guides: str = ..., quality: str = ..., ldr: bool = ...,
     denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[float] = ...,
     out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> Result: ...
@@ -156,7 +156,7 @@ def denoise(
 
 @overload
 def denoise(
-    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: Layers, guides: str = ..., quality: str = ...,
+    colour: Array, *, albedo: Optional[Array] = ..., normal: Optional[Array] = ..., layers: Layers, guides: str = ..., quality: str = ..., ldr: bool = ...,
     denoisers: Optional[Path] = ..., device: AnyDevice = ..., precision: str = ..., exposure: Optional[float] = ..., memory: Optional[float] = ...,
     out: Optional[Array] = ..., progress: Optional[Progress] = ...,
 ) -> tuple[Result, dict[str, Result]]: ...
@@ -170,6 +170,7 @@ def denoise(
     layers: Optional[Layers] = None,
     guides: str = "prefilter",
     quality: str = "high",
+    ldr: bool = False,
     denoisers: Optional[Path] = None,
     device: AnyDevice = None,
     precision: str = "fp32",
@@ -201,6 +202,7 @@ def denoise(
         "inputs": inputs,
         "guides": guides,
         "quality": quality,
+        "ldr": ldr,
         "denoisers": None if denoisers is None else os.fspath(denoisers),
         "precision": precision,
         "exposure": exposure,

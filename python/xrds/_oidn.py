@@ -50,16 +50,18 @@ def networks_in_front(inputs: tuple[str, ...], folder: Optional[Path], clean_gui
 
 
 def networks_alone(
-    inputs: tuple[str, ...], guides: str, quality: str, folder: Optional[Path]
+    inputs: tuple[str, ...], guides: str, quality: str, ldr: bool, folder: Optional[Path]
 ) -> tuple[Model, dict[str, Model]]:
     """The network of a colour with these images, and those that take the noise out of them before.
 
-    guides, quality: those of Denoiser. Raises Error if one is missing.
+    guides, quality, ldr: those of Denoiser. Raises Error if one is missing.
     """
     home, sizes = _home(folder), _SIZES[quality]
     prefilters = {name: kind for name, kind in (("albedo", "rt_alb"), ("normal", "rt_nrm")) if guides == "prefilter" and name in inputs}
     noisy = len(inputs) == 2 and guides == "noisy"
     colour = "rt_hdr_alb_nrm" if noisy else _kinds(inputs, True)[0]
+    if ldr:
+        colour = colour.replace("hdr", "ldr")
     return _network(home, colour, sizes), {name: _network(home, kind, sizes) for name, kind in prefilters.items()}
 
 
