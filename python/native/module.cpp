@@ -139,6 +139,13 @@ class Upscaler {
   }
   float exposure() const { return xrdsGetExposure(handle_); }
   uint64_t deviceBytes() const { return xrdsGetDeviceBytes(handle_); }
+  std::tuple<uint64_t, uint64_t, uint64_t> repairs() const {
+    XrdsRepairs found{.structSize = sizeof found};
+    XrdsUpscaler* const upscaler = opened(handle_, "upscaler");
+    Call call;
+    call.run([&] { return xrdsGetRepairs(upscaler, &found); });
+    return {found.colour, found.auxiliary, found.output};
+  }
 
  private:
   XrdsUpscaler* handle_ = nullptr;
@@ -252,7 +259,8 @@ NB_MODULE(_native, module) {
       .def("run_layers", &Upscaler::runLayers, "colour"_a, "auxiliary"_a, "output"_a, "sets"_a, "progress"_a.none())
       .def("close", &Upscaler::close)
       .def_prop_ro("exposure", &Upscaler::exposure)
-      .def_prop_ro("device_bytes", &Upscaler::deviceBytes);
+      .def_prop_ro("device_bytes", &Upscaler::deviceBytes)
+      .def_prop_ro("repairs", &Upscaler::repairs);
   bindTemporalFilter(module);
   module.def("devices", &devices);
   module.def("find_model", &findModel);

@@ -102,6 +102,9 @@ def test_pixels_that_are_not_finite_are_filled():
     colour[3, 4] = numpy.nan
     images["albedo"][7, 8, 1] = numpy.inf
     assert numpy.isfinite(xrds.upscale(colour, model=MODEL, **images)).all()
+    with xrds.Upscaler(colour.shape[1], colour.shape[0], MODEL) as upscaler:
+        upscaler(colour, **images)
+        assert upscaler.repairs == xrds.Repairs(colour=1, auxiliary=1, output=0)
 
 
 def test_tensors_of_torch():

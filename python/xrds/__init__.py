@@ -19,7 +19,7 @@ from ._models import Model, models
 from ._oidn import can_denoise, denoiser_folder, import_oidn
 from ._progress import Progress
 from ._temporal import TemporalFilter, TemporalFrame, cycles_motion
-from ._upscaler import Upscaler
+from ._upscaler import Repairs, Upscaler
 
 __version__ = _native.version()
 __all__ = [
@@ -35,6 +35,7 @@ __all__ = [
     "Model",
     "OutOfMemory",
     "Progress",
+    "Repairs",
     "Samples",
     "SupportsDlpack",
     "TemporalFilter",

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Optional, Union, overload
+from typing import NamedTuple, Optional, Union, overload
 
 from . import _native
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
@@ -23,6 +23,17 @@ Skip = Union[float, str, None]
 _SAFE_SKIP = 0.005  # loses at most 0.05 dB: bench/skip.md
 _TUNE = {"auto": 0, "never": 1, "now": 2}
 _PRECISIONS = ("fp32", "fp16")
+
+
+class Repairs(NamedTuple):
+    """Pixels of a frame that were not finite: how many."""
+
+    colour: int
+    """Filled from their neighbours."""
+    auxiliary: int
+    """The same, of the other images."""
+    output: int
+    """Of the network: they show the picture without it. With precision="fp16" fp32 has a larger range."""
 
 
 class Upscaler(Held[_native.Upscaler]):
@@ -155,6 +166,12 @@ class Upscaler(Held[_native.Upscaler]):
         """The exposure of the last frame."""
         with self._lock:
             return self._ran.exposure
+
+    @property
+    def repairs(self) -> Repairs:
+        """Pixels of the last frame that were not finite."""
+        with self._lock:
+            return Repairs(*self._ran.repairs)
 
     @property
     def device_bytes(self) -> int:
