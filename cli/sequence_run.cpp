@@ -126,10 +126,21 @@ std::optional<SequencePlan> planMissing(const UpscaleOptions& options) {
 }
 
 UpscaleInput openFirst(const UpscaleOptions& options, const SequencePlan& plan) {
+  // A frame that shows nothing, as before things come into view, does not speak for the others.
+  const auto isAlwaysSo = [&](const OpenedModel& opened) {
+    const auto showsNothing = [&](const SequenceFrame& frame) {
+      try {
+        return hasConstants(frame.alone(options), opened);
+      } catch (const Failure&) {
+        return true;  // told where its turn comes
+      }
+    };
+    return showsNothing(plan.frames[plan.frames.size() / 2]) && showsNothing(plan.frames.back());
+  };
   std::optional<Failure> first;
   for (const SequenceFrame& frame : plan.frames) try {
       stopIfInterrupted();
-      return openInput(frame.alone(options));
+      return openInput(frame.alone(options), isAlwaysSo);
     } catch (const Failure& failure) {
       if (failure.code != ExitCode::input) throw;
       if (!first) first = failure;

@@ -123,15 +123,19 @@ void reopen(const UpscaleOptions& options, const fs::path& file, OpenedModel& op
   frame = openFrame(options, opened);
 }
 
+// Of albedo and normal the first that is the same everywhere; empty if neither is.
+std::string constantInput(const Frame& frame) {
+  for (const AuxiliaryInput& input : {kAlbedo, kNormal})
+    if (const Image* image = frame.imageOf(input.name); image && isConstant(*image)) return std::string(input.name);
+  return "";
+}
+
 // A layer that is the same everywhere tells nothing: the model that does without it is taken, where one is shipped.
-void leaveConstantsOut(const UpscaleOptions& options, OpenedModel& opened, Frame& frame) {
+void leaveConstantsOut(const UpscaleOptions& options, const std::function<bool(const OpenedModel&)>& isAlwaysSo,
+                       OpenedModel& opened, Frame& frame) {
   const auto scale = static_cast<int>(opened.model.scale());
-  const auto constant = [&](const char* input) {
-    const auto found = std::find(frame.inputs().begin(), frame.inputs().end(), input);
-    return found != frame.inputs().end() && isConstant(frame.auxiliary()[found - frame.inputs().begin()]);
-  };
-  const std::string input = constant("albedo") ? "albedo" : constant("normal") ? "normal" : "";
-  if (input.empty()) return;
+  const std::string input = constantInput(frame);
+  if (input.empty() || (isAlwaysSo && !isAlwaysSo(opened))) return;
   std::vector<std::string> left;
   if (input == "normal") left = {"albedo"};
   const fs::path file = shippedVariant(scale, left);
@@ -177,12 +181,16 @@ void requireLayersPossible(const UpscaleOptions& options) {
   if (options.keepUnchanged) throw Failure{ExitCode::usage, std::string(kWhy) + "--keep-unchanged."};
 }
 
-UpscaleInput openInput(const UpscaleOptions& options) {
+bool hasConstants(const UpscaleOptions& options, const OpenedModel& opened) {
+  return !constantInput(openFrame(options, opened)).empty();
+}
+
+UpscaleInput openInput(const UpscaleOptions& options, const std::function<bool(const OpenedModel&)>& isAlwaysSo) {
   OpenedModel opened = openModel(options);
   Frame frame = openFrame(options, opened);
   if (options.model.empty()) {
     leaveColourOut(options, opened, frame);
-    leaveConstantsOut(options, opened, frame);
+    leaveConstantsOut(options, isAlwaysSo, opened, frame);
   }
   prepare(options, opened, frame);
   return {std::move(opened), std::move(frame)};

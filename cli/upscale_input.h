@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "app/frame.h"
@@ -29,8 +30,12 @@ void sortInputs(UpscaleOptions& options);
 void requireLayersPossible(const UpscaleOptions& options);
 
 /// Opens model and frame, and reads the frame, with --denoise-first without its noise unless that takes the device
-/// (denoisesOnDevice()). Warnings about the choice of the model are printed. Throws Failure.
-UpscaleInput openInput(const UpscaleOptions& options);
+/// (denoisesOnDevice()). Warnings about the choice of the model are printed. An albedo or a normal that is the same
+/// everywhere is left out, unless `isAlwaysSo` says that it is not so in other frames. Throws Failure.
+UpscaleInput openInput(const UpscaleOptions& options, const std::function<bool(const OpenedModel&)>& isAlwaysSo = {});
+
+/// Whether the albedo or the normal of a frame is the same everywhere. Throws Failure.
+bool hasConstants(const UpscaleOptions& options, const OpenedModel& opened);
 
 /// The frame as openInput() reads it, for a model that is there already. Throws Failure.
 Frame readFrame(const UpscaleOptions& options, const OpenedModel& opened);

@@ -75,6 +75,13 @@ struct Sequence {
   }
 };
 
+/// The same as pixels, whatever the model is called.
+std::vector<float> pixelsAlone(const Sequence& sequence, int frame) {
+  const std::string file = (sequence.folder / "picture.exr").string();
+  std::ofstream(file, std::ios::binary) << sequence.alone(frame);
+  return readColour(file).pixels;
+}
+
 TEST(CliSequence, EveryFrameIsThatOfARunAlone) {
   const Sequence sequence(5);
   const Ended ended = runXrds(sequence.arguments());
@@ -83,6 +90,32 @@ TEST(CliSequence, EveryFrameIsThatOfARunAlone) {
   EXPECT_TRUE(contains(ended.error, "5 of 5 frames (100 %)")) << ended.error;
   EXPECT_TRUE(contains(ended.error, "slowest stage")) << ended.error;
   sequence.expectWhole();
+}
+
+TEST(CliSequence, AFirstFrameThatShowsNothingDoesNotChooseTheModel) {
+  const Sequence sequence(3);
+  const TemporaryFolder models;
+  for (const auto& [golden, shipped] :
+       {std::pair{"s4_guided", "xrds-x4-compact"}, {"s4_concat_noaux", "xrds-x4-compact-plain"}})
+    fs::copy_file(goldenModel(golden), models / (std::string(shipped) + ".safetensors"));
+  const auto one = [](int, int, int) { return 1.0F; };
+  const auto empty = [&](int frame) {
+    writeParts(sequence.at("aux", frame),
+               {{boxOf(40, 32), boxOf(40, 32), {{"albedo", "RGB", one}, {"normal", "XYZ", one}}}});
+  };
+  Arguments arguments = sequence.arguments();
+  arguments.resize(arguments.size() - 2);  // without --model
+  const auto made = [&] { return runXrds(arguments, {.environment = {{"XRDS_MODELS", (models / "").string()}}}); };
+  empty(1);
+  const Ended shown = made();
+  EXPECT_EQ(shown.exitCode, 0) << shown.error;
+  EXPECT_FALSE(contains(shown.error, "taking model")) << shown.error;
+  EXPECT_EQ(readColour(sequence.out(2)).pixels, pixelsAlone(sequence, 2));
+  empty(2);
+  empty(3);
+  const Ended never = made();
+  EXPECT_TRUE(contains(never.error, "The albedo is the same everywhere; taking model xrds-x4-compact-plain."))
+      << never.error;
 }
 
 TEST(CliSequence, WarningsThatDifferInNumbersAreToldOnceAndForWhichFrames) {
