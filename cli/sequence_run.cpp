@@ -39,10 +39,12 @@ class Worker {
   MadeFrame compute(const FrameGroup& group) {
     MadeFrame made;
     withDevice([&] { made = maker_->make(*device_, group); });
+    const size_t frames = 1 + group.before.size() + group.after.size();
+    if (frames > 1) made.output.texts["xrds:options"] += " temporal=" + std::to_string(frames);
     if (!group.unreadable.empty()) {
-      const std::string frames = describeFrames(group.unreadable);
-      made.output.texts[kMergedWithout] = frames;
-      made.warnings.push_back("merged without frames that cannot be read or merged: " + frames +
+      const std::string missing = describeFrames(group.unreadable);
+      made.output.texts[kMergedWithout] = missing;
+      made.warnings.push_back("merged without frames that cannot be read or merged: " + missing +
                               "; --skip-existing makes it again once they can be.");
     }
     return made;

@@ -102,7 +102,6 @@ std::string optionsOf(const UpscaleOptions& options, const Frame& frame, float e
   if (options.ensemble > 1) text += " ensemble=" + std::to_string(options.ensemble);
   if (options.skip != "off") text += " skip=" + options.skip;
   if (options.wrap) text += " wrap";
-  if (options.temporal) text += " temporal";
   return text;
 }
 

@@ -27,9 +27,9 @@ REC709 = (0.2126, 0.7152, 0.0722)
 def auto_exposure(colour):
     """0.18 / exp(mean(log L)) over the pixels [3, h, w] with finite Rec. 709 luminance L > 1e-8 (mean(L^(1/8)))^8; 1 if there are none.
 
-    The inner mean is over all finite L > 1e-37. The exposure of k times the image is that of the image over k.
+    Negative channels count as 0. The inner mean is over all finite L > 1e-37. The exposure of k times the image is that of the image over k.
     """
-    luminance = sum(weight * channel for weight, channel in zip(REC709, colour.double()))
+    luminance = sum(weight * channel for weight, channel in zip(REC709, colour.double().clamp(min=0)))
     luminance = luminance[torch.isfinite(luminance) & (luminance > 1e-37)]
     if not luminance.numel():
         return 1.0

@@ -296,6 +296,8 @@ def test_exposure_ignores_black_and_non_finite_pixels():
     colour[0, 1, 1] = float("nan")
     assert pipeline.auto_exposure(colour) == pytest.approx(0.5)
     assert pipeline.auto_exposure(torch.zeros(3, 2, 2)) == 1.0
+    negative = torch.tensor([0.5, -2.0, 0.25]).view(3, 1, 1)
+    assert pipeline.auto_exposure(negative) == pipeline.auto_exposure(negative.clamp(min=0))
 
 
 def test_exposure_follows_the_scale_of_the_image():

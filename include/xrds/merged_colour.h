@@ -53,7 +53,8 @@ inline constexpr double kMostColourDifference = 0.1;
 
 /// The merged colour [h, w, 3]: (1 - share) L + share B, with the low-resolution colour L [h, w, >= 3] and the means B
 /// of s x s pixels of the full-resolution render's colour [s h, s w, >= 3]. Pixels of the latter that are not finite do
-/// not count, those of L are filled from their neighbours; negative ones are 0. Throws Error if the sizes are no whole multiple of each other.
+/// not count, those of L are filled from their neighbours; negative ones are 0. Throws Error if the sizes are no whole
+/// multiple of each other.
 inline std::vector<float> mergedColour(const PixelView& low, const PixelView& full, double share) {
   std::vector<float> merged(size_t{3} * low.width * low.height);
   const XrdsImage images[] = {call::image(low, "low-resolution"), call::image(full, "full-resolution"),

@@ -97,6 +97,7 @@ TEST(CliTemporal, APlainMotionLayerUsesFramesBefore) {
   ASSERT_EQ(cycles.run("merged", {"--temporal"}).exitCode, 0);
   EXPECT_EQ(plain.bytes("merged", kFrames), cycles.bytes("merged", kFrames)) << "there is none after the last";
   EXPECT_NE(plain.bytes("merged", 3), cycles.bytes("merged", 3));
+  EXPECT_TRUE(contains(headerOf(plain.at("merged/f", 3)).attributes.text("xrds:options").value_or(""), " temporal=3"));
 }
 
 // Killed while it starts, while a file is written, and between frames: what is missing is made with all frames around.
