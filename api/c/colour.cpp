@@ -4,7 +4,6 @@
 #include "api/c/images.h"
 #include "api/c/result.h"
 #include "api/finite_image.h"
-#include "image/image_view.h"
 #include "image/repair.h"
 #include "xrds/merged_colour.h"
 
@@ -24,7 +23,9 @@ class RepairedColour {
   explicit RepairedColour(const ReadImage& given) : image_(xrds::imageOf(given.view())) {
     xrds::repairRadiance(image_);
   }
-  xrds::PixelView view() const { return xrds::viewOf(image_); }
+  xrds::PixelView view() const {
+    return {image_.pixels.data(), static_cast<uint32_t>(image_.width), static_cast<uint32_t>(image_.height), 3};
+  }
 
  private:
   xrds::Image image_;
