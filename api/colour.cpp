@@ -65,9 +65,10 @@ double median(std::vector<double>& values) {
 /// The mean of the middle half of the values, in order of size.
 double middleMean(std::vector<double>& values) {
   if (values.empty()) return 0;
-  std::ranges::sort(values);
   const auto quarter = static_cast<ptrdiff_t>(values.size() / 4);
   const auto first = values.begin() + quarter, last = values.end() - quarter;
+  std::nth_element(values.begin(), first, values.end());
+  std::nth_element(first, last, values.end());
   return std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
 }
 
