@@ -55,10 +55,8 @@ Placed readPlaced(const std::string& path, const std::string& layer, const std::
 }
 
 void requireOutputs(const CompareOptions& options) {
-  if (!options.heatMap.empty()) requireExtension(options.heatMap, ".png", "--heat-map");
-  if (!options.json.empty()) requireExtension(options.json, ".json", "--json");
-  for (const std::string& path : {options.heatMap, options.json})
-    if (!path.empty()) requireWritable(path);
+  requireOutput(options.heatMap, ".png", "--heat-map");
+  requireOutput(options.json, ".json", "--json");
 }
 
 std::pair<Image, Image> readImages(const CompareOptions& options) {

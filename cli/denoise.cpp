@@ -59,10 +59,8 @@ struct Released {
 void denoiseOne(const DenoiseOptions& options) {
   const Timer whole;
   const UpscaleOptions& common = options.common;
-  requireExtension(common.output, ".exr", "--output");
-  if (!common.preview.empty()) requireExtension(common.preview, ".png", "--preview");
-  for (const std::string& path : {common.output, common.preview})
-    if (!path.empty()) requireWritable(path);
+  requireOutput(common.output, ".exr", "--output");
+  requireOutput(common.preview, ".png", "--preview");
   const Frame frame = failingWith(ExitCode::input, [&] {
     Frame opened = openFrame(options, common.color, common.aux);
     opened.load();

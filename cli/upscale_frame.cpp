@@ -1,10 +1,9 @@
 #include "cli/upscale_frame.h"
 
-#include <cstdio>
-
 #include "app/timer.h"
 #include "app/upscale_frame.h"
 #include "cli/progress.h"
+#include "cli/table.h"
 #include "cli/warnings.h"
 #include "xrds/tuning.h"
 
@@ -91,18 +90,13 @@ void writePicture(const std::filesystem::path& path, const Frame& frame, const I
 
 /// What the picture depends on, for the file's metadata.
 std::string optionsOf(const UpscaleOptions& options, const Frame& frame, float exposure) {
-  char factor[32], share[32];
-  std::snprintf(factor, sizeof factor, "%.6g", exposure);
-  std::string text =
-      "precision=" + options.precision + " exposure=" + factor + (options.exposure == "auto" ? " (auto)" : "");
-  if (frame.merged()) {
-    std::snprintf(share, sizeof share, "%.3g", frame.merged()->share);
-    text += std::string(" merged=") + share;
-  }
-  if (options.ensemble > 1) text += " ensemble=" + std::to_string(options.ensemble);
-  if (options.skip != "off") text += " skip=" + options.skip;
-  if (options.wrap) text += " wrap";
-  return text;
+  std::string words = "precision=" + options.precision + text(" exposure=%.6g", exposure) +
+                      (options.exposure == "auto" ? " (auto)" : "");
+  if (frame.merged()) words += text(" merged=%.3g", frame.merged()->share);
+  if (options.ensemble > 1) words += " ensemble=" + std::to_string(options.ensemble);
+  if (options.skip != "off") words += " skip=" + options.skip;
+  if (options.wrap) words += " wrap";
+  return words;
 }
 
 ExrOutput outputOf(const UpscaleOptions& options, const OpenedModel& opened, const Frame& frame, float exposure) {

@@ -125,8 +125,7 @@ def upscale(
         "clean_guides": clean_guides,
         "denoised_colour": denoised_colour,
     }
-    if samples is not None:
-        checked(samples)
+    checked(samples)
     chosen = model if model is not None else _suitable(scale, given, both is not None, samples, skip)
     if model is None and (constant := _constant(arrays)) and (variant := _without(constant, scale)):
         warnings.warn(f"The {constant} is the same everywhere; taking model {variant}.", stacklevel=2)
