@@ -50,7 +50,8 @@ TensorView group(Layers& layers, const std::string& name, const TensorView& x) {
   copyRows(layers.graph, name + "input", x, slice(dense, 0, c));
   for (uint32_t b = 0; b < blocks; ++b) {
     const TensorView next = b + 1 < blocks ? denseOf(b + 1) : TensorView{};
-    layers.denseConvolutions(name + std::to_string(b) + ".", dense, next.exists() ? slice(next, 0, c) : f);
+    layers.denseConvolutions(name + std::to_string(b) + ".", dense, next.exists() ? slice(next, 0, c) : f,
+                             {.inFours = true});
     dense = next;
   }
   return sum(layers, name + "skip", f, x);
