@@ -105,19 +105,20 @@ void run(const BenchOptions& options) {
 int main(int argc, char** argv) {
   xrds::BenchOptions options;
   CLI::App app("Times a whole network with random weights or a model file", "xrds_bench_network");
-  app.add_option(
+  CLI::Option* model = app.add_option(
       "--model", options.model,
       "Model file, or edsr, rcan, swinir, ... with random weights (default: random weights of the symbols below)");
-  app.add_option("--scale", options.config.scale, "s")->capture_default_str();
-  app.add_option("--channels", options.config.channels, "C")->capture_default_str();
-  app.add_option("--aux-channels", options.config.auxChannels, "Ca")->capture_default_str();
-  app.add_option("--groups", options.config.groups, "N")->capture_default_str();
-  app.add_option("--blocks", options.config.blocks, "B")->capture_default_str();
-  app.add_option("--head-channels", options.config.headChannels, "d")->capture_default_str();
-  app.add_option("--kernels", options.config.kernels, "0 or 5")->capture_default_str();
-  app.add_option("--aux-kernels", options.config.auxKernels, "0, 3 or 5")->capture_default_str();
-  app.add_option("--output-side", options.config.outputSide, "3 or 1")->capture_default_str();
-  app.add_flag("--aux-skip", options.config.auxSkip, "Feed H_N to the output convolution");
+  xrds::NetworkConfig& config = options.config;
+  app.add_option("--scale", config.scale, "s")->capture_default_str()->excludes(model);
+  app.add_option("--channels", config.channels, "C")->capture_default_str()->excludes(model);
+  app.add_option("--aux-channels", config.auxChannels, "Ca")->capture_default_str()->excludes(model);
+  app.add_option("--groups", config.groups, "N")->capture_default_str()->excludes(model);
+  app.add_option("--blocks", config.blocks, "B")->capture_default_str()->excludes(model);
+  app.add_option("--head-channels", config.headChannels, "d")->capture_default_str()->excludes(model);
+  app.add_option("--kernels", config.kernels, "0 or 5")->capture_default_str()->excludes(model);
+  app.add_option("--aux-kernels", config.auxKernels, "0, 3 or 5")->capture_default_str()->excludes(model);
+  app.add_option("--output-side", config.outputSide, "3 or 1")->capture_default_str()->excludes(model);
+  app.add_flag("--aux-skip", config.auxSkip, "Feed H_N to the output convolution")->excludes(model);
   app.add_option("--size", options.size, "Side of the output in pixels")->capture_default_str();
   app.add_option("--precision", options.precision, "fp32 or fp16")
       ->check(CLI::IsMember({xrds::kFp32, xrds::kFp16}))
