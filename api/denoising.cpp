@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "frames/denoised_runner.h"
+#include "frames/too_little_memory.h"
 #include "network/oidn.h"
 #include "xrds/auxiliary_input.h"
 #include "xrds/error.h"
@@ -32,7 +33,8 @@ void tile(Gpu& gpu, std::vector<Stage>& stages, uint64_t memory) {
   for (Stage& stage : stages) {
     const uint64_t others = weights - stage.tiling.weightBytes;
     if (stage.tiling.arenaBytes + weights <= memory) continue;
-    if (others >= memory) throw Error("The weights of the upscaler and its denoisers take more than the memory.");
+    if (others >= memory)
+      throw TooLittleMemory("The weights of the upscaler and its denoisers take more than the memory.");
     stage.tiling = tilingIn(memory - others, gpu, stage.model, stage.shape, stage.options, stage.of);
   }
 }
@@ -78,7 +80,8 @@ DenoisedPlan planDenoised(Gpu& gpu, const NetworkModel& model, FrameShape frame,
                           const Upscaler::Options& options, const SessionOptions& of, uint64_t memory) {
   const NetworkConfig& config = model.config();
   const uint64_t images = DenoisedRunner::imageBytes(frame, config.scale, config.auxInputs);
-  if (images >= memory) throw Error("The images of a frame that is denoised first take more than the memory.");
+  if (images >= memory)
+    throw TooLittleMemory("The images of a frame that is denoised first take more than the memory.");
   const FrameShape full{config.scale * frame.height, config.scale * frame.width};
   Upscaler::Options asked{.fp16 = options.fp16, .exposure = 1.F, .profile = options.profile};
   asked.tiles.exact = true;

@@ -219,7 +219,7 @@ TEST_F(Denoising, RefusesWhatItCannotDo) {
   EXPECT_THROW(upscaler.run(viewOf(colour_, 1), views, output, std::span(&layers, 1)), InvalidArgument);
   EXPECT_TRUE(upscaler.run(viewOf(colour_, 1), views, output));
   const Upscaler::Options narrow{.tiles = {.memoryBytes = 100000}, .denoisers = denoisers_};
-  EXPECT_THROW(Upscaler(device(), guided_, kWidth, kHeight, narrow), Error);
+  EXPECT_THROW(Upscaler(device(), guided_, kWidth, kHeight, narrow), OutOfMemory);
 }
 
 }  // namespace

@@ -119,10 +119,11 @@ class TilePlanner {
     throw Error("The smallest tiles of the frame hold a tensor of " + std::to_string(least.largestTexels) +
                 " texels, but the device binds at most " + std::to_string(limits.traits.maxTexelBufferElements) +
                 ": take " + orBounded + "a smaller model or another device.");
-  throw Error("The smallest tiles of the frame need " +
-              std::to_string((limits.sharers * (least.arenaByteSize + planner.weightByteSize) + 999'999) / 1'000'000) +
-              " MB of device memory, but " + std::to_string(limits.byteSize / 1'000'000) +
-              " MB are allowed: allow more, or take fp16, " + orBounded + "or a smaller model.");
+  throw TooLittleMemory(
+      "The smallest tiles of the frame need " +
+      std::to_string((limits.sharers * (least.arenaByteSize + planner.weightByteSize) + 999'999) / 1'000'000) +
+      " MB of device memory, but " + std::to_string(limits.byteSize / 1'000'000) +
+      " MB are allowed: allow more, or take fp16, " + orBounded + "or a smaller model.");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "frames/session.h"
 #include "frames/tiles.h"
+#include "frames/too_little_memory.h"
 
 namespace xrds {
 
@@ -27,7 +28,8 @@ struct TileChoice {
 
 /// The grid of tiles with the least work that fits the limits: the whole frame as one tile if that does. `wanted` gives
 /// halo and wrap, and columns and rows where these are not 0. Builds the graphs of a few candidates, a tenth of a
-/// second each; needs no device. Throws Error, naming the least that is needed, if even the smallest tiles do not fit.
+/// second each; needs no device. Throws Error if even the smallest tiles do not fit; TooLittleMemory, naming the least
+/// that is needed, if that is for want of memory.
 TileChoice chooseTiles(const NetworkModel& model, FrameShape frame, Precision precision, const Cut& wanted,
                        const MemoryLimits& limits);
 

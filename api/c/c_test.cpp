@@ -207,6 +207,16 @@ TEST_F(CApi, RefusesHandlesThatAreNotOpen) {
   EXPECT_EQ(xrdsGetDeviceBytes(upscaler), 0u);
 }
 
+TEST_F(CApi, ToldToTakeTooLittleMemoryItIsOutOfIt) {
+  XrdsUpscalerOptions options = xrdsUpscalerOptionsDefault();
+  options.memoryBytes = 1;
+  XrdsUpscaler* made = nullptr;
+  EXPECT_EQ(xrdsCreateUpscaler(device, model, kWidth, kHeight, &options, &made), XRDS_ERROR_OUT_OF_MEMORY);
+  EXPECT_NE(std::string(xrdsGetMessage()).find("MB are allowed: allow more"), std::string::npos) << xrdsGetMessage();
+  auto tiling = call::sized<XrdsTiling>();
+  EXPECT_EQ(xrdsPlanTiles(model, kWide, kHigh, &options, "plain", &tiling), XRDS_ERROR_OUT_OF_MEMORY);
+}
+
 TEST_F(CApi, CancelsAndSaysWhenItIsBusy) {
   const auto cancel = [](void* user, double share) {
     EXPECT_TRUE(share >= 0 && share <= 1);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "frames/too_little_memory.h"
 #include "xrds/error.h"
 #include "xrds/xrds.h"
 
@@ -26,6 +27,8 @@ XrdsResult guarded(const Action& action) noexcept {
   } catch (const InvalidArgument& error) {
     return failed(XRDS_ERROR_ARGUMENT, error.what());
   } catch (const OutOfMemory& error) {
+    return failed(XRDS_ERROR_OUT_OF_MEMORY, error.what());
+  } catch (const TooLittleMemory& error) {
     return failed(XRDS_ERROR_OUT_OF_MEMORY, error.what());
   } catch (const DeviceLost& error) {
     return failed(XRDS_ERROR_DEVICE_LOST, error.what());

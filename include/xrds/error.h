@@ -18,7 +18,7 @@ class InvalidArgument : public Error {
   using Error::Error;
 };
 
-/// A device has no room for what was asked of it. Less may fit.
+/// A device, or the memory that it may take, has no room for what was asked. Less may fit.
 class OutOfMemory : public Error {
  public:
   using Error::Error;

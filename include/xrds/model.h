@@ -46,8 +46,8 @@ class Model {
   /// A pure question, no device needed, only its kernels: one of Device::kernelFamilies(). Throws Error if there is no
   /// such family or no frame of that size.
   Cost cost(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const std::string& kernelFamily = "tile") const;
-  /// The tiles of an output of that size; memoryBytes 0 sets no limit here. Throws Error as cost() does, or if no tiles
-  /// fit.
+  /// The tiles of an output of that size; memoryBytes 0 sets no limit here. Throws Error as cost() does, OutOfMemory
+  /// if no tiles fit.
   Tiling tiling(uint32_t outputWidth, uint32_t outputHeight, bool fp16, const TileOptions& options,
                 const std::string& kernelFamily = "tile") const;
 

@@ -87,10 +87,10 @@ class Upscaler {
     bool finite = true, withinBound = true;
   };
 
-  /// width x height: of the low-resolution colour. Device and models must outlive the upscaler. Throws Error if the
-  /// device cannot hold even the smallest tiles of the frame, or if an option is out of range; Cancelled if
-  /// Device::Options::onPreparation says so. Small frames take the plain kernels on CPU devices unless a family was
-  /// asked for (kernelFamily()): they start in a tenth of the time.
+  /// width x height: of the low-resolution colour. Device and models must outlive the upscaler. Throws Error if an
+  /// option is out of range; OutOfMemory if device or TileOptions::memoryBytes have no room for the smallest tiles of
+  /// the frame; Cancelled if Device::Options::onPreparation says so. Small frames take the plain kernels on CPU devices
+  /// unless a family was asked for (kernelFamily()): they start in a tenth of the time.
   Upscaler(Device& device, const Model& model, uint32_t width, uint32_t height, const Options& options);
 
   /// Upscales one frame. colour [height, width], auxiliary [scale height, scale width] each in the model's order;

@@ -69,9 +69,10 @@ def test_the_world(change, words):
     assert not isinstance(caught.value, ValueError)
 
 
-def test_a_scale_without_a_model():
-    with pytest.raises(xrds.Error, match="upscales by 5"):
-        xrds.upscale(noise(4, 4), albedo=noise(20, 20), normal=noise(20, 20))
+@pytest.mark.parametrize("options", [{}, {"tiles": "exact"}, {"precision": "fp16"}])
+def test_too_little_memory(options):
+    with pytest.raises(xrds.OutOfMemory, match="0 MB are allowed: allow more"):
+        xrds.upscale(COLOUR, model=MODEL, memory=1, **options, **IMAGES)
 
 
 def test_nothing_is_lost():

@@ -10,7 +10,7 @@ class ArgumentError(Error, ValueError):
 
 
 class OutOfMemory(Error):
-    """The device or the host has no room for what was asked. Less may fit."""
+    """The device, or the `memory` that it may take, or the host has no room for what was asked. Less may fit."""
 
 
 class DeviceLost(Error):

@@ -17,7 +17,7 @@ typedef enum XrdsResult {
   XRDS_CANCELLED = 1,            /* a callback returned 0 */
   XRDS_ERROR_ARGUMENT = -1,      /* what was given cannot be: a null pointer, a size, a handle, an option */
   XRDS_ERROR_FAILED = -2,        /* the world: a file, a driver, no device */
-  XRDS_ERROR_OUT_OF_MEMORY = -3, /* of the device or the host; less may fit */
+  XRDS_ERROR_OUT_OF_MEMORY = -3, /* of the device, or what it may take, or the host; less may fit */
   XRDS_ERROR_DEVICE_LOST = -4,   /* what was made on the device is of no more use; it may be opened again */
   XRDS_ERROR_BUSY = -5,          /* the upscaler is in use on another thread */
   XRDS_ERROR_INTERNAL = -6       /* an error of the library: please report the message */
