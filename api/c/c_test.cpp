@@ -238,6 +238,30 @@ TEST_F(CApi, CancelsAndSaysWhenItIsBusy) {
   EXPECT_EQ(outputPixels, expected());
 }
 
+TEST_F(CApi, TellsWhatItKnowsWhileItRuns) {
+  struct Known {
+    const XrdsUpscaler* upscaler;
+    std::vector<float> exposures;
+    std::vector<uint64_t> bytes;
+  } known{upscaler};
+  const auto ask = [](void* user, double) {
+    auto& asked = *static_cast<Known*>(user);
+    asked.exposures.push_back(xrdsGetExposure(asked.upscaler));
+    asked.bytes.push_back(xrdsGetDeviceBytes(asked.upscaler));
+    return 1;
+  };
+  ASSERT_EQ(run(ask, &known), XRDS_OK) << xrdsGetMessage();
+  ASSERT_FALSE(known.bytes.empty());
+  EXPECT_EQ(known.exposures.front(), 0);  // no run has ended
+  EXPECT_EQ(known.bytes.front(), xrdsGetDeviceBytes(upscaler));
+  const float first = xrdsGetExposure(upscaler);
+  for (float& number : colourPixels) number *= 2;
+  known = {upscaler, {}, {}};
+  ASSERT_EQ(run(ask, &known), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(known.exposures.front(), first);
+  EXPECT_NE(xrdsGetExposure(upscaler), first);
+}
+
 TEST_F(CApi, ThreadsWithAnUpscalerEachShareADevice) {
   const std::vector<float> wanted = expected();
   std::vector<std::thread> threads;

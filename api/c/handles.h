@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -41,6 +42,8 @@ struct XrdsUpscaler {
   ~XrdsUpscaler();
   /// What upscales an alpha, made when it is first asked for; `device->access` must be held.
   xrds::FrameUpscaler& alphaUpscaler();
+  /// Keeps what it is asked for while a thread runs it. `use` must be held.
+  void note();
 
   const std::shared_ptr<XrdsDevice> device;
   const std::shared_ptr<XrdsModel> model;
@@ -51,6 +54,8 @@ struct XrdsUpscaler {
   std::optional<xrds::NetworkModel> alphaModel;
   std::optional<xrds::FrameUpscaler> alpha;
   std::mutex use;
+  std::atomic<float> exposure = 0;        // as note() found it
+  std::atomic<uint64_t> deviceBytes = 0;  // the same
 };
 
 namespace xrds::c {

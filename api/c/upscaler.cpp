@@ -23,12 +23,18 @@ XrdsUpscaler::XrdsUpscaler(std::shared_ptr<XrdsDevice> on, std::shared_ptr<XrdsM
       tiles(options.tiles) {
   const std::lock_guard lock(device->access);
   upscaler.emplace(device->gpu, model->model, xrds::FrameShape{height, width}, options, denoisers.models());
+  note();
 }
 
 XrdsUpscaler::~XrdsUpscaler() {
   const std::lock_guard lock(device->access);
   alpha.reset();
   upscaler.reset();
+}
+
+void XrdsUpscaler::note() {
+  exposure = upscaler->exposure();
+  deviceBytes = upscaler->deviceBytes();
 }
 
 xrds::FrameUpscaler& XrdsUpscaler::alphaUpscaler() {
@@ -152,17 +158,21 @@ XrdsResult upscaleGuarded(XrdsUpscaler* upscaler, const XrdsImage* colour, const
     if (!lock) return failed(XRDS_ERROR_BUSY, "The upscaler is in use on another thread: create one for each thread.");
     xrds::Upscaler::Progress hear;
     if (progress) hear = [&](double share) { return progress(user, share) != 0; };
+    found->note();  // for who asks meanwhile
     return upscale(*found, required(colour, "colour"), frame, required(output, "output"), hear);
   });
 }
 
-// What `read` says of an open upscaler; zero of another or of one in use.
+// What `read` says of an open upscaler, `noted` of one in use; zero of another.
 template <class Number>
-Number ofUpscaler(const XrdsUpscaler* handle, Number (xrds::FrameUpscaler::*read)() const) {
+Number ofUpscaler(const XrdsUpscaler* handle, Number (xrds::FrameUpscaler::*read)() const,
+                  std::atomic<Number> XrdsUpscaler::*noted) {
   Number number{};
   guarded([&] {
-    if (const auto upscaler = Upscalers::open().find(handle))
-      if (const std::unique_lock lock(upscaler->use, std::try_to_lock); lock) number = ((*upscaler->upscaler).*read)();
+    const auto upscaler = Upscalers::open().find(handle);
+    if (!upscaler) return XRDS_OK;
+    const std::unique_lock lock(upscaler->use, std::try_to_lock);
+    number = lock ? ((*upscaler->upscaler).*read)() : ((*upscaler).*noted).load();
     return XRDS_OK;
   });
   return number;
@@ -211,10 +221,12 @@ XrdsResult xrdsUpscaleLayers(XrdsUpscaler* upscaler, const XrdsImage* colour, co
   return upscaleGuarded(upscaler, colour, {auxiliary, auxiliaryCount, sets, setCount, reports}, output, progress, user);
 }
 
-float xrdsGetExposure(const XrdsUpscaler* upscaler) { return ofUpscaler(upscaler, &xrds::FrameUpscaler::exposure); }
+float xrdsGetExposure(const XrdsUpscaler* upscaler) {
+  return ofUpscaler(upscaler, &xrds::FrameUpscaler::exposure, &XrdsUpscaler::exposure);
+}
 
 uint64_t xrdsGetDeviceBytes(const XrdsUpscaler* upscaler) {
-  return ofUpscaler(upscaler, &xrds::FrameUpscaler::deviceBytes);
+  return ofUpscaler(upscaler, &xrds::FrameUpscaler::deviceBytes, &XrdsUpscaler::deviceBytes);
 }
 
 XrdsImage xrdsInterleavedImage(void* pixels, XrdsFormat format, uint32_t channelCount, uint32_t width,

@@ -116,7 +116,7 @@ class Upscaler {
   Repairs repairs() const;
   float exposure() const {
     return xrdsGetExposure(handle());
-  }  // of the last run (of its last pass, as all that follow)
+  }  // of the last run, while one goes on that before it (of its last pass, as all that follow)
   uint64_t deviceBytes() const { return xrdsGetDeviceBytes(handle()); }  // arena and weights
   const Tiling& tiling() const { return tiling_; }
   SkipMap skipMap() const;                  // of the last run

@@ -57,6 +57,17 @@ def test_a_call_within_the_progress_is_refused(large):
             large(LARGE, progress=lambda stage, share: call(), **LARGE_IMAGES)
 
 
+def test_the_progress_may_ask_what_is_known():
+    known = []
+    with xrds.Upscaler(32, 24, MODEL) as upscaler:
+        for colour in (COLOUR, 2 * COLOUR):
+            before = upscaler.exposure
+            upscaler(colour, progress=lambda stage, share: known.append((upscaler.exposure, upscaler.device_bytes)), **IMAGES)
+            assert {exposure for exposure, _ in known} == {before} and {held for _, held in known} == {upscaler.device_bytes}
+            assert upscaler.exposure not in (0, before)
+            known.clear()
+
+
 def test_numpy_may_say_no(large):
     with pytest.raises(xrds.Cancelled):
         large(LARGE, progress=lambda stage, share: numpy.float64(share) < 0, **LARGE_IMAGES)

@@ -163,7 +163,7 @@ class Upscaler(Held[_native.Upscaler]):
 
     @property
     def exposure(self) -> float:
-        """The exposure of the last frame."""
+        """The exposure of the last frame; of that before while one is made, and 0 before the first."""
         with self._lock:
             return self._ran.exposure
 

@@ -69,10 +69,10 @@ XRDS_API void xrdsDestroyUpscaler(XrdsUpscaler* upscaler);
 XRDS_API XrdsResult xrdsUpscale(XrdsUpscaler* upscaler, const XrdsImage* colour, const XrdsImage* auxiliary,
                                 uint32_t auxiliaryCount, const XrdsImage* output, XrdsProgress progress, void* user);
 
-/* Of the last run; 0 of a handle that is not open. */
+/* Of the last run, while one goes on that before it; 0 of a handle that is not open, and before the first run. */
 XRDS_API float xrdsGetExposure(const XrdsUpscaler* upscaler);
 
-/* Device memory that an upscaler holds, bytes; 0 of a handle that is not open. */
+/* Device memory that an upscaler holds, bytes, while it runs that before the run; 0 of a handle that is not open. */
 XRDS_API uint64_t xrdsGetDeviceBytes(const XrdsUpscaler* upscaler);
 
 #ifdef __cplusplus
