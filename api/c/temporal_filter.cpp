@@ -1,6 +1,7 @@
 #include "api/temporal_filter.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "api/c/handles.h"
 #include "api/c/images.h"
@@ -15,6 +16,7 @@ struct XrdsTemporalFilter {
       : device(std::move(on)), width(width), height(height), scale(scale) {
     const std::lock_guard lock(device->access);
     filter.emplace(device->gpu, width, height, scale);
+    deviceBytes = filter->deviceBytes();
   }
   ~XrdsTemporalFilter() {
     const std::lock_guard lock(device->access);
@@ -26,6 +28,7 @@ struct XrdsTemporalFilter {
   size_t low() const { return size_t{width} * height; }  // pixels
   size_t full() const { return low() * scale * scale; }
   std::optional<xrds::FrameMerger> filter;
+  std::atomic<uint64_t> deviceBytes = 0;  // as of the last call: who asks need not wait
   std::mutex use;
 };
 
@@ -113,6 +116,7 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
     const auto past = framesOf(before, beforeCount, "before"), future = framesOf(after, afterCount, "after");
     const std::lock_guard device(found->device->access);
     const auto result = found->filter->run(now.frame(), past, future);
+    found->deviceBytes = found->filter->deviceBytes();
     write(result.colour, out.colour);
     write(result.fullColour, out.fullColour);
     write(result.albedo, out.albedo);
@@ -126,10 +130,7 @@ XrdsResult xrdsMergeFrames(XrdsTemporalFilter* filter, const XrdsTemporalFrame* 
 uint64_t xrdsGetTemporalDeviceBytes(const XrdsTemporalFilter* filter) {
   uint64_t bytes = 0;
   guarded([&] {
-    if (const auto found = Handles<XrdsTemporalFilter>::open().find(filter)) {
-      const std::lock_guard lock(found->device->access);
-      bytes = found->filter->deviceBytes();
-    }
+    if (const auto found = Handles<XrdsTemporalFilter>::open().find(filter)) bytes = found->deviceBytes;
     return XRDS_OK;
   });
   return bytes;

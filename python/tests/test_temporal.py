@@ -28,6 +28,13 @@ def merging():
         yield made
 
 
+def test_the_progress_of_an_upscaler_may_ask_for_its_memory(merging):
+    heard = []
+    with xrds.Upscaler(8, 8, MODEL, device=merging.device) as upscaler:
+        upscaler(noise(8, 8), albedo=noise(32, 32), normal=noise(32, 32), progress=lambda stage, share: heard.append(merging.device_bytes))
+    assert set(heard) == {merging.device_bytes}
+
+
 def test_noise_gets_less(merging):
     frames = [still(seed) for seed in range(11)]
     merged = merging(frames[5], frames[4::-1], frames[6:])
