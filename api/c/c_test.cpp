@@ -287,7 +287,10 @@ TEST(CApiModels, AreFoundByName) {
   EXPECT_EQ(xrdsFindModel("xrds-x4-nano", path, 8), XRDS_ERROR_ARGUMENT);
   EXPECT_EQ(xrdsFindModel("/nowhere/none", path, sizeof path), XRDS_ERROR_FAILED);
   EXPECT_EQ(xrdsFindModel("none", path, sizeof path), XRDS_ERROR_FAILED);
-  EXPECT_NE(std::string(xrdsGetMessage()).find("There is no model 'none' in '"), std::string::npos);
+  EXPECT_NE(std::string(xrdsGetMessage()).find("There is no model 'none': give a .safetensors file or one of the "),
+            std::string::npos)
+      << xrdsGetMessage();
+  EXPECT_NE(std::string(xrdsGetMessage()).find(", xrds-x4-compact, "), std::string::npos) << xrdsGetMessage();
   const std::string tooLong(5000, 'm');
   EXPECT_EQ(xrdsFindModel(tooLong.c_str(), path, sizeof path), XRDS_ERROR_FAILED);
   EXPECT_EQ(xrdsFindModel((tooLong + "/m").c_str(), path, sizeof path), XRDS_ERROR_FAILED);
@@ -319,9 +322,19 @@ TEST(CApiModels, AreChosenByWhatThereIs) {
   EXPECT_EQ(chosen(2, 0, 0), "xrds-x4-compact-plain");
   char name[64] = "";
   EXPECT_EQ(xrdsChooseModel(5, guides, 2, 0, name, sizeof name), XRDS_ERROR_FAILED);
-  EXPECT_NE(std::string(xrdsGetMessage()).find("upscales by 5"), std::string::npos) << xrdsGetMessage();
+  EXPECT_NE(std::string(xrdsGetMessage()).find("upscales by 5 (xrds-x5-compact), only xrds-"), std::string::npos)
+      << xrdsGetMessage();
   EXPECT_EQ(xrdsChooseModel(4, guides, 2, 0, name, 4), XRDS_ERROR_ARGUMENT);
   EXPECT_EQ(xrdsChooseModel(4, nullptr, 2, 0, name, sizeof name), XRDS_ERROR_ARGUMENT);
+}
+
+TEST(CApiModels, AreChosenByTheClassesAlike) {
+  const std::string_view guides[] = {"albedo", "normal", "colour"};
+  EXPECT_EQ(chooseModel(8, guides), "xrds-x8-compact");
+  EXPECT_EQ(variantName(8, guides), "xrds-x8-full");  // which is not shipped
+  EXPECT_EQ(chooseModel(2, {}), "xrds-x4-compact-plain");
+  EXPECT_EQ(chooseModel(4, std::span(guides).first(2), 4), "xrds-x4-live");
+  EXPECT_THROW(chooseModel(5, guides), Error);
 }
 
 TEST(CApiDevices, AreDescribed) {

@@ -24,10 +24,13 @@ std::filesystem::path fileOf(const std::string& nameOrFile) {
     return path;
   std::filesystem::path file = xrds::modelFile(nameOrFile);
   if (!file.empty()) return file;
+  if (const std::string shipped = xrds::listedModels(); !shipped.empty())
+    throw xrds::Error("There is no model '" + nameOrFile +
+                      "': give a .safetensors file or one of the shipped models, " + shipped + ".");
   std::string folders;
   for (const auto& folder : xrds::foldersOfModels())
     folders += (folders.empty() ? "'" : " or '") + folder.string() + "'";
-  throw xrds::Error("There is no model '" + nameOrFile + "' in " + folders +
+  throw xrds::Error("There is no model '" + nameOrFile + "', and no other in " + folders +
                     ": give a .safetensors file, or set XRDS_MODELS to the folder of the models.");
 }
 
@@ -46,8 +49,10 @@ std::string chosenModel(uint32_t scale, const std::vector<std::string_view>& inp
   if (!xrds::modelFile(name).empty()) return name;
   constexpr std::string_view kBoth[] = {xrds::kAlbedo.name, xrds::kNormal.name};
   if (name = inputs.empty() ? name : xrds::variantName(known, kBoth); !xrds::modelFile(name).empty()) return name;
-  throw xrds::Error("No model is shipped that upscales by " + std::to_string(known) + " (" + name +
-                    "): render at another size, or name a .safetensors file.");
+  const std::string shipped = xrds::listedModels();
+  throw xrds::Error("No model is shipped that upscales by " + std::to_string(known) + " (" + name + ")" +
+                    (shipped.empty() ? "" : ", only " + shipped) +
+                    ": render at another size, or name a .safetensors file.");
 }
 
 }  // namespace

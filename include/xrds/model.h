@@ -16,7 +16,8 @@ namespace xrds {
 /// A trained network, checked to be complete. Immutable: may be shared between threads.
 class Model {
  public:
-  /// Reads a safetensors model file. Throws Error if it is no complete, finite model of a known architecture.
+  /// Reads a safetensors model file, or a shipped model by its name, as "xrds-x4-compact". Throws Error if it is no
+  /// complete, finite model of a known architecture; of an unknown name it lists the shipped models.
   explicit Model(const std::filesystem::path& file);
   /// A model without a network, the rivals to beat: base "bicubic" (no auxiliary image), "demodulated" (albedo, normal)
   /// or "guided" (albedo, normal); transfer "log1p" or "none". Throws Error for any other name.

@@ -42,6 +42,7 @@ inline constexpr double kFewSamples = 4;
 /// The name of the model that suits frames with these auxiliary images (names of AuxiliaryInput), whether it is shipped
 /// for the scale or not: of the colour alone, without normals, with the full-resolution colour, of few samples a pixel
 /// of the low-resolution colour, where these are known, or "xrds-x4-compact" with the scale in the place of the 4.
+/// chooseModel() names one that is.
 inline std::string variantName(uint32_t scale, std::span<const std::string_view> inputs,
                                std::optional<double> samples = {}) {
   const auto has = [&](const AuxiliaryInput& input) {
@@ -52,6 +53,20 @@ inline std::string variantName(uint32_t scale, std::span<const std::string_view>
   if (!has(kNormal)) return name + "-compact-albedo";
   if (has(kFullColour)) return name + "-full";
   return name + (samples && *samples <= kFewSamples ? "-live" : "-compact");
+}
+
+/// The name of the shipped model that suits such frames: variantName(), or the compact one where that is not shipped
+/// for the scale. Without images it is the model of the colour alone, of scale 4 whatever `scale` is. Throws Error that
+/// lists the shipped models if none is of the scale.
+inline std::string chooseModel(uint32_t scale, std::span<const std::string_view> inputs,
+                               std::optional<double> samples = {}) {
+  const std::vector<std::string> names(inputs.begin(), inputs.end());
+  std::vector<const char*> words;
+  for (const std::string& name : names) words.push_back(name.c_str());
+  char chosen[256] = "";
+  call::check(xrdsChooseModel(scale, words.data(), static_cast<uint32_t>(words.size()), samples.value_or(0), chosen,
+                              sizeof chosen));
+  return chosen;
 }
 
 }  // namespace xrds

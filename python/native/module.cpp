@@ -175,6 +175,12 @@ std::string findModel(const std::string& name) {
   return path.data();
 }
 
+std::vector<std::string> modelFolders() {
+  std::vector<std::string> folders;
+  while (const char* folder = xrdsGetModelFolder(static_cast<uint32_t>(folders.size()))) folders.emplace_back(folder);
+  return folders;
+}
+
 std::string chooseModel(uint32_t scale, const std::vector<std::string>& inputs, double samples) {
   std::array<char, 256> name{};
   std::vector<const char*> images;
@@ -264,6 +270,7 @@ NB_MODULE(_native, module) {
   bindTemporalFilter(module);
   module.def("devices", &devices);
   module.def("find_model", &findModel);
+  module.def("model_folders", &modelFolders);
   module.def("choose_model", &chooseModel);
   module.def("merge_colour", &mergeColour);
   module.def("level_colour", &levelColour);

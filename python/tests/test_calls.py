@@ -8,7 +8,7 @@ import time
 
 import numpy
 import pytest
-from frames import MODEL, frame
+from frames import MODEL, ROOT, frame
 
 import xrds
 
@@ -174,10 +174,12 @@ def test_devices_are_described():
         device.description()
 
 
-def test_models_are_described():
+def test_models_are_described(monkeypatch):
     model = xrds.Model(MODEL)
     assert (model.name, model.scale, model.inputs) == (MODEL, 4, ("albedo", "normal"))
     assert model.metadata("license") == "MIT" and model.metadata("nothing") is None
     assert MODEL in xrds.models()
+    monkeypatch.setenv("XRDS_MODELS", str(ROOT / "tests" / "golden"))
+    assert {MODEL, "s4_guided.model"} <= set(xrds.models())
     found = xrds.upscale(COLOUR, model=model, **IMAGES)
     numpy.testing.assert_array_equal(found, xrds.upscale(COLOUR, model=MODEL, **IMAGES))

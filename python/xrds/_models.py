@@ -10,7 +10,7 @@ from . import _native
 class Model:
     """A model: a shipped one by its name, as "xrds-x4-compact", or a .safetensors file. Never changes; safe to share.
 
-    Raises Error if there is none, or the file is not one.
+    Raises Error if there is none, with the names of those there are, or the file is not one.
     """
 
     def __init__(self, name_or_file: Union[str, "os.PathLike[str]"]) -> None:
@@ -35,8 +35,7 @@ class Model:
 
 def models() -> list[str]:
     """The names of the shipped models, of which the README has a table."""
-    folder = pathlib.Path(_native.find_model("xrds-x4-compact")).parent
-    return sorted(file.stem for file in folder.glob("*.safetensors"))
+    return sorted({file.stem for folder in _native.model_folders() for file in pathlib.Path(folder).glob("*.safetensors")})
 
 
 def _is_file(name_or_file: Union[str, "os.PathLike[str]"]) -> bool:

@@ -13,8 +13,8 @@ typedef struct XrdsModel XrdsModel;
 
 /* The file of a shipped model, as "xrds-x4-compact", with its final zero into path[capacity]. Looked for in the folder
  * of the environment variable XRDS_MODELS, in share/xrds/models of the library's folder and those above it (as
- * installed: lib, lib/x86_64-linux-gnu or bin beside share), and in the source tree. Fails if there is none or no room.
- */
+ * installed: lib, lib/x86_64-linux-gnu or bin beside share), and in the source tree. Fails if there is none, when the
+ * message lists the shipped models, or no room. */
 XRDS_API XrdsResult xrdsFindModel(const char* name, char* path, size_t capacity);
 
 /* The name of the shipped model that suits frames with these images beside the colour, each named as
