@@ -26,27 +26,21 @@ uint32_t scaleOf(const PixelView& low, const PixelView& full) {
   return scale;
 }
 
-/// Of the pixels of a square of the full-resolution colour, or of every second one of them: the mean of those that are
-/// finite, and their number.
-struct SquareMean {
-  Radiance mean{};
-  uint32_t count = 0;
-};
-
 enum class Pixels : uint8_t { all, black, white };  // of a chequerboard
 
-SquareMean squareMean(const PixelView& full, uint32_t scale, uint32_t x, uint32_t y, Pixels pixels) {
-  SquareMean found;
+// The mean of a square of the full-resolution colour, or of every second pixel of it.
+Radiance squareMean(const PixelView& full, uint32_t scale, uint32_t x, uint32_t y, Pixels pixels) {
+  Radiance mean{};
+  uint32_t count = 0;
   for (uint32_t i = 0; i < scale; ++i)
     for (uint32_t j = 0; j < scale; ++j) {
       if (pixels != Pixels::all && ((i + j) % 2 == 0) != (pixels == Pixels::black)) continue;
       const float* pixel = full.pixels + (size_t{scale * y + i} * full.width + scale * x + j) * full.stride;
-      if (!std::isfinite(pixel[0]) || !std::isfinite(pixel[1]) || !std::isfinite(pixel[2])) continue;
-      for (uint32_t c = 0; c < 3; ++c) found.mean[c] += std::max(pixel[c], 0.F);
-      ++found.count;
+      for (uint32_t c = 0; c < 3; ++c) mean[c] += std::max(pixel[c], 0.F);
+      ++count;
     }
-  for (double& channel : found.mean) channel /= std::max(found.count, 1u);
-  return found;
+  for (double& channel : mean) channel /= count;
+  return mean;
 }
 
 const float* pixelOf(const PixelView& image, uint32_t x, uint32_t y) {
@@ -86,20 +80,18 @@ struct PixelNoise {
   }
 };
 
-/// Nothing where the pixel is not finite in one of the images.
 PixelNoise noiseOf(const PixelView& low, const PixelView& full, uint32_t scale, uint32_t x, uint32_t y) {
-  const SquareMean black = squareMean(full, scale, x, y, Pixels::black),
-                   white = squareMean(full, scale, x, y, Pixels::white);
-  if (black.count == 0 || white.count == 0) return {};
+  const Radiance black = squareMean(full, scale, x, y, Pixels::black),
+                 white = squareMean(full, scale, x, y, Pixels::white);
   const float* pixel = pixelOf(low, x, y);
   PixelNoise noise{.count = 1};
   for (uint32_t c = 0; c < 3; ++c) {
-    const double mean = (black.mean[c] + white.mean[c]) / 2;
+    const double mean = (black[c] + white[c]) / 2;
     noise.level += mean + pixel[c];
-    noise.halves += square((black.mean[c] - white.mean[c]) / 2);
+    noise.halves += square((black[c] - white[c]) / 2);
     noise.both += square(pixel[c] - mean);
   }
-  return std::isfinite(noise.both) ? noise : PixelNoise{};
+  return noise;
 }
 
 }  // namespace
@@ -136,13 +128,12 @@ double differenceOf(const PixelView& low, const PixelView& full) {
   std::array<std::array<double, 2>, size_t{kParts} * kParts> sums{};
   for (uint32_t y = 0; y < low.height; ++y)
     for (uint32_t x = 0; x < low.width; ++x) {
-      const SquareMean square = squareMean(full, scale, x, y, Pixels::all);
+      const Radiance square = squareMean(full, scale, x, y, Pixels::all);
       const float* pixel = pixelOf(low, x, y);
       const double sum = double{pixel[0]} + pixel[1] + pixel[2];
-      if (square.count == 0 || !std::isfinite(sum)) continue;
       auto& part = sums[size_t{kParts * y / low.height} * kParts + kParts * x / low.width];
       part[0] += std::max(sum, 0.0);
-      part[1] += square.mean[0] + square.mean[1] + square.mean[2];
+      part[1] += square[0] + square[1] + square[2];
     }
   std::vector<double> differences;
   for (const auto& [a, b] : sums)
@@ -156,35 +147,34 @@ std::vector<float> mergedByShare(const PixelView& low, const PixelView& full, do
   merged.reserve(size_t{3} * low.width * low.height);
   for (uint32_t y = 0; y < low.height; ++y)
     for (uint32_t x = 0; x < low.width; ++x) {
-      const SquareMean square = squareMean(full, scale, x, y, Pixels::all);
-      const double part = square.count > 0 ? share : 0;
+      const Radiance square = squareMean(full, scale, x, y, Pixels::all);
       for (uint32_t c = 0; c < 3; ++c)
-        merged.push_back(static_cast<float>((1 - part) * pixelOf(low, x, y)[c] + part * square.mean[c]));
+        merged.push_back(static_cast<float>((1 - share) * pixelOf(low, x, y)[c] + share * square[c]));
     }
   return merged;
 }
 
 std::vector<float> atLevelOf(const PixelView& full, const PixelView& merged) {
   const uint32_t scale = scaleOf(merged, full);
-  const auto finite = [](float value) { return std::isfinite(value) ? std::max(value, 0.F) : 0.F; };
+  const auto radiance = [](float value) { return std::max(value, 0.F); };
   double floor = 0;
   for (uint32_t y = 0; y < merged.height; ++y)
     for (uint32_t x = 0; x < merged.width; ++x)
-      for (uint32_t c = 0; c < 3; ++c) floor += finite(pixelOf(merged, x, y)[c]);
+      for (uint32_t c = 0; c < 3; ++c) floor += radiance(pixelOf(merged, x, y)[c]);
   floor *= kLevelFloor / (3.0 * merged.width * merged.height);
 
   std::vector<float> levelled(size_t{3} * full.width * full.height);
   const auto levelSquare = [&](uint32_t x, uint32_t y, uint32_t c) {
     double mean = 0;
     for (uint32_t i = 0; i < scale * scale; ++i)
-      mean += finite(pixelOf(full, scale * x + i % scale, scale * y + i / scale)[c]);
+      mean += radiance(pixelOf(full, scale * x + i % scale, scale * y + i / scale)[c]);
     mean /= scale * scale;
-    const double level = finite(pixelOf(merged, x, y)[c]) + floor;
+    const double level = radiance(pixelOf(merged, x, y)[c]) + floor;
     const double ratio = mean + floor > 0 ? std::min(level / (mean + floor), kMostLevelRatio) : 1;
     for (uint32_t i = 0; i < scale * scale; ++i) {
       const uint32_t column = scale * x + i % scale, row = scale * y + i / scale;
       levelled[3 * (size_t{row} * full.width + column) + c] =
-          static_cast<float>(ratio * finite(pixelOf(full, column, row)[c]));
+          static_cast<float>(ratio * radiance(pixelOf(full, column, row)[c]));
     }
   };
   for (uint32_t y = 0; y < merged.height; ++y)

@@ -20,6 +20,7 @@
 #include "network/oidn.h"
 #include "tuning/tuner.h"
 #include "xrds/alpha.h"
+#include "xrds/auxiliary_input.h"
 
 namespace xrds {
 namespace {
@@ -29,6 +30,17 @@ FrameInput inputOf(const NetworkConfig& config, const PixelView& colour, std::sp
   FrameInput input{colour, {auxiliary.begin(), auxiliary.end()}, options.exposure};
   if (!input.exposure && takesBinnedExposure(config)) input.exposure = binnedExposure(colour);
   return input;
+}
+
+// Networks that denoise albedo or normals take these as their colour.
+PixelKind kindOfColour(const NetworkConfig& config) {
+  const std::string image = denoisedImage(config);
+  return image == "albedo" || image == "normal" ? PixelKind::other : PixelKind::radiance;
+}
+
+PixelKind kindOf(const std::string& input) {
+  const AuxiliaryInput* const kind = findAuxiliaryInput(input);
+  return kind && kind->isRadiance ? PixelKind::radiance : PixelKind::other;
 }
 
 // The model as it runs: behind a denoiser, or on colours that were denoised, it may change a part of them alone.
@@ -202,11 +214,12 @@ bool FrameUpscaler::run(const PixelView& colour, std::span<const PixelView> auxi
   }
   state_->planLayers(layerImages);
   Upscaler::Repairs repairs;
-  const FiniteImage finiteColour(colour, repairs.colour);
+  const FiniteImage finiteColour(colour, kindOfColour(state_->config), repairs.colour);
   std::vector<FiniteImage> finiteImages;
   std::vector<PixelView> views;
   views.reserve(auxiliary.size());
-  for (const PixelView& image : auxiliary) finiteImages.emplace_back(image, repairs.auxiliary);
+  for (size_t i = 0; i < auxiliary.size(); ++i)
+    finiteImages.emplace_back(auxiliary[i], kindOf(state_->config.auxInputs[i]), repairs.auxiliary);
   for (const FiniteImage& image : finiteImages) views.push_back(image.view());
   std::vector<LayerFrame> sets;
   sets.reserve(layers.size());

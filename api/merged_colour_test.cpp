@@ -47,15 +47,20 @@ TEST(MergedColour, WeighsBySamples) {
   EXPECT_FLOAT_EQ(merged[2], 0.75F * 3 + 0.25F * (4 + 4 + 12 + 0) / 4);
 }
 
-TEST(MergedColour, LeavesOutWhatIsNotFinite) {
+// From all around, as xrds upscale does, not from the pixels of its square alone.
+TEST(MergedColour, FillsWhatIsNotFinite) {
   const float low[] = {1, 1, 1, 5, 5, 5};
   const float bad = std::numeric_limits<float>::quiet_NaN();
-  std::vector<float> full(size_t{3} * 8, bad);
-  full[0] = full[1] = full[2] = 3;
+  std::vector<float> full(size_t{3} * 8, 3);
+  for (int c = 0; c < 3; ++c) {
+    full[3 + c] = bad;  // the second pixel of the first row, which has five neighbours
+    full[6 + c] = 13;
+    full[18 + c] = -4;  // below the latter: 0
+  }
   const auto merged = mergedColour({low, 2, 1}, {full.data(), 4, 2}, 0.5);
   for (int c = 0; c < 3; ++c) {
-    EXPECT_FLOAT_EQ(merged[c], 2);
-    EXPECT_FLOAT_EQ(merged[3 + c], 5);  // none of its pixels is finite
+    EXPECT_FLOAT_EQ(merged[c], 0.5F * 1 + 0.5F * (3 + 4.4F + 3 + 3) / 4);
+    EXPECT_FLOAT_EQ(merged[3 + c], 0.5F * 5 + 0.5F * (13 + 3 + 0 + 3) / 4);
   }
 }
 
@@ -133,13 +138,15 @@ TEST(LevelledColour, HasTheMeansOfTheMergedOne) {
 TEST(LevelledColour, KeepsItsDistanceFromDarkSquares) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> full(size_t{3} * 8, 1e-6F);
-  full[0] = nan;
+  full[3] = nan;  // the red, green and blue of its pixel are filled
   full[1] = -5;
   const std::vector<float> merged{1, 1, 1, 1, 1, 1}, black(6, 0), night(size_t{3} * 8, 0);
   const auto levelled = levelledColour({full.data(), 4, 2}, {merged.data(), 2, 1});
-  EXPECT_EQ(levelled[0], 0);
+  EXPECT_FLOAT_EQ(levelled[0], 8e-6F);
   EXPECT_EQ(levelled[1], 0);
   EXPECT_FLOAT_EQ(levelled[2], 8e-6F);
+  EXPECT_FLOAT_EQ(levelled[3], 8e-6F);
+  EXPECT_FLOAT_EQ(levelled[4], 6.4e-6F);  // of five neighbours one is 0
   EXPECT_EQ(levelledColour({night.data(), 4, 2}, {black.data(), 2, 1}), night);
 }
 

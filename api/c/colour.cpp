@@ -11,24 +11,27 @@ using namespace xrds::c;
 
 namespace {
 
-struct BothColours {
-  BothColours(const XrdsImage* lowImage, const XrdsImage* fullImage)
-      : low(required(lowImage, "low"), "low-resolution"), full(required(fullImage, "full"), "full-resolution") {}
-  const ReadImage low, full;
-};
-
-/// A low-resolution colour as it is merged: what is negative is 0, what is not finite filled from the neighbours.
-class RepairedColour {
+/// Two colours of one frame, as they are merged: what is not finite is filled from its neighbours, and what is negative
+/// is 0, of `full` where it is read.
+class BothColours {
  public:
-  explicit RepairedColour(const ReadImage& given) : image_(xrds::imageOf(given.view())) {
-    xrds::repairRadiance(image_);
+  BothColours(const XrdsImage* lowImage, const XrdsImage* fullImage)
+      : givenLow_(required(lowImage, "low"), "low-resolution"),
+        givenFull_(required(fullImage, "full"), "full-resolution"),
+        low_(xrds::imageOf(givenLow_.view())),
+        full_(givenFull_.view(), xrds::PixelKind::radiance, filled_) {
+    xrds::repairRadiance(low_);
   }
-  xrds::PixelView view() const {
-    return {image_.pixels.data(), static_cast<uint32_t>(image_.width), static_cast<uint32_t>(image_.height), 3};
+  xrds::PixelView low() const {
+    return {low_.pixels.data(), static_cast<uint32_t>(low_.width), static_cast<uint32_t>(low_.height), 3};
   }
+  const xrds::PixelView& full() const { return full_.view(); }
 
  private:
-  xrds::Image image_;
+  const ReadImage givenLow_, givenFull_;
+  uint64_t filled_ = 0;
+  xrds::Image low_;
+  const xrds::FiniteImage full_;
 };
 
 void writeColour(const XrdsImage& image, const std::vector<float>& pixels) {
@@ -48,11 +51,10 @@ XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double l
   return guarded([&] {
     const BothColours colours(low, full);
     checkSameSize(required(merged, "merged"), *low, "merged", "low-resolution");
-    const RepairedColour repaired(colours.low);
     const bool known = lowSamples != 0 || fullSamples != 0;
     const double share = known ? xrds::fullShare({lowSamples, fullSamples}, full->width / low->width)
-                               : xrds::shareByNoise(repaired.view(), colours.full.view());
-    const std::vector<float> pixels = xrds::mergedByShare(repaired.view(), colours.full.view(), share);
+                               : xrds::shareByNoise(colours.low(), colours.full());
+    const std::vector<float> pixels = xrds::mergedByShare(colours.low(), colours.full(), share);
     const std::vector<float> alpha = low->channels[3] ? readChannel(*low, 3) : std::vector<float>();
     writeColour(*merged, pixels);
     if (merged->channels[3]) {
@@ -66,7 +68,7 @@ XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double l
 XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double* difference) {
   return guarded([&] {
     const BothColours colours(low, full);
-    required(difference, "difference") = xrds::differenceOf(RepairedColour(colours.low).view(), colours.full.view());
+    required(difference, "difference") = xrds::differenceOf(colours.low(), colours.full());
     return XRDS_OK;
   });
 }
@@ -74,7 +76,7 @@ XrdsResult xrdsCompareColour(const XrdsImage* low, const XrdsImage* full, double
 XrdsResult xrdsEstimateFullShare(const XrdsImage* low, const XrdsImage* full, double* share) {
   return guarded([&] {
     const BothColours colours(low, full);
-    required(share, "share") = xrds::shareByNoise(RepairedColour(colours.low).view(), colours.full.view());
+    required(share, "share") = xrds::shareByNoise(colours.low(), colours.full());
     return XRDS_OK;
   });
 }
@@ -85,7 +87,7 @@ XrdsResult xrdsMergeByShare(const XrdsImage* low, const XrdsImage* full, double 
     checkSameSize(required(merged, "merged"), *low, "merged", "low-resolution");
     if (!(share >= 0 && share <= 1))
       throw xrds::InvalidArgument("The share is " + std::to_string(share) + ", expected a number from 0 to 1.");
-    writeColour(*merged, xrds::mergedByShare(RepairedColour(colours.low).view(), colours.full.view(), share));
+    writeColour(*merged, xrds::mergedByShare(colours.low(), colours.full(), share));
     return XRDS_OK;
   });
 }
@@ -94,7 +96,7 @@ XrdsResult xrdsLevelColour(const XrdsImage* full, const XrdsImage* merged, const
   return guarded([&] {
     const BothColours colours(merged, full);
     checkSameSize(required(levelled, "levelled"), *full, "levelled", "full-resolution");
-    writeColour(*levelled, xrds::atLevelOf(colours.full.view(), colours.low.view()));
+    writeColour(*levelled, xrds::atLevelOf(colours.full(), colours.low()));
     return XRDS_OK;
   });
 }

@@ -7,6 +7,7 @@
 #include "api/c/images.h"
 #include "api/c/result.h"
 #include "api/c/sized.h"
+#include "api/finite_image.h"
 
 using namespace xrds::c;
 
@@ -34,16 +35,17 @@ struct XrdsTemporalFilter {
 
 namespace {
 
-/// A frame of the caller, and copies of images that the library cannot read where they are.
+/// A frame of the caller, and copies of images that the library cannot read where they are or that are not finite.
 class ReadFrame {
  public:
   ReadFrame(const XrdsTemporalFrame& asGiven, const XrdsTemporalFilter& filter) {
     const XrdsTemporalFrame given = taken(asGiven, xrdsTemporalFrameDefault());
     const size_t pixels = filter.full();
-    frame_.colour = read(given.colour, "colour");
-    if (given.fullColour.channels[0]) frame_.fullColour = read(given.fullColour, "full-resolution colour");
-    if (given.albedo.channels[0]) frame_.albedo = read(given.albedo, "albedo");
-    if (given.normal.channels[0]) frame_.normal = read(given.normal, "normal");
+    frame_.colour = read(given.colour, "colour", xrds::PixelKind::radiance);
+    if (given.fullColour.channels[0])
+      frame_.fullColour = read(given.fullColour, "full-resolution colour", xrds::PixelKind::radiance);
+    if (given.albedo.channels[0]) frame_.albedo = read(given.albedo, "albedo", xrds::PixelKind::other);
+    if (given.normal.channels[0]) frame_.normal = read(given.normal, "normal", xrds::PixelKind::other);
     if (given.depth) frame_.depth = {given.depth, pixels};
     if (given.toPrevious) frame_.toPrevious = {given.toPrevious, 2 * pixels};
     if (given.toNext) frame_.toNext = {given.toNext, 2 * pixels};
@@ -53,9 +55,13 @@ class ReadFrame {
   const xrds::TemporalFilter::Frame& frame() const { return frame_; }
 
  private:
-  xrds::PixelView read(const XrdsImage& image, const char* what) { return images_.emplace_back(image, what).view(); }
+  xrds::PixelView read(const XrdsImage& image, const char* what, xrds::PixelKind kind) {
+    uint64_t filled = 0;
+    return finite_.emplace_back(images_.emplace_back(image, what).view(), kind, filled).view();
+  }
 
   std::vector<ReadImage> images_;
+  std::vector<xrds::FiniteImage> finite_;
   xrds::TemporalFilter::Frame frame_;
 };
 

@@ -52,9 +52,9 @@ inline double colourDifference(const PixelView& low, const PixelView& full) {
 inline constexpr double kMostColourDifference = 0.1;
 
 /// The merged colour [h, w, 3]: (1 - share) L + share B, with the low-resolution colour L [h, w, >= 3] and the means B
-/// of s x s pixels of the full-resolution render's colour [s h, s w, >= 3]. Pixels of the latter that are not finite do
-/// not count, those of L are filled from their neighbours; negative ones are 0. Throws Error if the sizes are no whole
-/// multiple of each other.
+/// of s x s pixels of the full-resolution render's colour [s h, s w, >= 3]. Of both, and in all functions of this file,
+/// negative values are 0 and pixels that are not finite are filled from their neighbours. Throws Error if the sizes are
+/// no whole multiple of each other.
 inline std::vector<float> mergedColour(const PixelView& low, const PixelView& full, double share) {
   std::vector<float> merged(size_t{3} * low.width * low.height);
   const XrdsImage images[] = {call::image(low, "low-resolution"), call::image(full, "full-resolution"),
@@ -66,7 +66,7 @@ inline std::vector<float> mergedColour(const PixelView& low, const PixelView& fu
 /// The full-resolution render's colour H [s h, s w, >= 3] at the level of the merged one M [h, w, >= 3], three floats a
 /// pixel: H (M + t) / (B + t), the ratio at most 8, with the means B of s x s pixels of H and a hundredth of the mean
 /// of M as t. What a denoiser takes best: its means have the noise of both renders, and only what is finer that of H
-/// alone. Of H what is negative or not finite is 0. Throws Error if the sizes are no whole multiple of each other.
+/// alone. Throws Error if the sizes are no whole multiple of each other.
 inline std::vector<float> levelledColour(const PixelView& full, const PixelView& merged) {
   std::vector<float> levelled(size_t{3} * full.width * full.height);
   const XrdsImage images[] = {call::image(full, "full-resolution"), call::image(merged, "merged"),

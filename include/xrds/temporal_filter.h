@@ -15,7 +15,8 @@ namespace xrds {
 /// them flickers less and has less noise, as if the frame had more samples.
 class TemporalFilter {
  public:
-  /// A frame to merge. Images that are not there have no pixels; every frame has the same ones.
+  /// A frame to merge. Images that are not there have no pixels; every frame has the same ones. Pixels of images that
+  /// are not finite are filled from their neighbours.
   struct Frame {
     PixelView colour;                        // [h, w] linear radiance
     PixelView fullColour, albedo, normal{};  // [s h, s w]; radiance, and the guides that tell surfaces apart

@@ -67,12 +67,19 @@ def test_an_image_that_tells_nothing_is_left_out(tmp_path, constant):
 def test_broken_pixels_are_repaired_alike(tmp_path):
     colour, images = frame(12, 16)
     full = numpy.repeat(numpy.repeat(colour, 4, 0), 4, 1)
-    colour[3, 4], colour[5, 6, 1], colour[7, 7] = numpy.nan, -2, (-1, numpy.inf, 1)
+    colour[3, 4], colour[5, 6, 1], colour[7, 7], colour[3, 5] = numpy.nan, -2, (-1, numpy.inf, 1), -1
+    images["normal"][5, 5], images["normal"][5, 6] = numpy.nan, -1
     same(xrds.upscale(colour, model=MODEL, **images), picture(tmp_path, *files(tmp_path, colour, **images), "--model", MODEL))
     for samples in (None, (64, 4)):
         words = ["--samples", "64,4"] if samples else []
         wanted = picture(tmp_path, *files(tmp_path, colour, beauty=full, **images), *words)
         same(xrds.upscale(colour, full_colour=full, samples=samples, **images), wanted)
+    full[10:13, 20:24], full[13, 20], full[30, 30, 2] = numpy.nan, -1, numpy.inf
+    for samples in (None, (64, 4)):
+        words = ["--samples", "64,4"] if samples else []
+        for model in ("xrds-x4-full", MODEL):
+            wanted = picture(tmp_path, *files(tmp_path, colour, beauty=full, **images), "--model", model, *words)
+            same(xrds.upscale(colour, full_colour=full, samples=samples, model=model, **images), wanted)
 
 
 @pytest.mark.parametrize("words, options", [

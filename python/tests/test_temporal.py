@@ -35,6 +35,17 @@ def test_the_progress_of_an_upscaler_may_ask_for_its_memory(merging):
     assert set(heard) == {merging.device_bytes}
 
 
+def test_broken_pixels_count_as_their_neighbours(merging):
+    even = numpy.full_like(noise(*FULL), 0.5)
+    broken = even.copy()
+    broken[40:43, 50:53], broken[7, 7, 1] = numpy.nan, numpy.inf
+    frames = [still(seed, full_colour=even, albedo=even, normal=even) for seed in range(2)]
+    wanted = merging(*frames[:1], frames[1:])
+    found = merging(still(0, full_colour=broken, albedo=broken, normal=broken), frames[1:])
+    for name in ("full_colour", "albedo", "normal"):
+        numpy.testing.assert_array_equal(getattr(found, name), getattr(wanted, name))
+
+
 def test_noise_gets_less(merging):
     frames = [still(seed) for seed in range(11)]
     merged = merging(frames[5], frames[4::-1], frames[6:])

@@ -19,7 +19,7 @@ def merge_colour(low: Array, full: Array, *, samples: Optional[Samples] = None, 
     """The mean of a low-resolution colour and that of the full-resolution render, weighted by samples.
 
     low: [height, width, 3 or 4] linear radiance; full: [scale height, scale width, 3] the same.
-    samples: of a pixel of both, as (64, 16); None: estimated from the noise.
+    samples: of a pixel of both, as (64, 16); None: estimated from the noise. Pixels that are not finite count as their neighbours.
     out: None: a new array of the type of `low`.
 
     Returns [height, width, channels of low]; its alpha is that of `low`. Raises ArgumentError. Safe in any thread.

@@ -22,7 +22,8 @@ _IMAGES = ("colour", "full_colour", "albedo", "normal")
 class TemporalFrame:
     """A frame to merge, or what became of it. Frames that are merged with each other have the same images.
 
-    Images and numbers are float16 or float32, as those of upscale(). [h, w] is the low, [s h, s w] the full resolution.
+    Images and numbers are float16 or float32, as those of upscale(), pixels of images that are not finite count as their
+    neighbours, too. [h, w] is the low, [s h, s w] the full resolution.
     """
 
     colour: Array

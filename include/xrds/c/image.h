@@ -26,8 +26,8 @@ XRDS_API XrdsImage xrdsInterleavedImage(void* pixels, XrdsFormat format, uint32_
 
 /* The low-resolution colour of a render and the colour of its full-resolution one, whose albedo and normals are the
  * auxiliary images, as their mean weighted by samples: what models take that have the input "colour", and what makes
- * every other one better. lowSamples and fullSamples: of a pixel; both 0: estimated from the noise. merged has the size
- * of `low`; its alpha is that of `low`. */
+ * every other one better. lowSamples and fullSamples: of a pixel; both 0: estimated from the noise. Pixels of both that
+ * are not finite count as their neighbours. merged has the size of `low`; its alpha is that of `low`. */
 XRDS_API XrdsResult xrdsMergeColour(const XrdsImage* low, const XrdsImage* full, double lowSamples, double fullSamples,
                                     const XrdsImage* merged);
 

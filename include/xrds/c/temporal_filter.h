@@ -12,8 +12,9 @@ extern "C" {
 
 typedef struct XrdsTemporalFilter XrdsTemporalFilter;
 
-/* A frame of an animation. Images whose channels are NULL are not there; every frame has the same ones. Of `merged` the
- * images and counts are written, those that are not there left out; the other numbers do not count. */
+/* A frame of an animation. Images whose channels are NULL are not there; every frame has the same ones. Pixels of them
+ * that are not finite count as their neighbours. Of `merged` the images and counts are written, those that are not
+ * there left out; the other numbers do not count. */
 typedef struct XrdsTemporalFrame {
   uint32_t structSize;
   XrdsImage colour;                     /* [h, w] linear radiance */
