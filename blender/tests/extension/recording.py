@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings that are changed for a while."""
+import os
+
+import bpy
+
+from extension.with_blender import WithBlender
+from properties import differences, snapshot
+from xrds_render import passes, recorder
+
+
+class Recording(WithBlender):
+    def test_every_file_format_comes_back(self):
+        scene = self.open("cryptomatte")
+        settings = scene.render.image_settings
+        for kind in ("PNG", "JPEG", "TIFF", "OPEN_EXR", "BMP"):
+            settings.file_format = kind
+            before = snapshot()
+            with self.subTest(kind), recorder.Recorder() as made:
+                passes.configure_full(scene, scene.xrds, "/nowhere", made)
+                self.assertEqual(settings.file_format, "OPEN_EXR_MULTILAYER")
+            self.assertEqual(differences(before, snapshot()), [])
+
+    def test_a_file_saved_underway_has_the_settings_of_the_artist(self):
+        scene = self.open("layers")
+        path = os.path.join(self.folder, "saved.blend")
+        with recorder.Recorder() as made:
+            passes.configure_low(scene, scene.xrds, "/nowhere", made)
+            bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+            self.assertEqual(scene.render.resolution_x, 16)
+        with bpy.data.libraries.load(path) as (there, wanted):
+            wanted.scenes = there.scenes
+        self.assertEqual([wanted.scenes[0].render.resolution_x, scene.render.resolution_x], [64, 64])
+
+    def test_undo_brings_no_changed_setting_back(self):
+        """A step of undo that is kept while a render runs, as when the artist moves something, has its settings."""
+        scene = self.open("layers")
+        scene.xrds.guides = "CHEAP"
+        bpy.ops.ed.undo_push(message="before")
+        before = snapshot()
+        with recorder.Recorder(scene) as made:
+            passes.configure_full(scene, scene.xrds, "/nowhere", made)
+            made.mark()
+            changed = differences(before, snapshot())
+            bpy.ops.ed.undo_push(message="underway")
+        self.assertNotIn(recorder.MARK, scene)
+        bpy.ops.ed.undo_push(message="after")
+        bpy.ops.ed.undo()
+        self.assertGreater(len(changed), 15)
+        self.assertEqual([found for found in differences(before, snapshot()) if "use_extra_user" not in found], [], "which undo itself sets")
+        self.assertNotIn(recorder.MARK, bpy.context.scene)
+
+    def test_cheap_guides_hide_every_lamp(self):
+        """Those of a background scene and of an instanced collection, too."""
+        scene = self.open("layers")
+        scene.xrds.guides = "CHEAP"
+        lamps = [bpy.data.objects.new(name, bpy.data.lights.new(name, "POINT")) for name in ("Behind", "Instanced")]
+        scene.background_set = bpy.data.scenes.new("Behind")
+        scene.background_set.collection.objects.link(lamps[0])
+        instance = bpy.data.objects.new("Instance", None)
+        instance.instance_type, instance.instance_collection = "COLLECTION", bpy.data.collections.new("Lamps")
+        instance.instance_collection.objects.link(lamps[1])
+        scene.collection.objects.link(instance)
+        with recorder.Recorder(scene) as made:
+            passes.configure_full(scene, scene.xrds, "/nowhere", made)
+            self.assertTrue(all(lamp.hide_render for lamp in [*lamps, bpy.data.objects["Lamp"]]))
+        self.assertFalse(any(lamp.hide_render for lamp in [*lamps, bpy.data.objects["Lamp"]]))
+
+    def test_what_is_deleted_hinders_nothing(self):
+        scene = self.open("layers")
+        item = bpy.data.objects["Lamp"]
+        made = recorder.Recorder()
+        made.put(scene.render, "resolution_x", 16)
+        made.put(item, "hide_render", True)
+        bpy.data.objects.remove(item)
+        self.assertEqual(len(made.restore()), 1)
+        self.assertEqual(scene.render.resolution_x, 64)
