@@ -23,6 +23,7 @@ except ImportError as error:
 import xrds_render  # noqa: E402
 from extension.animation import Animation, Steady  # noqa: E402, F401
 from extension.denoising import Denoising  # noqa: E402, F401
+from extension.findings import Findings  # noqa: E402, F401
 from extension.one_click import OneClick, SingleRender  # noqa: E402, F401
 from extension.process import Worker  # noqa: E402, F401
 from extension.recording import Recording  # noqa: E402, F401

@@ -4,7 +4,7 @@ from typing import NamedTuple, Optional
 
 import numpy as np
 
-from . import exr
+from . import exr, findings
 from .layers import is_colour, is_light, layers_of, load, stack
 
 DENOISING = "Denoising "
@@ -69,7 +69,7 @@ def _colours(wish, low, low_layer, full, layer, around):
 
 
 def upscale(low_file, full_file, result_file, wish, progress, around=None):
-    """Writes the result. progress(stage, share) returning False ends it with xrds.Cancelled. Raises what xrds and files do.
+    """Writes the result. progress(stage, share) returning False ends it with xrds.Cancelled. Raises what xrds and files do. Returns sentences about what looks wrong.
 
     around: (number, temporal.Surroundings) of a frame that is merged with those around it; None: it is made by itself.
     """
@@ -78,7 +78,7 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
     full = load(full_file)
     low = full if wish.single else load(low_file)
     channels = dict(full.channels)
-    low_layers = layers_of(low, wish.layers)
+    low_layers, found = layers_of(low, wish.layers), []
     for place, low_layer in enumerate(low_layers):
         layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
         lights = _lights(low, full, low_layer, layer, wish.aovs)
@@ -89,12 +89,15 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
         def heard(stage, share, place=place):
             return progress(stage, (place + (share if stage == "upscaling" else 0)) / len(low_layers))
 
-        if wish.single and wish.model is None and wish.denoise:  # a network after it is the artist's choice
-            if options:
-                options = {"layers": {name: found[0] if isinstance(found, tuple) else found for name, found in lights.items()}}
-            made = xrds.denoise(colour, albedo=images["albedo"], normal=images["normal"], device=images["device"], progress=heard, **options)
-        else:
-            made = xrds.upscale(colour, **images, samples=wish.samples, model=wish.model, denoise_first=wish.denoise, progress=heard, **options)
+        of_layer = _findings(wish, low, low_layer, full, layer, lights, images)
+        with findings.of_package(of_layer):
+            if wish.single and wish.model is None and wish.denoise:  # a network after it is the artist's choice
+                if options:
+                    options = {"layers": {name: one[0] if isinstance(one, tuple) else one for name, one in lights.items()}}
+                made = xrds.denoise(colour, albedo=images["albedo"], normal=images["normal"], device=images["device"], progress=heard, **options)
+            else:
+                made = xrds.upscale(colour, **images, samples=wish.samples, model=wish.model, denoise_first=wish.denoise, progress=heard, **options)
+        found += [f"View layer '{layer.name}': {one}" if len(low_layers) > 1 else one for one in of_layer]
         picture, lights = made if "layers" in options else (made, {})
         _put(channels, layer.name, "Combined", picture, wish.half)
         _drop(channels, layer, lambda name: is_light(name) and name not in lights and (layer.name, name) not in wish.aovs)
@@ -104,6 +107,15 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
         if layer.name not in wish.keeps_guides:
             _drop(channels, layer, lambda name: name.startswith(DENOISING))
     exr.save(result_file, exr.Picture(full.attributes, channels), LEVEL)
+    return found
+
+
+def _findings(wish, low, low_layer, full, layer, lights, images):
+    """images: the guides, which frames around them may be merged into."""
+    light = {name: image for name, image in lights.items() if is_light(name)}
+    guides = {name: stack(full, layer.passes.get(name), components) for name, components in ((DENOISING + "Albedo", "RGB"), (DENOISING + "Normal", "XYZ"))}
+    rendered = {name: image for name, image in guides.items() if image is not None}
+    return findings.of_images({"Combined": stack(low, low_layer.passes["Combined"], "RGB"), **light}, rendered) + findings.of_model(wish.model, images)
 
 
 def _drop(channels, layer, unwanted):

@@ -86,6 +86,7 @@ class Job:
         self.text, self.share = "", 0.0
         self.cancelled = False
         self.written, self.skipped = [], 0
+        self._found = {}  # {sentence without its numbers: {frame: sentence}}
         self.seconds = {"renders": 0.0, "upscaling": 0.0, "all": 0.0}
 
     def steps(self):
@@ -149,8 +150,7 @@ class Job:
 
     def _merged(self, renders, number, wish, step, steps):
         low, full = (renders.file(number, kind) for kind in ("low", "full"))
-        around = number, renders.folder, tuple(self.frames)
-        yield from self._upscale(low, full, checks.output_file(self.scene, number), wish, f"Upscaling of frame {number}", (step / steps, (step + 1) / steps), around)
+        yield from self._upscale(low, full, checks.output_file(self.scene, number), wish, f"Upscaling of frame {number}", (step / steps, (step + 1) / steps), number, renders)
 
     def _said(self, wish):
         """What renders depend on, of what is chosen here: those of other choices are of no use."""
@@ -170,6 +170,13 @@ class Job:
         skipped = f" {self.skipped} were there already." if self.skipped else ""
         return f"Saved {what} in {self.seconds['all']:.1f} s, of which {self.seconds['renders']:.1f} s for renders, {self.seconds['upscaling']:.1f} s for upscaling.{skipped}"
 
+    def warnings(self):
+        """What looks wrong in the frames, as sentences: each once, whatever its numbers are."""
+        for sentences in self._found.values():
+            first, sentence = next(iter(sentences.items()))
+            others = f" The same in {len(sentences) - 1} more." if len(sentences) > 1 else ""
+            yield f"Frame {first}: {sentence}{others}" if self.frames else sentence
+
     def _frame(self, number, place, count):
         result = checks.output_file(self.scene, number)
         os.makedirs(os.path.dirname(result), exist_ok=True)
@@ -180,7 +187,7 @@ class Job:
             kinds = passes.renders(self.settings)
             for done, (kind, configure, text) in enumerate(kinds):
                 yield from self._render(configure, os.path.join(folder, f"{kind}.exr"), f"{text}{of}", (place + done / (len(kinds) + 1)) / count)
-            yield from self._upscale(low, full, result, wish, f"Upscaling{of}", ((place + len(kinds) / (len(kinds) + 1)) / count, (place + 1) / count))
+            yield from self._upscale(low, full, result, wish, f"Upscaling{of}", ((place + len(kinds) / (len(kinds) + 1)) / count, (place + 1) / count), number)
 
     def _wish(self, steady=False):
         settings, layers = self.settings, self.scene.view_layers
@@ -193,11 +200,12 @@ class Job:
             denoise=settings.denoise and denoiser.ready(), half=not (output.file_format.startswith("OPEN_EXR") and output.color_depth == "32"), drops=frozenset(drops),
             single=passes.single(settings), aovs=frozenset((layer.name, aov.name) for layer in layers for aov in layer.aovs))
 
-    def _upscale(self, low, full, result, wish, text, shares, around=None):
-        """shares: of the whole job, at the begin and at the end. around: (number, folder of renders, frames) where it is merged with those around it."""
+    def _upscale(self, low, full, result, wish, text, shares, number, renders=None):
+        """shares: of the whole job, at the begin and at the end. renders: where it is merged with those around it."""
         def heard(stage, share):
             self.text, self.share = text if stage == "upscaling" else "Preparing the device", shares[0] + share * (shares[1] - shares[0])
 
+        around = (number, renders.folder, tuple(self.frames)) if renders else None
         order = {"low": low, "full": full, "result": result, "wish": tuple(wish), "around": around}
         step = upscaler.Upscaling(order, heard, lambda: self.cancelled)
         try:
@@ -205,6 +213,8 @@ class Job:
         finally:
             step.close()
         self.written.append(result)
+        for sentence in step.found:
+            self._found.setdefault(re.sub(r"\d+", "", sentence), {})[number] = sentence
 
     def _render(self, configure, path, text, share):
         upscaler.ready()  # it starts while Blender renders

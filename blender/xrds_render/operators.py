@@ -11,6 +11,7 @@ from .recorder import active, restore_marked
 current = None  # the job that runs
 steps = None  # its steps, beside the interface
 last = ""  # what became of the one before
+warned = []  # what looks wrong in its frames
 
 
 class XRDS_OT_render(bpy.types.Operator):
@@ -80,6 +81,7 @@ class XRDS_OT_render(bpy.types.Operator):
     def _begin(self, context):
         global current, last
         scene = context.scene
+        warned.clear()
         found = checks.problem(scene)
         if found:
             last = found
@@ -96,6 +98,9 @@ class XRDS_OT_render(bpy.types.Operator):
             context.window_manager.event_timer_remove(self._timer)
         last, kind = _outcome(job, error)
         self.report({kind}, last)
+        warned[:] = job.warnings()
+        for sentence in warned:
+            self.report({"WARNING"}, sentence)
         if job.written:
             show(context, job.written[-1])
         _redraw(context)

@@ -67,6 +67,8 @@ class XRDS_PT_panel(bpy.types.Panel):
             _sentence(context, layout, operators.last, "BLANK1")
         elif not found:
             _sentence(context, layout, f"To {checks.output_file(scene, scene.frame_current)}", "BLANK1")
+        for sentence in operators.warned:
+            _sentence(context, layout, sentence, "ERROR")
 
 
 def _value(layout, name, value):

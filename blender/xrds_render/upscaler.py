@@ -141,12 +141,15 @@ def _drop():
 
 
 class Upscaling:
-    """A step: a frame made by the worker. order: what worker.upscale() takes. heard(stage, share) hears how far it is; cancelled() tells whether to end."""
+    """A step: a frame made by the worker. order: what worker.upscale() takes. heard(stage, share) hears how far it is; cancelled() tells whether to end.
+
+    found: sentences about what looks wrong in it, once it is finished.
+    """
 
     def __init__(self, order, heard, cancelled):
         self.order, self._heard, self._cancelled = order, heard, cancelled
         self._worker = self._last = self._ending = None
-        self._read, self._rest = 0, b""
+        self._read, self._rest, self.found = 0, b"", []
 
     def start(self):
         worker = ready()
@@ -178,6 +181,7 @@ class Upscaling:
             raise Stopped("Cancelled.") if self._ending else RuntimeError(self._worker.death())
         if "error" in self._last:
             raise raised(**self._last["error"])
+        self.found = self._last["found"]
 
     def close(self):
         """Nobody waits for it any more."""

@@ -68,7 +68,7 @@ def upscale(order, progress):
     if order["around"]:
         number, folder, frames = order["around"]
         around = number, surroundings(folder, frames, wish)
-    frame.upscale(order["low"], order["full"], order["result"], wish, progress, around)
+    return frame.upscale(order["low"], order["full"], order["result"], wish, progress, around)
 
 
 def plain(error):
@@ -90,8 +90,7 @@ def answer(order, cancelled):
             return not cancelled.is_set()
 
         try:
-            upscale(order, progress)
-            say(done=True)
+            say(done=True, found=upscale(order, progress))
         except Exception as error:
             say(error=plain(error))
 
