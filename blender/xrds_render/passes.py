@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the renders of a frame are asked for: two, or at scale 1 a single one."""
 from . import guides
+from .recorder import COLOUR_SETTINGS
 
 # Flags of a view layer whose passes hold light: they come from the low-resolution render.
 LIGHT_FLAGS = tuple(f"use_pass_{kind}_{part}" for kind in ("diffuse", "glossy", "transmission", "subsurface", "volume") for part in ("direct", "indirect")) + (
@@ -65,8 +66,9 @@ def _configure(scene, width, height, samples, path, put, keep):
     render, cycles = scene.render, scene.cycles
     keep(render.image_settings)
     settings = render.image_settings
-    if hasattr(settings, "linear_colorspace_settings"):
-        keep(settings.linear_colorspace_settings)
+    for name in COLOUR_SETTINGS:
+        if hasattr(settings, name):
+            keep(getattr(settings, name))
     if hasattr(settings, "media_type"):  # Blender 5
         put(settings, "media_type", "MULTI_LAYER_IMAGE")
     put(settings, "file_format", "OPEN_EXR_MULTILAYER")

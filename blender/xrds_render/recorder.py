@@ -5,6 +5,7 @@ import json
 import bpy
 
 MARK = "xrds_before"  # a custom property of a scene while a recorder has changed it: what was there
+COLOUR_SETTINGS = ("linear_colorspace_settings", "view_settings", "display_settings")  # of image settings; Blender sets them anew with Color Management: Override
 
 
 class Recorder:
@@ -100,7 +101,7 @@ def _paths(owner, block):
         yield owner.path_from_id()
     except ValueError:
         pass
-    yield "render.image_settings.linear_colorspace_settings"
+    yield from (f"render.image_settings.{name}" for name in COLOUR_SETTINGS)
     for layer in getattr(block, "view_layers", ()):
         yield f"{layer.path_from_id()}.cycles"
 

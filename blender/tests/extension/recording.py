@@ -21,6 +21,23 @@ class Recording(WithBlender):
                 self.assertEqual(settings.file_format, "OPEN_EXR_MULTILAYER")
             self.assertEqual(differences(before, snapshot()), [])
 
+    def test_colour_management_of_files_comes_back(self):
+        scene = self.open("cryptomatte")
+        settings = scene.render.image_settings
+        settings.file_format, settings.color_management = "PNG", "OVERRIDE"
+        settings.view_settings.view_transform, settings.view_settings.exposure, settings.view_settings.gamma = "Standard", 1.5, 0.5
+        bpy.ops.ed.undo_push(message="before")
+        before = snapshot()
+        with recorder.Recorder(scene) as made:
+            passes.configure_low(scene, scene.xrds, "/nowhere", made)
+            made.mark()
+            self.assertEqual(settings.color_management, "FOLLOW_SCENE")
+            bpy.ops.ed.undo_push(message="underway")
+        self.assertEqual(differences(before, snapshot()), [])
+        bpy.ops.ed.undo_push(message="after")
+        bpy.ops.ed.undo()
+        self.assertEqual([found for found in differences(before, snapshot()) if "image_settings" in found], [])
+
     def test_a_file_saved_underway_has_the_settings_of_the_artist(self):
         scene = self.open("layers")
         path = os.path.join(self.folder, "saved.blend")
