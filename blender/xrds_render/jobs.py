@@ -91,17 +91,23 @@ class Job:
 
     def steps(self):
         begin, scene = time.monotonic(), self.scene
-        before = scene.frame_current, scene.frame_subframe
+        before = self._shown()
         try:
             if self.frames and checks.steady(scene):
                 yield from self._steady()
             else:
                 yield from self._each()
         finally:
-            if (scene.frame_current, scene.frame_subframe) != before:
-                scene.frame_set(before[0], subframe=before[1])
+            self._show(*before)
             (upscaler.end if self.frames else upscaler.keep)()
             self.seconds["all"] = time.monotonic() - begin
+
+    def _shown(self):
+        return self.scene.frame_current, self.scene.frame_subframe
+
+    def _show(self, number, subframe):
+        if self._shown() != (number, subframe):
+            self.scene.frame_set(number, subframe=subframe)
 
     def _each(self):
         """Every frame by itself."""
@@ -181,11 +187,12 @@ class Job:
         result = checks.output_file(self.scene, number)
         os.makedirs(os.path.dirname(result), exist_ok=True)
         of = f" of frame {number}" if count > 1 else ""
-        wish = self._wish()
+        wish, shown = self._wish(), self._shown()
         with tempfile.TemporaryDirectory(dir=bpy.app.tempdir or None, prefix="xrds_") as folder:
             low, full = (os.path.join(folder, f"{name}.exr") for name in ("low", "full"))
             kinds = passes.renders(self.settings)
             for done, (kind, configure, text) in enumerate(kinds):
+                self._show(*shown)  # the artist may look at another frame meanwhile
                 yield from self._render(configure, os.path.join(folder, f"{kind}.exr"), f"{text}{of}", (place + done / (len(kinds) + 1)) / count)
             yield from self._upscale(low, full, result, wish, f"Upscaling{of}", ((place + len(kinds) / (len(kinds) + 1)) / count, (place + 1) / count), number)
 

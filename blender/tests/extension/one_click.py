@@ -9,7 +9,7 @@ import numpy
 
 from extension.with_blender import SINGLE_MODEL, WithBlender, before_upscaling
 from properties import differences, snapshot
-from xrds_render import checks, frame, layers, passes, recorder
+from xrds_render import checks, frame, jobs, layers, passes, recorder
 
 
 class OneClick(WithBlender):
@@ -74,6 +74,18 @@ class OneClick(WithBlender):
             self.assertTrue(0 == alpha.min() < alpha.max())
         self.assertLess((made["Front.Combined.A"] > 0).sum(), (made["All of it.Combined.A"] > 0).sum())
         self.assertEqual(scene.frame_current, 2)
+
+    def test_both_renders_are_of_one_frame_wherever_the_artist_looks_meanwhile(self):
+        alphas = []
+        for looks in (False, True):
+            job = jobs.Job(self.open("layers"))
+            for step in job.steps():
+                step.wait()
+                if looks:
+                    job.scene.frame_set(3)
+            self.assertEqual(job.scene.frame_current, 2)
+            alphas.append(self.result("layers_0002_xrds.exr").channels["Front.Combined.A"])
+        numpy.testing.assert_array_equal(*alphas)
 
     def test_the_result_opens_as_layers(self):
         self.open("layers")
