@@ -81,13 +81,16 @@ class Job:
 
     def __init__(self, scene, frames=None):
         self.scene = scene
-        self.settings = scene.xrds
         self.frames = frames
         self.text, self.share = "", 0.0
         self.cancelled = False
         self.written, self.skipped = [], 0
         self._found = {}  # {sentence without its numbers: {frame: sentence}}
         self.seconds = {"renders": 0.0, "upscaling": 0.0, "all": 0.0}
+
+    @property
+    def settings(self):
+        return self.scene.xrds  # not kept, as it goes with the scene
 
     def steps(self):
         begin, scene = time.monotonic(), self.scene
@@ -98,7 +101,8 @@ class Job:
             else:
                 yield from self._each()
         finally:
-            self._show(*before)
+            with contextlib.suppress(ReferenceError):  # the scene was deleted
+                self._show(*before)
             (upscaler.end if self.frames else upscaler.keep)()
             self.seconds["all"] = time.monotonic() - begin
 

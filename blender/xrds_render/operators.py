@@ -195,6 +195,8 @@ def _outcome(job, error):
         return f"Cancelled; the settings are as before.{kept}", "WARNING"
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename or 'A file'} cannot be written or read: {error.strerror}.{kept}", "ERROR"
+    if isinstance(error, ReferenceError):
+        return f"The scene was deleted while it rendered.{kept}", "WARNING"
     if isinstance(error, MemoryError):
         return f"There is too little memory for this frame. Choose a smaller resolution.{kept}", "ERROR"
     return f"{str(error).strip().removeprefix('Error: ')}{kept}", "ERROR"

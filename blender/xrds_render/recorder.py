@@ -1,11 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings that are changed for a while, and come back whatever happens."""
 import json
+from typing import Any, NamedTuple, Optional
 
 import bpy
 
 MARK = "xrds_before"  # a custom property of a scene while a recorder has changed it: what was there
 COLOUR_SETTINGS = ("linear_colorspace_settings", "view_settings", "display_settings")  # of image settings; Blender sets them anew with Color Management: Override
+
+
+class Change(NamedTuple):
+    """A property, what was there, and whether its owner still is: Blender does not tell that parts of what was deleted are gone, and crashes."""
+    owner: Any
+    name: str
+    value: Any
+    block: Any  # of data, which the owner is or is a part of
+    layer: Optional[int]  # the address of its view layer, if it is or is a part of one
+
+    @staticmethod
+    def of(owner, name, value):
+        block = owner.id_data
+        layer = next((layer for layer in getattr(block, "view_layers", ()) if owner in (layer, getattr(layer, "cycles", None))), None)
+        return Change(owner, name, value, block, layer and layer.as_pointer())
+
+    def is_there(self):
+        try:
+            return bool(self.block.name) and (self.layer is None or self.layer in [layer.as_pointer() for layer in self.block.view_layers])
+        except ReferenceError:
+            return False
 
 
 class Recorder:
@@ -22,21 +44,21 @@ class Recorder:
 
     def mark(self):
         """Call it once all is changed."""
-        places = [(_place(owner), name, value) for owner, name, value in reversed(self._before)]
+        places = [(_place(change.owner), change.name, change.value) for change in reversed(self._before) if change.is_there()]
         self._scene[MARK] = json.dumps([(*place, name, value) for place, name, value in places if place and isinstance(value, (bool, int, float, str))])
 
     def put(self, owner, name, value):
         """Sets a property; a value that is there already stays unrecorded."""
         before = getattr(owner, name)
         if before != value:
-            self._before.append((owner, name, before))
+            self._before.append(Change.of(owner, name, before))
             setattr(owner, name, value)
 
     def keep(self, owner):
         """Records all properties of an owner, for those that change their neighbours, as a file format does."""
         for prop in owner.bl_rna.properties:
             if not prop.is_readonly and prop.type not in ("POINTER", "COLLECTION") and not getattr(prop, "is_array", False):
-                self._before.append((owner, prop.identifier, getattr(owner, prop.identifier)))
+                self._before.append(Change.of(owner, prop.identifier, getattr(owner, prop.identifier)))
 
     def restore(self):
         """Puts everything back. Returns a sentence for each property that did not come back, as of a deleted object."""
@@ -46,7 +68,7 @@ class Recorder:
         return _apply(reversed(changes))
 
     def suspend(self):
-        self._suspended = [(owner, name, getattr(owner, name)) for owner, name, _ in self._before]
+        self._suspended = [change._replace(value=getattr(change.owner, change.name)) for change in self._before if change.is_there()]
         self._unmark()
         _apply(reversed(self._before))
 
@@ -81,7 +103,7 @@ def restore_marked():
         if not active and MARK in scene:
             marked = json.loads(scene[MARK])
             del scene[MARK]
-            _apply([(owner, name, value) for kind, block, path, name, value in marked for owner in _owner(kind, block, path)])
+            _apply([Change.of(owner, name, value) for kind, block, path, name, value in marked for owner in _owner(kind, block, path)])
 
 
 def _place(owner):
@@ -120,10 +142,12 @@ def _apply(changes):
     changes = list(changes)
     for _ in range(2):
         failed = []
-        for owner, name, value in changes:
+        for change in changes:
             try:
-                if getattr(owner, name) != value:
-                    setattr(owner, name, value)
-            except Exception as error:  # a deleted owner, a value that fits after the others
-                failed.append(f"{name}: {error}")
+                if not change.is_there():
+                    failed.append(f"{change.name}: its owner was deleted")
+                elif getattr(change.owner, change.name) != change.value:
+                    setattr(change.owner, change.name, change.value)
+            except Exception as error:  # a value that fits after the others
+                failed.append(f"{change.name}: {error}")
     return failed

@@ -92,3 +92,21 @@ class Recording(WithBlender):
         bpy.data.objects.remove(item)
         self.assertEqual(len(made.restore()), 1)
         self.assertEqual(scene.render.resolution_x, 64)
+
+    def test_deleted_scenes_and_view_layers_hinder_nothing(self):
+        """Their parts look as if they were there, and Blender crashes where they are written to."""
+        scene = self.open("layers")
+        before, made = snapshot(), recorder.Recorder(scene)
+        other = scene.copy()
+        for owner in (scene, other):
+            made.put(owner.render, "resolution_x", 16)
+            made.put(owner.view_layers[1], "use_pass_z", not owner.view_layers[1].use_pass_z)
+            made.put(owner.view_layers[1].cycles, "denoising_store_passes", True)
+        bpy.data.scenes.remove(other)
+        scene.view_layers.remove(scene.view_layers[1])
+        made.mark()
+        made.suspend()
+        made.resume()
+        self.assertEqual(scene.render.resolution_x, 16)
+        self.assertEqual(len(made.restore()), 5)
+        self.assertEqual([found for found in differences(before, snapshot()) if "view_layers" not in found], [])

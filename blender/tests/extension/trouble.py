@@ -203,6 +203,21 @@ class Trouble(WithBlender):
                     self.assertEqual(self.exrs(), [])
                     self.assertEqual(recorder.active, [])
 
+    def test_a_scene_that_is_deleted_underway(self):
+        for place in range(3):
+            other = self.open("layers").copy()
+            before, job = snapshot(), jobs.Job(other, [1, 2])
+            with self.subTest(place), self.assertRaises(ReferenceError) as failed:
+                for done, step in enumerate(job.steps()):
+                    step.wait()
+                    if done == place:
+                        bpy.data.scenes.remove(other)
+            self.assertEqual(operators._outcome(job, failed.exception)[0].partition(".")[0], "The scene was deleted while it rendered")
+            self.assertEqual([found for found in differences(before, snapshot()) if not found.startswith("scenes[Scene.001]") and "users" not in found], [])
+            self.assertEqual(recorder.active, [])
+            for name in self.exrs():
+                os.remove(os.path.join(self.folder, name))
+
     @unittest.skipIf(bpy.app.binary_path == "", "Blender as a module hears no Ctrl-C: Python does")
     def test_blender_cancels_its_render(self):
         self.open("layers")
