@@ -25,7 +25,7 @@ const std::regex& field() {
 std::string digitsOf(long long frame, int digits, bool withSign) {
   char written[32];
   const long long number = frame < 0 && !withSign ? -frame : frame;
-  std::snprintf(written, sizeof written, "%s%0*lld", number == frame ? "" : "-", digits, number);
+  std::snprintf(written, sizeof written, "%s%0*lld", number == frame ? "" : "-", std::clamp(digits, 1, 10), number);
   return written;
 }
 
@@ -75,8 +75,8 @@ FilePattern::FilePattern(const std::string& text) {
   if (fs::exists(path, ignored) || !std::regex_search(name, match, field())) return;
   before_ = match.prefix();
   after_ = match.suffix();
-  isPrintf_ = match.str()[0] == '%';
-  digits_ = !isPrintf_ ? static_cast<int>(match.length()) : match[2].matched ? std::stoi(match[2].str()) : 1;
+  field_ = match.str();
+  digits_ = !isPrintf() ? static_cast<int>(match.length()) : match[2].matched ? std::stoi(match[2].str()) : 1;
   if (digits_ < 1 || digits_ > 10 || std::regex_search(after_, field()))
     throw Error("'" + text + "' is no name of frames: expected one field of at most 10 digits, #### or %04d.");
 }
@@ -105,11 +105,12 @@ void FilePattern::findSeries(const fs::path& folder) {
   std::tie(before_, after_) = series;
   const auto shorter = [](const std::string& a, const std::string& b) { return a.size() < b.size(); };
   digits_ = static_cast<int>(std::min_element(numbers.begin(), numbers.end(), shorter)->size());
+  field_ = std::string(static_cast<size_t>(digits_), '#');
 }
 
 fs::path FilePattern::of(int frame) const {
   if (!isMany()) return folder_ / before_;
-  return folder_ / (before_ + digitsOf(frame, digits_, isPrintf_) + after_);
+  return folder_ / (before_ + digitsOf(frame, digits_, isPrintf()) + after_);
 }
 
 std::vector<int> FilePattern::frames() const {
@@ -120,7 +121,7 @@ std::vector<int> FilePattern::frames() const {
     if (name.size() <= before_.size() + after_.size() || !name.starts_with(before_) || !name.ends_with(after_))
       continue;
     const std::string between = name.substr(before_.size(), name.size() - before_.size() - after_.size());
-    if (const auto number = numberOf(between, digits_, isPrintf_)) found.push_back(*number);
+    if (const auto number = numberOf(between, digits_, isPrintf())) found.push_back(*number);
   }
   std::sort(found.begin(), found.end());
   return found;
@@ -132,8 +133,6 @@ FilePattern FilePattern::in(const fs::path& folder) const {
   return other;
 }
 
-std::string FilePattern::text() const {
-  return (folder_ / (before_ + std::string(static_cast<size_t>(digits_), '#') + after_)).string();
-}
+std::string FilePattern::text() const { return (folder_ / (before_ + field_ + after_)).string(); }
 
 }  // namespace xrds

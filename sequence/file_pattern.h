@@ -33,17 +33,17 @@ class FilePattern {
   /// The same names in another folder.
   FilePattern in(const std::filesystem::path& folder) const;
 
-  /// As it was given, a folder's with its series: "renders/beauty.####.exr".
+  /// As it was given; a folder's with its series: "renders/beauty.####.exr".
   std::string text() const;
 
  private:
   FilePattern() = default;
+  bool isPrintf() const { return field_.starts_with('%'); }  // the digits count the sign
   void findSeries(const std::filesystem::path& folder);
 
   std::filesystem::path folder_;
-  std::string before_, after_;  // the number in the file name
-  int digits_ = 0;              // at least; 0: no number
-  bool isPrintf_ = false;       // the digits count the sign
+  std::string before_, field_, after_;  // of the file name; the field stands for the number
+  int digits_ = 0;                      // at least; 0: no number
 };
 
 }  // namespace xrds
