@@ -66,8 +66,10 @@ class Copying {
     const bool isWhole = left.size() == layer.channels.size();
     if (isWhole && isLight(own)) return leaveOut(shown, whyNoLight(own));
     // Channels that stand beside a colour, such as Z, are none of it.
-    if (isWhole && aovRank(AovRole::kColor, own) && std::count_if(left.begin(), left.end(), isColourAt) >= 3) {
-      std::erase_if(left, isColourAt);
+    const ExrChannel* const grey = greyChannel(layer);
+    if (isWhole && aovRank(AovRole::kColor, own) &&
+        (grey || std::count_if(left.begin(), left.end(), isColourAt) >= 3)) {
+      std::erase_if(left, [&](const ExrChannel* channel) { return channel == grey || isColourAt(channel); });
       leaveOut(shown, "another colour");
     }
     copy(number, shown, left);
@@ -127,6 +129,8 @@ class Copying {
 std::vector<std::string> outputNames(const ExrFile& file, const ExrSelection& layer) {
   std::vector<std::string> names;
   for (const std::string& name : layer.channelNames) names.push_back(outputName(file, layer.part, name));
+  if (names.size() == 3 && names[0] == names[1])  // a grey layer becomes one of colour
+    for (const size_t c : {0, 1, 2}) names[c].back() = "RGB"[c];
   return names;
 }
 

@@ -34,23 +34,9 @@ struct Placed {
   Box window;
 };
 
-// The colour, or the layer of that name, which may have a normal's channels X, Y, Z, too.
-ExrSelection findLayer(const ExrFile& file, const std::string& layer, const std::string& option) {
-  try {
-    return findAov(file, AovRole::kColor, layer, option);
-  } catch (const Error&) {
-    if (layer.empty()) throw;
-    try {
-      return findAov(file, AovRole::kNormal, layer, option);
-    } catch (const Error&) {  // told as of the colour
-    }
-    throw;
-  }
-}
-
 Placed readPlaced(const std::string& path, const std::string& layer, const std::string& option) {
   const ExrFile file = readExrHeader(path);
-  const ExrSelection found = findLayer(file, layer, option);
+  const ExrSelection found = findColourOrNormal(file, layer, option);
   return {readLayer(file, found), file.parts[found.part].dataWindow};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <functional>
+#include <utility>
 
 #include "image/aov_candidates.h"
 #include "image/light_names.h"
@@ -61,14 +62,18 @@ std::optional<int> rankOf(const AovCandidate& candidate, AovRole role) {
     rank = aovRank(role, "");
   }
   // Blender's compositor adds its own result, under this name, to the layers of the renderer.
-  constexpr int kBehindTheRenderers = 50;
+  constexpr int kBehindTheRenderers = 50, kBehindColours = 100;
   if (rank && plainName(candidate.prefix) == "composite") {
     *rank += kBehindTheRenderers;
+  }
+  if (rank && candidate.isGrey) {
+    *rank += kBehindColours;
   }
   return rank;
 }
 
-// The best names of all candidates; for colour, failing that, whatever has no other meaning.
+// The best names of all candidates; for colour, failing that, whatever has no other meaning and is not grey, as masks
+// are.
 Candidates bestByName(const Candidates& all, AovRole role) {
   std::optional<int> best;
   for (const AovCandidate& candidate : all) {
@@ -80,8 +85,9 @@ Candidates bestByName(const Candidates& all, AovRole role) {
     keepIf(result, [&](const AovCandidate& c) { return rankOf(c, role) == best; });
     keepIf(result, [&](const AovCandidate& c) { return !hasNoisyTwin(all, c); });
   } else {
-    keepIf(result,
-           [&](const AovCandidate& c) { return isColor(role) && !servesAnotherRole(c) && !isPartOfColour(c, role); });
+    keepIf(result, [&](const AovCandidate& c) {
+      return isColor(role) && !c.isGrey && !servesAnotherRole(c) && !isPartOfColour(c, role);
+    });
   }
   return result;
 }
@@ -144,12 +150,27 @@ bool isDeep(const ExrFile& file, AovRole role) {
          std::any_of(file.parts.begin(), file.parts.end(), [](const ExrPart& part) { return part.deep; });
 }
 
+// The layer of luminance and chroma that was meant, if there is one where no colour is found.
+const ExrLayer* chromaLayer(const ExrFile& file, AovRole role) {
+  if (!isColor(role) || !aovCandidates(file, role).empty()) return nullptr;
+  for (const ExrPart& part : file.parts) {
+    const auto found = std::find_if(part.layers.begin(), part.layers.end(), hasChroma);
+    if (!part.deep && found != part.layers.end()) return &*found;
+  }
+  return nullptr;
+}
+
 const AovCandidate& single(const ExrFile& file, AovRole role, const std::string& name, const Candidates& found,
                            const std::string& option) {
   const std::string remedy = remedyFor(file, role, option);
   if (found.empty() && isDeep(file, role)) {
     throw Error("No " + toString(role) + " in '" + file.path.string() +
                 "': expected a flat image, found deep samples; flatten it first.");
+  }
+  if (const ExrLayer* layer = found.empty() ? chromaLayer(file, role) : nullptr) {
+    throw Error("No " + toString(role) + " in '" + file.path.string() + "': expected " + channelsOf(role) +
+                ", found luminance and chroma, Y with RY and BY" +
+                (layer->name.empty() ? "" : ", in layer '" + printable(layer->name) + "'") + "; save it as RGB.");
   }
   if (found.empty()) {
     throw Error("No " + toString(role) + " in '" + file.path.string() + "': expected " +
@@ -168,9 +189,8 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
   return found.front();
 }
 
-AovCandidate choose(const ExrFile& file, AovRole role, const std::string& name, const AovCandidate* color,
-                    const std::string& option) {
-  Candidates candidates = aovCandidates(file, role);
+AovCandidate choose(const ExrFile& file, AovRole role, Candidates candidates, const std::string& name,
+                    const AovCandidate* color, const std::string& option) {
   if (name.empty()) {
     keepIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
     candidates = bestByName(candidates, role);
@@ -227,13 +247,14 @@ std::string AovRequest::nameOf(AovRole role) const {
 }
 
 Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request) {
-  const AovCandidate color =
-      choose(colorFile, AovRole::kColor, request.nameOf(AovRole::kColor), nullptr, optionName(AovRole::kColor));
+  const AovCandidate color = choose(colorFile, AovRole::kColor, aovCandidates(colorFile, AovRole::kColor),
+                                    request.nameOf(AovRole::kColor), nullptr, optionName(AovRole::kColor));
   Aovs result;
   result.color = color.selection;
   result.alpha = alphaFor(colorFile, color);
   for (const AovRole role : request.needed) {
-    result.auxiliary[role] = choose(auxFile, role, request.nameOf(role), &color, optionName(role)).selection;
+    result.auxiliary[role] =
+        choose(auxFile, role, aovCandidates(auxFile, role), request.nameOf(role), &color, optionName(role)).selection;
   }
   noteChoice(result, colorFile, color, request.nameOf(AovRole::kColor));
   return result;
@@ -265,7 +286,18 @@ ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name)
 }
 
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const std::string& option) {
-  return choose(file, role, name, nullptr, option).selection;
+  return choose(file, role, aovCandidates(file, role), name, nullptr, option).selection;
+}
+
+ExrSelection findColourOrNormal(const ExrFile& file, const std::string& name, const std::string& option) {
+  Candidates candidates = aovCandidates(file, AovRole::kColor);
+  const Candidates normals = name.empty() ? Candidates{} : aovCandidates(file, AovRole::kNormal);
+  for (const AovCandidate& normal : normals)
+    if (std::none_of(candidates.begin(), candidates.end(), [&](const AovCandidate& c) {
+          return c.selection.part == normal.selection.part && c.selection.layer == normal.selection.layer;
+        }))
+      candidates.push_back(normal);
+  return choose(file, AovRole::kColor, std::move(candidates), name, nullptr, option).selection;
 }
 
 }  // namespace xrds

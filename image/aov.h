@@ -50,4 +50,8 @@ ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name 
 /// The same; its messages advise to name the layer with that option, or not at all where it is empty.
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const std::string& option);
 
+/// The colour or, when `name` is not empty, the layer of that name, which may have a normal's channels X, Y, Z, too.
+/// Throws as findAov does, as of a colour.
+ExrSelection findColourOrNormal(const ExrFile& file, const std::string& name, const std::string& option);
+
 }  // namespace xrds

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <utility>
 
 namespace xrds {
@@ -34,8 +35,16 @@ std::vector<std::string> findTriple(const ExrLayer& layer, const Triple& triple,
   return names;
 }
 
+bool hasAnyOf(const ExrLayer& layer, std::initializer_list<std::string_view> plainSuffixes) {
+  return std::any_of(layer.channels.begin(), layer.channels.end(), [&](const ExrChannel& channel) {
+    const std::string suffix = plainName(channel.suffix);
+    return std::find(plainSuffixes.begin(), plainSuffixes.end(), suffix) != plainSuffixes.end();
+  });
+}
+
 std::vector<std::string> findTriple(const ExrLayer& layer, AovRole role) {
   std::vector<const Triple*> order = {&kRgb, &kWords};
+  const bool mayBeGrey = role == AovRole::kColor || role == AovRole::kFullColor || role == AovRole::kAlbedo;
   if (role == AovRole::kNormal) {
     order.insert(order.begin(), &kXyz);
   } else if (role == AovRole::kAlbedo) {
@@ -46,6 +55,9 @@ std::vector<std::string> findTriple(const ExrLayer& layer, AovRole role) {
     if (!names.empty()) {
       return names;
     }
+  }
+  if (const ExrChannel* grey = mayBeGrey ? greyChannel(layer) : nullptr) {
+    return {3, grey->name};
   }
   return {};
 }
@@ -79,6 +91,7 @@ AovCandidate candidateOf(const ExrFile& file, size_t number, const ExrLayer& lay
     name = part.name;
     takeView(file, name);
   }
+  candidate.isGrey = channelNames.size() == 3 && channelNames[0] == channelNames[1];
   candidate.selection = {number, name.empty() ? "(unnamed)" : name, std::move(channelNames)};
   if (!candidate.view.empty()) {
     candidate.selection.layer += "." + candidate.view;
@@ -118,6 +131,12 @@ std::vector<AovCandidate> depthCandidates(const ExrFile& file, size_t number) {
 }
 
 }  // namespace
+
+const ExrChannel* greyChannel(const ExrLayer& layer) {
+  return hasAnyOf(layer, {"x", "r", "g", "b", "red", "green", "blue", "ry", "by"}) ? nullptr : findChannel(layer, "y");
+}
+
+bool hasChroma(const ExrLayer& layer) { return hasAnyOf(layer, {"y"}) && hasAnyOf(layer, {"ry", "by"}); }
 
 std::string takeView(const ExrFile& file, std::string& layerName) {
   const auto [rest, last] = splitAtLastDot(layerName);

@@ -428,7 +428,7 @@ TEST(Aov, IgnoresWholeNumbersSubsampledAndDeep) {
   deep.deep = true;
   ExrPart chroma = partWith(kRoot);
   chroma.layers[0].channels[1].xSampling = 2;
-  for (const ExrPart& part : {partWith(kRoot, kLow, "", ExrPixelType::kUint), deep, chroma, partWith({"Y"})}) {
+  for (const ExrPart& part : {partWith(kRoot, kLow, "", ExrPixelType::kUint), deep, chroma, partWith({"V"})}) {
     const ExrFile file = fileWith({part});
     EXPECT_NE(refusal([&] { static_cast<void>(findAov(file, AovRole::kColor)); }).find("No colour"), std::string::npos);
   }
@@ -442,9 +442,9 @@ TEST(Aov, GivesNoHintThatWouldFail) {
   const std::string ofDeep = refusal([&] { static_cast<void>(findAov(fileWith({deep}), AovRole::kColor)); });
   EXPECT_NE(ofDeep.find("found deep samples; flatten it first"), std::string::npos) << ofDeep;
   EXPECT_EQ(ofDeep.find("--color"), std::string::npos) << ofDeep;
-  const std::string ofGrey = refusal([&] { static_cast<void>(findAov(fileWith({partWith({"Y"})}), AovRole::kColor)); });
-  EXPECT_EQ(ofGrey.find("--color"), std::string::npos) << ofGrey;
-  EXPECT_NE(ofGrey.find("render it with this layer"), std::string::npos) << ofGrey;
+  const std::string ofMask = refusal([&] { static_cast<void>(findAov(fileWith({partWith({"V"})}), AovRole::kColor)); });
+  EXPECT_EQ(ofMask.find("--color"), std::string::npos) << ofMask;
+  EXPECT_NE(ofMask.find("render it with this layer"), std::string::npos) << ofMask;
   const std::string ofColour =
       refusal([&] { static_cast<void>(findAov(fileWith({partWith(kRoot)}), AovRole::kAlbedo)); });
   EXPECT_NE(ofColour.find("--albedo LAYER"), std::string::npos) << ofColour;

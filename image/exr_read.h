@@ -13,8 +13,8 @@ namespace xrds {
 /// The channels of one part that are to be read together, in the order in which the image will hold them.
 struct ExrSelection {
   size_t part = 0;
-  std::string layer;  ///< For messages: the name of the layer that the channels belong to.
-  std::vector<std::string> channelNames;
+  std::string layer;                      ///< For messages: the name of the layer that the channels belong to.
+  std::vector<std::string> channelNames;  ///< One may be there several times: that of a grey layer.
 
   bool operator==(const ExrSelection&) const = default;
 };

@@ -33,6 +33,10 @@ TEST(CliCompare, ComparesNormalsByTheirName) {
   EXPECT_EQ(runXrds({"compare", normals, normals, "--reference-layer", "Normal", "--min-psnr", "90"}).exitCode, 7);
   expectFailure(runXrds({"compare", normals, normals, "--layer", "Norm"}), 3, "expected a layer 'Norm'", frame.folder,
                 3);
+  writeParts(normals, {{boxOf(10, 8), boxOf(10, 8), {{"A.Normal", "XYZ", slopes}, {"B.Normal", "XYZ", slopes}}}});
+  EXPECT_EQ(runXrds({"compare", normals, normals, "--layer", "B.Normal", "--min-psnr", "90"}).exitCode, 0);
+  expectFailure(runXrds({"compare", normals, normals, "--layer", "Normal"}), 3, "found 0:A.Normal, 0:B.Normal",
+                frame.folder, 3);
 }
 
 TEST(CliCompare, RefusesWhatCannotBeCompared) {

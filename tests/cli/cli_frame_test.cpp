@@ -196,6 +196,29 @@ TEST(CliFrame, FindsAllLayersInOneFileOfSeveralParts) {
   EXPECT_EQ(runXrds({"compare", frame.out, frame.out}).exitCode, 0);
 }
 
+TEST(CliFrame, TakesBlackAndWhiteAsGrey) {
+  const SmallFrame frame;
+  const auto upscaled = [&](const char* channels, const std::string& colourName) {
+    const auto greyOf = [&](const Layer& layer) {
+      return Layer{layer.name, channels, [pixels = layer.pixels](int x, int y, int) { return pixels(x, y, 1); }};
+    };
+    writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {greyOf(colourLayer(colourName, 10))}}});
+    writeParts(frame.aux,
+               {{boxOf(40, 32), boxOf(40, 32), {greyOf(albedoLayer("albedo", 40)), normalLayer("normal", 40)}}});
+    const Ended ended = runXrds(frame.arguments());
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    return readColour(frame.out);
+  };
+  const Image expected = upscaled("RGB", "");
+  EXPECT_EQ(upscaled("Y", ""), expected);
+  EXPECT_EQ(upscaled("Y", "Main.Combined"), expected);
+  const std::vector<ExrChannel> channels = headerOf(frame.out).layers.front().channels;
+  ASSERT_EQ(channels.size(), 3U);
+  EXPECT_EQ(channels.back().name, "R");
+  const Ended same = runXrds({"compare", frame.color, frame.color, "--min-psnr", "90"});
+  EXPECT_EQ(same.exitCode, 0) << same.error;
+}
+
 TEST(CliFrame, OneLayerFileOfScaleOne) {
   const SmallFrame frame;
   const std::string all = (frame.folder / "all.exr").string();

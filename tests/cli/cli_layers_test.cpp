@@ -192,6 +192,30 @@ TEST(CliLayers, AreThoseThatAreNamed) {
   for (const ExrLayer& one : layers) EXPECT_NE(one.name, "ViewLayer.Emit");
 }
 
+TEST(CliLayers, OfBlackAndWhiteBecomeColours) {
+  const SmallFrame frame;
+  const auto grey = [](const std::string& name, float factor, int scale) {
+    Layer layer = of(name, factor, scale);
+    layer.channels = "Y";
+    return layer;
+  };
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {grey("Combined", 1, 1), grey("Emit", 1, 1)}}});
+  writeParts(frame.aux,
+             {{boxOf(40, 32),
+               boxOf(40, 32),
+               {albedoLayer("albedo", 40), normalLayer("normal", 40), grey("Combined", 1.5F, 4), grey("Mist", 1, 4)}}});
+  const Ended ended = runXrds(frame.arguments({"--layers", "all", "--aux-colour", "never"}));
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(contains(ended.output, "Combined (another colour)")) << ended.output;
+  EXPECT_EQ(layer(frame.out, "Combined"), layer(frame.out, "Emit"));
+  std::string channels;
+  for (const ExrLayer& one : headerOf(frame.out).layers)
+    for (const ExrChannel& channel : one.channels) channels += channel.name + " ";
+  EXPECT_EQ(channels,
+            "Combined.B Combined.G Combined.R Emit.B Emit.G Emit.R Mist.Y albedo.B albedo.G albedo.R "
+            "normal.X normal.Y normal.Z ");
+}
+
 TEST(CliLayers, AreRefusedWhereTheyCannotBe) {
   const SmallFrame frame;
   const auto expect = [&](const std::vector<std::string>& options, int code, const std::string& words) {
