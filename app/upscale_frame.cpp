@@ -1,9 +1,7 @@
 #include "app/upscale_frame.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "app/models.h"
+#include "xrds/noisy_share.h"
 
 namespace xrds {
 namespace {
@@ -26,10 +24,7 @@ bool upscaleFrame(Upscaler& upscaler, const Model& model, const Frame& frame, st
   if (!upscaler.run(viewOf(colour), inputsOf(model, frame.inputs(), auxiliary), noisy, halfOf(progress, 0)) ||
       !upscaler.run(viewOf(frame.colour()), inputs, output, halfOf(progress, 0.5)))
     return false;
-  const float exposure = upscaler.exposure();
-  const auto transformed = [&](float x) { return std::log1p(exposure * std::max(x, 0.F)); };
-  for (size_t i = 0; i < output.size(); ++i)
-    output[i] = std::expm1((1 - kNoisyShare) * transformed(output[i]) + kNoisyShare * transformed(noisy[i])) / exposure;
+  addNoisyShare(output, noisy, upscaler.exposure());
   return true;
 }
 

@@ -14,6 +14,7 @@
 #include "python/native/device.h"
 #include "python/native/image.h"
 #include "python/native/temporal_filter.h"
+#include "xrds/noisy_share.h"
 #include "xrds/xrds_report.h"
 
 namespace nb = nanobind;
@@ -201,6 +202,13 @@ void levelColour(const Image& full, const Image& merged, const Image& levelled) 
   call.run([&] { return xrdsLevelColour(&full.view(), &merged.view(), &levelled.view()); });
 }
 
+// Of arrays of three 32-bit floats without gaps.
+void addNoisyShare(const Image& picture, const Image& noisy, float exposure) {
+  const size_t count = size_t{3} * picture.view().width * picture.view().height;
+  xrds::addNoisyShare({static_cast<float*>(picture.view().channels[0]), count},
+                      {static_cast<const float*>(noisy.view().channels[0]), count}, exposure);
+}
+
 double compareColour(const Image& low, const Image& full) {
   double difference = 0;
   Call call;
@@ -274,6 +282,7 @@ NB_MODULE(_native, module) {
   module.def("choose_model", &chooseModel);
   module.def("merge_colour", &mergeColour);
   module.def("level_colour", &levelColour);
+  module.def("add_noisy_share", &addNoisyShare);
   module.def("compare_colour", &compareColour);
   module.def("import_oidn", &importOidn);
   module.def("denoiser_folder", &xrdsGetDenoiserFolder);

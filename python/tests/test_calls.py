@@ -5,6 +5,7 @@ import os
 import signal
 import threading
 import time
+import weakref
 
 import numpy
 import pytest
@@ -66,6 +67,13 @@ def test_the_progress_may_ask_what_is_known():
             assert {exposure for exposure, _ in known} == {before} and {held for _, held in known} == {upscaler.device_bytes}
             assert upscaler.exposure not in (0, before)
             known.clear()
+
+
+def test_what_is_dropped_is_gone():
+    upscaler = xrds.Upscaler(8, 8, MODEL)
+    kept = weakref.ref(upscaler)
+    del upscaler
+    assert kept() is None  # with its memory of the device, though nothing was collected
 
 
 def test_numpy_may_say_no(large):

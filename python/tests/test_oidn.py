@@ -50,6 +50,59 @@ def test_the_full_colour_is_brought_to_the_level_of_the_merged_one(networks, tmp
     same(xrds.upscale(colour, full_colour=full, samples=(16, 1), model="xrds-x4-full", denoise_first=networks, **images), wanted)
 
 
+@pytest.mark.parametrize("words, options", [
+    (["--ensemble", "2"], {"ensemble": 2}), (["--ensemble", "4", "--clean-guides"], {"ensemble": 4, "clean_guides": True}), (["--ensemble", "8"], {"ensemble": 8}),
+    (["--skip", "0.05"], {"skip": 0.05}), (["--wrap"], {"wrap": True}), (["--wrap", "--ensemble", "4", "--precision", "fp16"], {"wrap": True, "ensemble": 4, "precision": "fp16"}),
+])
+def test_networks_one_after_the_other_are_those_of_the_command(networks, tmp_path, words, options):
+    colour, images = frame(12, 16)
+    colour[3, 4], colour[3, 5], colour[0, 0, 2] = numpy.nan, -1, numpy.inf
+    images["albedo"][5:7, 5:7], images["normal"][9, 9], images["albedo"][20, 20] = numpy.nan, numpy.inf, 1.5
+    wanted = picture(tmp_path, *files(tmp_path, colour, **images), "--model", "xrds-x4-compact", "--denoise-first", "--denoisers", networks, *words)
+    alpha = noise(12, 16, 1, seed=4)
+    with xrds.Upscaler(16, 12, denoise_first=networks, **options) as upscaler:
+        for _ in range(2):
+            same(upscaler(colour, **images), wanted)
+        assert upscaler.repairs == (2, 5, 0) and upscaler.exposure > 0 and upscaler.device_bytes > 0
+        with_alpha = upscaler(numpy.concatenate([colour, alpha], 2), **images)
+        same(with_alpha[..., :3], wanted)
+    bicubic = xrds.upscale(numpy.concatenate([colour, alpha], 2), wrap=options.get("wrap", False), **images)[..., 3]
+    numpy.testing.assert_array_equal(with_alpha[..., 3], bicubic)
+
+
+@pytest.mark.parametrize("passes", [2, 8])
+def test_an_ensemble_has_a_share_of_the_images_with_their_noise(networks, tmp_path, passes):
+    colour, images = frame(12, 16)
+    full = (numpy.repeat(numpy.repeat(colour, 4, 0), 4, 1) * (0.5 + noise(48, 64, seed=4))).astype(numpy.float32)
+    full[7, 7], full[7, 8] = numpy.nan, -1
+    words = ["--samples", "16,1", "--model", "xrds-x4-full", "--denoise-first", "--denoisers", networks, "--ensemble", passes]
+    wanted = picture(tmp_path, *files(tmp_path, colour, beauty=full, **images), *words)
+    given = {"full_colour": full, "samples": (16, 1), "model": "xrds-x4-full", "denoise_first": networks, "ensemble": passes, **images}
+    same(xrds.upscale(colour, **given), wanted)
+    half = xrds.upscale(colour, out=numpy.empty((48, 64, 3), numpy.float16), **given)
+    numpy.testing.assert_array_equal(half, wanted.astype(numpy.float16))
+
+
+@pytest.mark.parametrize("options", [{"ensemble": 2}, {"layers": {"Emit": noise(12, 16)}}])
+def test_distances_stay_as_they_are(networks, options):
+    model = ROOT / "tests/golden/s4_depth.model.safetensors"
+    images = {name: image for name, image in {**frame(12, 16)[1], "depth": noise(48, 64)[..., 0]}.items() if name in xrds.Model(model).inputs}
+    assert "depth" in images
+    found = xrds.upscale(noise(12, 16), model=model, denoise_first=networks, **images, **options)
+    wanted = xrds.upscale(noise(12, 16), model=model, denoise_first=networks, **images)
+    picture = found[0] if "layers" in options else found
+    assert 0.5 < picture.mean() / wanted.mean() < 2
+
+
+def test_denoised_windows_that_did_not_change_are_kept(networks):
+    colour, images = frame(12, 16)
+    options = {"denoise_first": networks, "exposure": 1.0, "tiles": "exact"}
+    with xrds.Upscaler(16, 12, keep_unchanged=True, **options) as keeping, xrds.Upscaler(16, 12, ensemble=1, skip=0, wrap=False, **options) as whole:
+        first = keeping(colour, **images)
+        same(keeping(colour, **images), first)
+        numpy.testing.assert_allclose(first, whole(colour, **images), rtol=1e-3, atol=1e-3 * first.mean())
+
+
 def test_of_a_denoised_colour_the_part_is_changed_that_the_model_states(networks):
     model = ROOT / "tests/golden/s1_restrained.model.safetensors"
     images = {"albedo": noise(24, 32, seed=2), "normal": noise(24, 32, seed=3)}
@@ -74,8 +127,6 @@ def test_networks_that_are_missing_are_named(networks, monkeypatch):
     with pytest.raises(xrds.Error, match="no network rt_nrm"):
         xrds.upscale(colour, model=MODEL, denoise_first=True, **images)
     assert numpy.isfinite(xrds.upscale(colour, model=MODEL, denoise_first=True, clean_guides=True, **images)).all()
-    with pytest.raises(xrds.ArgumentError, match="ensemble"):
-        xrds.upscale(colour, model=MODEL, denoise_first=True, clean_guides=True, ensemble=2, **images)
 
 
 def denoised(tmp_path, networks, colour, images, *words):
@@ -93,6 +144,8 @@ def test_a_render_is_denoised_as_by_the_command(networks, tmp_path, words, optio
     (networks / "rt_hdr_alb_nrm_small.safetensors").write_bytes((networks / "rt_hdr_calb_cnrm_large.safetensors").read_bytes())
     colour = noise(20, 28)
     images = {"albedo": noise(20, 28, seed=2), "normal": noise(20, 28, seed=3)}
+    for image in (colour, *images.values()):
+        image[3, 4], image[3, 5], image[7, 7:9, 1], image[8, 8] = numpy.nan, -1, numpy.inf, 1.5
     wanted = denoised(tmp_path, networks, colour, images, *words)
     same(xrds.denoise(colour, denoisers=networks, **images, **options), wanted)
     with xrds.Denoiser(28, 20, denoisers=networks, **options) as denoiser:

@@ -10,6 +10,7 @@ from ._held import Held
 from ._layers import LayerRun, Layers
 from ._oidn import Path, networks_alone
 from ._progress import Progress, steps
+from ._repair import filled
 from ._upscaler import AnyDevice, Upscaler, _listed, _one_of
 
 _INPUTS = ((), ("albedo",), ("albedo", "normal"))
@@ -98,13 +99,14 @@ class Denoiser(Held[Networks]):
         out: Optional[Array],
         progress: Optional[Progress],
     ) -> Union[Result, tuple[Result, dict[str, Result]]]:
-        images = {name: array for name, array in (("albedo", albedo), ("normal", normal)) if array is not None}
+        images: dict[str, Array] = {name: array for name, array in (("albedo", albedo), ("normal", normal)) if array is not None}
         if tuple(images) != self.inputs:
             raise ArgumentError(f"This denoiser takes {_listed(self.inputs)}, and got {_listed(tuple(images))}.")
         for name, array in {"colour": colour, **images}.items():
             image = readable(array, name)
             if (image.width, image.height) != (self.width, self.height):
                 raise ArgumentError(f"The {name} is {image.width} x {image.height} pixels, expected {self.width} x {self.height}.")
+        images = {name: filled(array, False)[0] for name, array in images.items()}
         run = None if layers is None else LayerRun(layers, colour, readable(colour, "colour"), 1, paired=False)
         noisy = run.noisy() if run else []
         passes = run.passes if run and "albedo" in self._prefilters else []

@@ -5,13 +5,13 @@ from types import TracebackType
 from typing import Generic, Optional, Protocol, TypeVar
 
 
-class _OnDevice(Protocol):
+class OnDevice(Protocol):
     @property
     def device_bytes(self) -> int: ...
     def close(self) -> None: ...
 
 
-Native = TypeVar("Native", bound=_OnDevice)
+Native = TypeVar("Native", bound=OnDevice)
 Self = TypeVar("Self", bound="Held")  # type: ignore[type-arg]
 
 

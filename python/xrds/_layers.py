@@ -10,6 +10,7 @@ import numpy
 from . import _native
 from ._arrays import Array, Result, readable, writable
 from ._errors import ArgumentError
+from ._repair import finite_radiance, plain
 
 Layers = Mapping[str, Union[Array, tuple[Array, Array]]]
 Light = tuple[_native.Image, _native.Image, int, bool]
@@ -69,8 +70,11 @@ class LayerRun:
 
     def noisy(self) -> list[Array]:
         """The images to take the noise out of: lights that are not black, and what of the whole is in no light."""
+        self._whole = finite_radiance(self._whole)
+        self._groups = [[light._replace(pixels=finite_radiance(light.pixels)) for light in lights] for lights in self._groups]
+        self._passes = {name: (finite_radiance(low), finite_radiance(full)) for name, (low, full) in self._passes.items()}
         self._rests = [self._rest(lights) for lights in self._groups]
-        self._lit = [[bool(_finite(light.pixels).any()) for light in lights] for lights in self._groups]
+        self._lit = [[bool(_nonnegative(light.pixels).any()) for light in lights] for lights in self._groups]
         found: list[Array] = []
         for lights, lit, rest in zip(self._groups, self._lit, self._rests):
             found += [light.pixels for light, is_lit in zip(lights, lit) if is_lit]
@@ -132,25 +136,19 @@ class LayerRun:
         return writable(self.results[name], name)
 
     def _radiance(self, light: _Light) -> Result:
-        pixels = _finite(light.pixels)
-        return pixels if light.colour is None else pixels * _finite(self._passes[light.colour][0])
+        pixels = _nonnegative(light.pixels)
+        return pixels if light.colour is None else pixels * _nonnegative(self._passes[light.colour][0])
 
     def _rest(self, lights: list[_Light]) -> Result:
-        whole = _finite(self._whole)
+        whole = _nonnegative(self._whole)
         rest = whole - sum(self._radiance(light) for light in lights)
         rest[rest <= _ROUNDING * whole] = 0
         return rest if rest.sum() >= _LEAST_MISSING * whole.sum() else numpy.zeros_like(rest)
 
 
-def plain(array: Array) -> Result:
-    """Three channels of an array of any library, in 32 bits."""
-    image = array if isinstance(array, numpy.ndarray) else numpy.from_dlpack(array)
-    return image[..., :3].astype(numpy.float32)
-
-
-def _finite(array: Array) -> Result:
-    """In double precision, 0 for what is negative or not finite."""
-    return numpy.nan_to_num(plain(array).astype(numpy.float64), nan=0, posinf=0, neginf=0).clip(0)
+def _nonnegative(array: Array) -> Result:
+    """In double precision, 0 for what is negative."""
+    return plain(array).astype(numpy.float64).clip(0)
 
 
 def _own(name: str) -> str:
