@@ -100,6 +100,9 @@ LayerFrame::LayerFrame(const NetworkConfig& config, FrameShape frame, const Laye
       mostLight_[i][p % 3] = std::max(mostLight_[i][p % 3], kMostGain * light);
     }
     filtered_.push_back(pass);
+    uint64_t filled = 0;
+    const PixelView& full = layers.colours[i].full;
+    fulls_.push_back(full.pixels ? passes_.emplace_back(full, PixelKind::radiance, filled).view() : PixelView{});
   }
   makeRest(layers.whole.pixels ? layers.whole : colour);
   restMean_.resize(3 * pixels);
@@ -168,8 +171,8 @@ std::vector<LayerImage> LayerFrame::images() {
 
 LayerFrame::Factor LayerFrame::factorOf(const LightLayer& layer) const {
   if (layer.colour >= 0) {
-    const LayerColour& pass = layers_.colours[static_cast<size_t>(layer.colour)];
-    return {pass.output.data(), pass.full};
+    const auto place = static_cast<size_t>(layer.colour);
+    return {layers_.colours[place].output.data(), fulls_[place]};
   }
   if (!layer.followsAlbedo || !albedo_.pixels) return {};
   return {albedoMean_.data(), albedo_, shader::kAlbedoEpsilon, shader::kAlbedoMax};
@@ -224,7 +227,7 @@ void LayerFrame::splitPixel(size_t pixel, LayerReport& report) {
       double sum = 0;
       for (const LightLayer& layer : layers_.lights)
         if (layer.colour == static_cast<int>(i)) sum += layer.output[at];
-      double own = finite(pass.full.pixels ? pixelOf(pass.full, pixel)[c] : pass.output[at]);
+      double own = finite(fulls_[i].pixels ? pixelOf(fulls_[i], pixel)[c] : pass.output[at]);
       if (sum > own * mostLight_[i][c]) {
         own = sum / mostLight_[i][c];
         isRaised = true;

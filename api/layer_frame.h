@@ -2,8 +2,8 @@
 
 #include <array>
 
+#include "api/finite_image.h"
 #include "frames/frame_input.h"
-#include "image/image.h"
 #include "network/config.h"
 #include "network/frame_shape.h"
 #include "xrds/layers.h"
@@ -47,7 +47,9 @@ class LayerFrame {
 
   const NetworkConfig& config_;
   const LayerSet& layers_;
-  std::vector<Image> filtered_;  // in the order of images()
+  std::vector<Image> filtered_;      // in the order of images()
+  std::vector<FiniteImage> passes_;  // of the colours of full resolution that are there
+  std::vector<PixelView> fulls_;     // of each colour; of one that is not there nothing
   std::vector<float> restMean_, albedoMean_;
   std::vector<Factor> factors_;                    // of each light, and of the rest
   std::vector<std::array<double, 3>> everywhere_;  // means of the lights over the frame

@@ -21,7 +21,7 @@ struct LightLayer {
 /// A colour pass, such as Cycles' DiffCol: the light layers of its kind times it are their part of the picture.
 struct LayerColour {
   PixelView low;              // [h, w, >= 3] of the low-resolution render
-  PixelView full{};           // [s h, s w, >= 3] of the other one; absent: `low`, filtered
+  PixelView full{};           // [s h, s w, >= 3] of the other one, repaired; absent: `low`, filtered
   std::span<float> output{};  // [s h, s w], three floats a pixel: `full`, raised where light would have no place
 };
 

@@ -102,6 +102,24 @@ def test_denoised_first_they_are_those_of_the_command(networks, tmp_path, words,
         upscaler(SUM, layers=LAYERS, **IMAGES)  # closed
 
 
+@pytest.mark.parametrize("words, options", [([], {}), (["--ensemble", "2", "--denoise-first"], {"ensemble": 2}), (["--denoise-first"], {})])
+def test_broken_pixels_are_repaired_as_by_the_command(networks, tmp_path, words, options):
+    given = {name: image.copy() for name, image in {"colour": SUM, **LIGHT, "low": LOW, "full": FULL, **IMAGES}.items()}
+    for image in given.values():
+        image[3, 4], image[3, 5], image[7, 7:9, 1] = numpy.nan, -1, numpy.inf
+    lights = {name: given[name] for name in LIGHT}
+    images = {name: given[name] for name in IMAGES}
+    write(tmp_path / "low.exr", colour=given["colour"], DiffCol=given["low"], **lights)
+    write(tmp_path / "full.exr", DiffCol=given["full"], **images)
+    if words:
+        words, options = [*words, "--denoisers", networks], {**options, "denoise_first": networks}
+    command("upscale", tmp_path / "low.exr", tmp_path / "full.exr", "-o", tmp_path / "out.exr", "--model", MODEL, "--layers", "all", *words)
+    wanted = layers_of(tmp_path / "out.exr")
+    picture, found = xrds.upscale(given["colour"], model=MODEL, layers={**lights, "DiffCol": (given["low"], given["full"])}, **images, **options)
+    for name, image in {"Combined": picture, **found}.items():
+        numpy.testing.assert_array_equal(image, wanted[name])
+
+
 @pytest.mark.parametrize("guides", ["prefilter", "clean"])
 def test_of_a_denoised_render_they_are_those_of_the_command(networks, tmp_path, guides):
     images = {"albedo": noise(24, 32, seed=2), "normal": noise(24, 32, seed=3)}
