@@ -35,6 +35,7 @@ ALBEDO, NORMAL = IMAGES["albedo"], IMAGES["normal"]
     ({"tune": "often"}, "tune is 'often'"),
     ({"full_colour": ALBEDO, "samples": (0, 1)}, "samples are 0 and 1"),
     ({"samples": (-4, 1)}, "samples are -4 and 1"),
+    ({"samples": (float("inf"), 1)}, "samples are inf and 1"),
     ({"full_colour": ALBEDO, "samples": (1, 2, 3)}, "samples are 1 and 2 and 3, expected two"),
 ])
 def test_arguments_that_cannot_be(change, words):

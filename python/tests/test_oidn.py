@@ -127,6 +127,8 @@ def test_networks_that_are_missing_are_named(networks, monkeypatch):
     with pytest.raises(xrds.Error, match="no network rt_nrm"):
         xrds.upscale(colour, model=MODEL, denoise_first=True, **images)
     assert numpy.isfinite(xrds.upscale(colour, model=MODEL, denoise_first=True, clean_guides=True, **images)).all()
+    with pytest.raises(xrds.ArgumentError, match="clean_guides .* give denoise_first"):
+        xrds.upscale(colour, model=MODEL, clean_guides=True, **images)
 
 
 def denoised(tmp_path, networks, colour, images, *words):

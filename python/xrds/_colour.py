@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from typing import Optional
 
@@ -61,7 +62,7 @@ def levelled(full: _native.Image, merged: _native.Image) -> Result:
 def checked(samples: Optional[Samples]) -> Samples:
     if samples is None:
         return 0, 0
-    if len(samples) != 2 or not all(number > 0 for number in samples):
+    if len(samples) != 2 or not all(0 < number < math.inf for number in samples):
         raise ArgumentError(f"The samples are {' and '.join(map(str, samples))}, expected two positive numbers.")
     low, full = samples
     return float(low), float(full)

@@ -89,6 +89,8 @@ class Upscaler(Held[_native.Upscaler]):
         options.wrap = wrap
         options.keep_unchanged = keep_unchanged
         options.denoised_colour = denoised_colour
+        if clean_guides and (denoise_first is False or denoise_first is None):
+            raise ArgumentError("clean_guides says that albedo and normal have no noise to take out: give denoise_first, too, or leave it out.")
         self.width, self.height = _size(width, "width"), _size(height, "height")
         self.model = model if isinstance(model, Model) else Model(model)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
