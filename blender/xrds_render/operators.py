@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The buttons."""
-import os
+import functools
 
 import bpy
 from bpy.app.handlers import persistent
@@ -209,6 +209,26 @@ def _redraw(context):
                 area.tag_redraw()
 
 
+waiting = []  # handlers that are called
+
+
+def call_waiting(_):
+    waiting.pop()()
+    return True
+
+
+def writing(function):
+    """A handler that may change settings in any case: after a render on a busy machine Blender 3.4 may take all handlers to be drawing, and refuse what
+    they set. The function of a property may."""
+    @persistent
+    @functools.wraps(function)
+    def handler(*_):
+        waiting.append(function)
+        bpy.context.window_manager.xrds_call  # noqa: B018
+
+    return handler
+
+
 @persistent
 def after_cancel(*_):
     jobs.Render.cancelled = True
@@ -221,26 +241,26 @@ def stop():
         steps.close()
 
 
-@persistent
-def before_undo(*_):
+@writing
+def before_undo():
     """Undo and redo put another scene in the place of the one that is rendered."""
     stop()
 
 
-@persistent
-def after_undo(*_):
+@writing
+def after_undo():
     """The state that is back may have been kept while settings were changed. So may that of a file, which Blender wrote by itself."""
     restore_marked()
 
 
-@persistent
-def before_save(*_):
+@writing
+def before_save():
     for recorder in reversed(active):
         recorder.suspend()
 
 
-@persistent
-def after_save(*_):
+@writing
+def after_save():
     for recorder in active:
         recorder.resume()
 
@@ -251,6 +271,7 @@ HANDLERS = {name: function for name, function in HANDLERS.items() if hasattr(bpy
 
 
 def register():
+    bpy.types.WindowManager.xrds_call = bpy.props.BoolProperty(get=call_waiting, options={"HIDDEN", "SKIP_SAVE"})
     for name, function in HANDLERS.items():
         getattr(bpy.app.handlers, name).append(function)
 
@@ -261,3 +282,4 @@ def unregister():
     current = steps = None
     for name, function in HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(function)
+    del bpy.types.WindowManager.xrds_call

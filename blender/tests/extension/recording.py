@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings that are changed for a while."""
 import os
+import unittest
 
 import bpy
 
 from extension.with_blender import WithBlender
 from properties import differences, snapshot
-from xrds_render import passes, recorder
+from xrds_render import operators, passes, recorder
 
 
 class Recording(WithBlender):
@@ -48,6 +49,31 @@ class Recording(WithBlender):
         with bpy.data.libraries.load(path) as (there, wanted):
             wanted.scenes = there.scenes
         self.assertEqual([wanted.scenes[0].render.resolution_x, scene.render.resolution_x], [64, 64])
+
+    @unittest.skipIf(bpy.app.version >= (5, 0), "whose functions of properties may not write either, so that none leaves it so")
+    def test_where_blender_refuses_to_write(self):
+        """As Blender 3.4 may refuse it to handlers after a render; here as to the poll of operators."""
+        scene, sizes = self.open("layers"), []
+
+        class Refusing(bpy.types.Operator):
+            bl_idname, bl_label = "xrds.refusing", "Refusing"
+
+            @classmethod
+            def poll(cls, context):
+                with self.assertRaisesRegex(AttributeError, "not allowed"):
+                    scene.render.resolution_x = 7
+                for handler in (operators.before_save, operators.after_save):
+                    handler()
+                    sizes.append((scene.render.resolution_x, recorder.MARK in scene))
+                return False
+
+        bpy.utils.register_class(Refusing)
+        self.addCleanup(bpy.utils.unregister_class, Refusing)
+        with recorder.Recorder(scene) as made:
+            made.put(scene.render, "resolution_x", 16)
+            made.mark()
+            self.assertFalse(bpy.ops.xrds.refusing.poll())
+        self.assertEqual(sizes, [(64, False), (16, True)])
 
     def test_undo_brings_no_changed_setting_back(self):
         """A step of undo that is kept while a render runs, as when the artist moves something, has its settings."""
