@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 from . import exr, findings
-from .layers import is_colour, is_light, layers_of, load, stack
+from .layers import is_colour, is_light, layer_of, layers_of, load, stack
 
 DENOISING = "Denoising "
 LONGEST_PASS = DENOISING + "Albedo"  # of those that every render has
@@ -80,7 +80,7 @@ def upscale(low_file, full_file, result_file, wish, progress, around=None):
     channels = dict(full.channels)
     low_layers, found = layers_of(low, wish.layers), []
     for place, low_layer in enumerate(low_layers):
-        layer = next(one for one in layers_of(full, wish.layers) if one.name == low_layer.name)
+        layer = layer_of(full, low_layer.name)
         lights = _lights(low, full, low_layer, layer, wish.aovs)
         options = {"layers": lights} if any(is_light(name) for name in lights) else {}
         colour, images = _colours(wish, low, low_layer, full, layer, around)

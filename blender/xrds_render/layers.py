@@ -31,6 +31,10 @@ class Damaged(RuntimeError):
     """A file of a render that is not whole, as when the disk was full."""
 
 
+class Missing(RuntimeError):
+    """A view layer that only one of two renders has."""
+
+
 def load(path):
     """A render's file as an exr.Picture. Raises OSError, and Damaged: then it is removed, to be rendered again when an animation goes on."""
     try:
@@ -58,6 +62,13 @@ def stack(picture, channels, components):
     if not channels or any(one not in channels for one in components):
         return None
     return np.stack([picture.channels[channels[one]] for one in components], -1).astype(np.float32, copy=False)
+
+
+def layer_of(picture, name):
+    """The view layer of this name; Missing where the file has none."""
+    for layer in layers_of(picture, [name]):
+        return layer
+    raise Missing(f"The view layer '{name}' was renamed or deleted after its colour was rendered, so that its guides are missing. Render it again.")
 
 
 def layers_of(picture, names):

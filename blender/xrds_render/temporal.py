@@ -5,7 +5,7 @@ import os
 import re
 
 from . import exr
-from .layers import layers_of, load, stack
+from .layers import layer_of, layers_of, load, stack
 
 NOTE = "settings.json"
 FILE = re.compile(r"(-?\d+)_(?:low|full)\.exr(?:\.part\.exr)?")  # of a render, whole or not
@@ -107,8 +107,7 @@ class Surroundings:
         if number not in self._read:
             full = load(file_of(self._folder, number, "full"))
             low = full if self._wish.single else load(file_of(self._folder, number, "low"))
-            whole = {layer.name: layer for layer in layers_of(full, self._wish.layers)}
-            self._read[number] = {layer.name: self._images(low, layer, full, whole[layer.name]) for layer in layers_of(low, self._wish.layers)}
+            self._read[number] = {layer.name: self._images(low, layer, full, layer_of(full, layer.name)) for layer in layers_of(low, self._wish.layers)}
         return self._read[number]
 
     def _images(self, low, low_layer, full, layer):

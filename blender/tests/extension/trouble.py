@@ -185,6 +185,25 @@ class Trouble(WithBlender):
             self.refused("There is no model.*xrds-x4-none")
         self.render()
 
+    def test_a_view_layer_that_is_renamed_or_deleted_underway(self):
+        def rename(scene):
+            scene.view_layers["Front"].name = "Other"
+
+        def delete(scene):
+            scene.view_layers.remove(scene.view_layers["Front"])
+
+        for change in (rename, delete):
+            for blurred in (True, False):  # each frame by itself, and merged with those around it
+                job = jobs.Job(self.open("layers"), [1, 2])
+                job.scene.render.use_motion_blur = blurred
+                with self.subTest(f"{change.__name__} {blurred}"), self.assertRaisesRegex(RuntimeError, "^The view layer 'Front' was renamed or deleted"):
+                    for place, step in enumerate(job.steps()):
+                        step.wait()
+                        if place == 0:
+                            change(job.scene)
+                self.assertEqual(self.exrs(), [])
+                shutil.rmtree(checks.renders_folder(job.scene), ignore_errors=True)
+
     def test_everything_is_as_before_wherever_it_ends(self):
         self.open("layers")
         bpy.context.scene.xrds.guides = "CHEAP"
