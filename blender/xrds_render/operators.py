@@ -249,7 +249,16 @@ def before_undo():
 
 @writing
 def after_undo():
-    """The state that is back may have been kept while settings were changed. So may that of a file, which Blender wrote by itself."""
+    """The state that is back may have been kept while settings were changed."""
+    restore_marked()
+
+
+@writing
+def after_load():
+    """So may that of a file, which Blender wrote by itself. What became of the file before is no more of interest."""
+    global last
+    last = ""
+    warned.clear()
     restore_marked()
 
 
@@ -266,7 +275,7 @@ def after_save():
 
 
 HANDLERS = {"render_cancel": after_cancel, "save_pre": before_save, "save_post": after_save, "save_post_fail": after_save, "undo_pre": before_undo, "redo_pre": before_undo,
-            "undo_post": after_undo, "redo_post": after_undo, "load_post": after_undo}
+            "undo_post": after_undo, "redo_post": after_undo, "load_post": after_load}
 HANDLERS = {name: function for name, function in HANDLERS.items() if hasattr(bpy.app.handlers, name)}  # save_post_fail: Blender 3.6
 
 

@@ -41,6 +41,14 @@ class Findings(WithBlender):
         bpy.data.lights["Lamp"].energy = 300
         self.assertEqual(self.told(), [])
 
+    def test_another_file_tells_nothing_of_the_one_before(self):
+        self.open("interior")
+        bpy.data.lights["Lamp"].energy = -300
+        self.assertEqual(len(self.told()), 1)
+        self.assertIn("Saved", operators.last)
+        self.open("cryptomatte")
+        self.assertEqual((operators.last, operators.warned), ("", []))
+
     def test_what_is_not_finite(self):
         def spoil(step):
             for key, names in {"low": ("Combined.R", "Combined.G"), "full": ("Denoising Normal.X",)}.items():
