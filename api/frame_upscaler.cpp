@@ -71,6 +71,7 @@ struct FrameUpscaler::State {
   }
 
   void prepareAsFits() {
+    exposure = 0;
     try {
       prepare(memoryOf(gpu, options.tiles));
     } catch (const OutOfMemory&) {
@@ -141,9 +142,13 @@ struct FrameUpscaler::State {
 
   bool run(const PixelView& colour, std::span<const PixelView> auxiliary, const std::vector<LayerImage>& layers,
            std::span<float> output, const Progress& progress) {
-    if (options.ensemble > 1) return runEnsemble(colour, auxiliary, layers, output, progress);
-    if (!runFinite(colour, auxiliary, layers, output, progress)) return false;
-    repairs.output = runner->lostPixels().size();
+    if (options.ensemble > 1) {
+      if (!runEnsemble(colour, auxiliary, layers, output, progress)) return false;
+    } else {
+      if (!runFinite(colour, auxiliary, layers, output, progress)) return false;
+      repairs.output = runner->lostPixels().size();
+    }
+    exposure = runner->exposure();
     return true;
   }
 
@@ -189,6 +194,7 @@ struct FrameUpscaler::State {
   std::unique_ptr<FrameRunner> runner;  // null where the last plan failed
   std::unique_ptr<State> turned;        // an ensemble's, of frames that are not square, on their diagonal
   Upscaler::Repairs repairs{};
+  float exposure = 0;  // of the last run
 };
 
 FrameUpscaler::FrameUpscaler(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& options,
@@ -240,7 +246,7 @@ const std::vector<LayerReport>& FrameUpscaler::layerReports() const { return sta
 
 Upscaler::Repairs FrameUpscaler::repairs() const { return state_->repairs; }
 
-float FrameUpscaler::exposure() const { return state_->runner ? state_->runner->exposure() : 0; }
+float FrameUpscaler::exposure() const { return state_->exposure; }
 
 uint64_t FrameUpscaler::deviceBytes() const {
   const uint64_t own = state_->runner ? state_->runner->byteSize() : 0;
