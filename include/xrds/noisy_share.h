@@ -7,8 +7,8 @@
 
 namespace xrds {
 
-/// The share of a picture that is made of the images with their noise, where an ensemble of denoised images goes through
-/// a model that takes the full-resolution colour: its errors are others (docs/quality.md).
+/// The share of a picture that is made of the images with their noise, where an ensemble of denoised images goes
+/// through a model that takes the full-resolution colour: its errors are others (docs/quality.md).
 inline constexpr float kNoisyShare = 0.2F;
 
 /// Makes of a picture the mean of log(1 + e x) with one of noisy images, of which it gets that share: x the pictures,
