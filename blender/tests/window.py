@@ -64,6 +64,10 @@ def picture(name, area, window=None, part=(0.0, 0.0, 1.0, 1.0)):
     window, file = window or bpy.context.window_manager.windows[0], os.path.join(PICTURES, f"blender_{name}.png")
     with bpy.context.temp_override(window=window, area=area):
         bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
+    yield 0.01  # after drawing, go_on() lets it set everything again
+    if PICTURES == HOME:
+        return  # nobody asked for it
+    with bpy.context.temp_override(window=window, area=area):
         bpy.ops.screen.screenshot(filepath=file)
     whole = bpy.data.images.load(file)
     width, height = whole.size
@@ -119,7 +123,7 @@ def install():
     bpy.context.window_manager.addon_search = "xrds"
     yield 1.0
     window = bpy.context.window_manager.windows[-1]
-    picture("install", area_of("PREFERENCES", window), window)
+    yield from picture("install", area_of("PREFERENCES", window), window)
     with bpy.context.temp_override(window=window):
         bpy.ops.wm.window_close()
     yield 0.5
@@ -145,7 +149,7 @@ def prepare():
     for context in ("OUTPUT", "RENDER"):
         properties.spaces.active.context = context
         yield 0.5
-        picture({"OUTPUT": "output", "RENDER": "panel"}[context], properties)
+        yield from picture({"OUTPUT": "output", "RENDER": "panel"}[context], properties)
     scene.xrds.model, scene.render.filepath = "xrds-x4-nano", os.path.join(HOME, "shot_")
     bpy.context.preferences.view.render_display_type = "AREA"
     yield 0.2
@@ -160,14 +164,14 @@ def one_click():
     yield from until(lambda: job() and job().text.startswith("Guides"))
     yield 0.3
     check(len(differences(before, snapshot())) > 5, "settings are changed while it renders")
-    picture("progress", area_of("PROPERTIES"))
+    yield from picture("progress", area_of("PROPERTIES"))
     yield from until(lambda: job() is None, 500)
     check(results() == ["shot_0001_xrds.exr"], "the frame is saved")
     check(same(before), "every setting is as before")
     yield 0.5
     editor = area_of("IMAGE_EDITOR")
     check(editor.spaces.active.image.name == "shot_0001_xrds.exr", "the Image Editor shows it")
-    picture("result", editor, part=(0.2, 0.1, 0.8, 1.0))
+    yield from picture("result", editor, part=(0.2, 0.1, 0.8, 1.0))
 
 
 def compositor():
@@ -184,7 +188,7 @@ def compositor():
     with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area, region=area.regions[-1]):
         bpy.ops.node.view_all()
     yield 1.0
-    picture("compositor", area, part=(0.0, 0.05, 0.6, 1.0))
+    yield from picture("compositor", area, part=(0.0, 0.05, 0.6, 1.0))
     scene.use_nodes = False
     area.ui_type = "VIEW_3D"
 
