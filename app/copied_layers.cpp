@@ -129,7 +129,7 @@ class Copying {
 std::vector<std::string> outputNames(const ExrFile& file, const ExrSelection& layer) {
   std::vector<std::string> names;
   for (const std::string& name : layer.channelNames) names.push_back(outputName(file, layer.part, name));
-  if (names.size() == 3 && names[0] == names[1])  // a grey layer becomes one of colour
+  if (layer.isGrey())  // it becomes a layer of colour
     for (const size_t c : {0, 1, 2}) names[c].back() = "RGB"[c];
   return names;
 }

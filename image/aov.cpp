@@ -66,7 +66,7 @@ std::optional<int> rankOf(const AovCandidate& candidate, AovRole role) {
   if (rank && plainName(candidate.prefix) == "composite") {
     *rank += kBehindTheRenderers;
   }
-  if (rank && candidate.isGrey) {
+  if (rank && candidate.selection.isGrey()) {
     *rank += kBehindColours;
   }
   return rank;
@@ -86,7 +86,7 @@ Candidates bestByName(const Candidates& all, AovRole role) {
     keepIf(result, [&](const AovCandidate& c) { return !hasNoisyTwin(all, c); });
   } else {
     keepIf(result, [&](const AovCandidate& c) {
-      return isColor(role) && !c.isGrey && !servesAnotherRole(c) && !isPartOfColour(c, role);
+      return isColor(role) && !c.selection.isGrey() && !servesAnotherRole(c) && !isPartOfColour(c, role);
     });
   }
   return result;

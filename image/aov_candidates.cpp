@@ -91,7 +91,6 @@ AovCandidate candidateOf(const ExrFile& file, size_t number, const ExrLayer& lay
     name = part.name;
     takeView(file, name);
   }
-  candidate.isGrey = channelNames.size() == 3 && channelNames[0] == channelNames[1];
   candidate.selection = {number, name.empty() ? "(unnamed)" : name, std::move(channelNames)};
   if (!candidate.view.empty()) {
     candidate.selection.layer += "." + candidate.view;

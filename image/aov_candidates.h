@@ -15,10 +15,9 @@ namespace xrds {
 /// a grey one the same channel stands for all three.
 struct AovCandidate {
   ExrSelection selection;
-  std::string prefix;  ///< What stands before the layer's own name: Cycles' view layer.
-  std::string stem;    ///< The layer's own name, without view.
-  std::string view;    ///< Empty for the default view.
-  bool isGrey = false;
+  std::string prefix;        ///< What stands before the layer's own name: Cycles' view layer.
+  std::string stem;          ///< The layer's own name, without view.
+  std::string view;          ///< Empty for the default view.
   bool namedByPart = false;  ///< An unnamed layer, alone in one of several parts, goes by the name of its part.
   int64_t pixelCount = 0;
   std::optional<ExrSelection> alpha;

@@ -5,7 +5,6 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputPart.h>
 
-#include <algorithm>
 #include <cstdint>
 
 #include "image/exr_open.h"
@@ -50,14 +49,9 @@ Imf::FrameBuffer frameBufferFor(Image& image, const Box& box, int firstRow,
   return buffer;
 }
 
-// A channel that is there several times was read into the last of its places.
-void repeatChannels(Image& image, const std::vector<std::string>& channelNames) {
-  for (size_t c = 0; c < channelNames.size(); ++c) {
-    const auto last = std::find(channelNames.rbegin(), channelNames.rend(), channelNames[c]);
-    const auto from = static_cast<size_t>(channelNames.rend() - last - 1);
-    if (from == c) continue;
-    for (size_t p = 0; p < image.pixels.size(); p += channelNames.size()) image.pixels[p + c] = image.pixels[p + from];
-  }
+// The one channel of a grey layer was read into the last of its places.
+void repeatGrey(Image& image) {
+  for (size_t p = 0; p < image.pixels.size(); p += 3) image.pixels[p] = image.pixels[p + 1] = image.pixels[p + 2];
 }
 
 // Decodes one row, so that a file cut short is refused before memory for all rows is taken.
@@ -88,7 +82,7 @@ Image readLayer(const ExrFile& file, const ExrSelection& selection) {
                 static_cast<int>(selection.channelNames.size()));
     input.setFrameBuffer(frameBufferFor(image, box, box.minY, selection.channelNames));
     input.readPixels(box.minY, box.maxY);
-    repeatChannels(image, selection.channelNames);
+    if (selection.isGrey()) repeatGrey(image);
     return image;
   });
 }

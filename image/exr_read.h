@@ -16,6 +16,8 @@ struct ExrSelection {
   std::string layer;                      ///< For messages: the name of the layer that the channels belong to.
   std::vector<std::string> channelNames;  ///< One may be there several times: that of a grey layer.
 
+  /// Whether one channel stands for red, green and blue.
+  bool isGrey() const { return channelNames.size() == 3 && channelNames[0] == channelNames[1]; }
   bool operator==(const ExrSelection&) const = default;
 };
 
