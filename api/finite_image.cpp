@@ -34,10 +34,10 @@ bool isFinite(const PixelView& image) {
 
 }  // namespace
 
-FiniteImage::FiniteImage(const PixelView& given, PixelKind kind, uint64_t& repaired) : view_(given) {
+FiniteImage::FiniteImage(const PixelView& given, PixelKind kind) : view_(given) {
   if (isFinite(given)) return;
   copy_ = imageOf(given);
-  repaired += (kind == PixelKind::radiance ? repairRadiance(copy_) : repairNonFinite(copy_)).nonFinitePixels;
+  repaired_ = (kind == PixelKind::radiance ? repairRadiance(copy_) : repairNonFinite(copy_)).nonFinitePixels;
   view_ = {copy_.pixels.data(), given.width, given.height};
 }
 

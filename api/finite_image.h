@@ -13,14 +13,15 @@ enum class PixelKind : uint8_t { radiance, other };  // of radiance nothing is f
 /// An image of the caller, or a repaired copy if it has pixels that are not finite.
 class FiniteImage {
  public:
-  /// Adds the number of those pixels to `repaired`.
-  FiniteImage(const PixelView& given, PixelKind kind, uint64_t& repaired);
+  FiniteImage(const PixelView& given, PixelKind kind);
   FiniteImage(FiniteImage&&) = default;  // the pixels of the copy stay where they are
   const PixelView& view() const { return view_; }
+  uint64_t repaired() const { return repaired_; }  // how many pixels
 
  private:
   PixelView view_;
   Image copy_;
+  uint64_t repaired_ = 0;
 };
 
 }  // namespace xrds

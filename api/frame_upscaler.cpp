@@ -219,13 +219,12 @@ bool FrameUpscaler::run(const PixelView& colour, std::span<const PixelView> auxi
     layerImages += layerImageCount(state_->config, set);
   }
   state_->planLayers(layerImages);
-  Upscaler::Repairs repairs;
-  const FiniteImage finiteColour(colour, kindOfColour(state_->config), repairs.colour);
+  const FiniteImage finiteColour(colour, kindOfColour(state_->config));
   std::vector<FiniteImage> finiteImages;
   std::vector<PixelView> views;
   views.reserve(auxiliary.size());
   for (size_t i = 0; i < auxiliary.size(); ++i)
-    finiteImages.emplace_back(auxiliary[i], kindOf(state_->config.auxInputs[i]), repairs.auxiliary);
+    finiteImages.emplace_back(auxiliary[i], kindOf(state_->config.auxInputs[i]));
   for (const FiniteImage& image : finiteImages) views.push_back(image.view());
   std::vector<LayerFrame> sets;
   sets.reserve(layers.size());
@@ -237,8 +236,9 @@ bool FrameUpscaler::run(const PixelView& colour, std::span<const PixelView> auxi
   if (!state_->run(finiteColour.view(), views, filtered, output, progress)) return false;
   state_->layerReports.clear();
   for (LayerFrame& set : sets) state_->layerReports.push_back(set.share(output));
-  state_->repairs.colour = repairs.colour;
-  state_->repairs.auxiliary = repairs.auxiliary;
+  state_->repairs.colour = finiteColour.repaired();
+  state_->repairs.auxiliary = 0;
+  for (const FiniteImage& image : finiteImages) state_->repairs.auxiliary += image.repaired();
   return true;
 }
 

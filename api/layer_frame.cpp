@@ -100,9 +100,8 @@ LayerFrame::LayerFrame(const NetworkConfig& config, FrameShape frame, const Laye
       mostLight_[i][p % 3] = std::max(mostLight_[i][p % 3], kMostGain * light);
     }
     filtered_.push_back(pass);
-    uint64_t filled = 0;
     const PixelView& full = layers.colours[i].full;
-    fulls_.push_back(full.pixels ? passes_.emplace_back(full, PixelKind::radiance, filled).view() : PixelView{});
+    fulls_.push_back(full.pixels ? passes_.emplace_back(full, PixelKind::radiance).view() : PixelView{});
   }
   makeRest(layers.whole.pixels ? layers.whole : colour);
   restMean_.resize(3 * pixels);

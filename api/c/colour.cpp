@@ -19,7 +19,7 @@ class BothColours {
       : givenLow_(required(lowImage, "low"), "low-resolution"),
         givenFull_(required(fullImage, "full"), "full-resolution"),
         low_(xrds::imageOf(givenLow_.view())),
-        full_(givenFull_.view(), xrds::PixelKind::radiance, filled_) {
+        full_(givenFull_.view(), xrds::PixelKind::radiance) {
     xrds::repairRadiance(low_);
   }
   xrds::PixelView low() const {
@@ -29,7 +29,6 @@ class BothColours {
 
  private:
   const ReadImage givenLow_, givenFull_;
-  uint64_t filled_ = 0;
   xrds::Image low_;
   const xrds::FiniteImage full_;
 };

@@ -56,8 +56,7 @@ class ReadFrame {
 
  private:
   xrds::PixelView read(const XrdsImage& image, const char* what, xrds::PixelKind kind) {
-    uint64_t filled = 0;
-    return finite_.emplace_back(images_.emplace_back(image, what).view(), kind, filled).view();
+    return finite_.emplace_back(images_.emplace_back(image, what).view(), kind).view();
   }
 
   std::vector<ReadImage> images_;
