@@ -1,7 +1,6 @@
 #include "api/model_folders.h"
 
 #include <cstdlib>
-#include <set>
 #if defined(_WIN32)
 #include <windows.h>
 #else
@@ -13,8 +12,6 @@
 namespace xrds {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* kEnding = ".safetensors";
 
 // The folder of the file that holds this code; empty where the system does not tell.
 fs::path ownFolder() {
@@ -64,20 +61,8 @@ std::vector<fs::path> foldersOfModels() {
 fs::path modelFile(const std::string& name) {
   std::error_code ignored;
   for (const fs::path& folder : foldersOfModels())
-    if (fs::path file = folder / (name + kEnding); fs::exists(file, ignored)) return file;
+    if (fs::path file = folder / (name + ".safetensors"); fs::exists(file, ignored)) return file;
   return {};
-}
-
-std::string listedModels() {
-  std::set<std::string> names;
-  for (const fs::path& folder : foldersOfModels()) {
-    std::error_code error;
-    for (fs::directory_iterator file(folder, error), end; !error && file != end; file.increment(error))
-      if (file->path().extension() == kEnding) names.insert(file->path().stem().string());
-  }
-  std::string listed;
-  for (const std::string& name : names) listed += (listed.empty() ? "" : ", ") + name;
-  return listed;
 }
 
 }  // namespace xrds

@@ -10,7 +10,5 @@ namespace xrds {
 std::vector<std::filesystem::path> foldersOfModels();
 /// The file of a shipped model by its name; empty if none of the folders has it.
 std::filesystem::path modelFile(const std::string& name);
-/// "xrds-x2-compact, xrds-x4-compact": the names of the shipped models in alphabetical order; empty if there are none.
-std::string listedModels();
 
 }  // namespace xrds

@@ -37,18 +37,6 @@ fs::path inModelFolders(const std::string& fileName) {
   return {};
 }
 
-std::vector<std::string> shippedModels() {
-  std::vector<std::string> names;
-  for (const fs::path& folder : modelFolders()) {
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error))
-      if (entry.path().extension() == kSuffix) names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
 fs::path resolveModel(const std::string& nameOrFile) {
   if (nameOrFile.ends_with(kSuffix) || fs::path(nameOrFile).has_parent_path()) return nameOrFile;
   if (fs::path file = findModel(nameOrFile); !file.empty()) return file;

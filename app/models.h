@@ -14,9 +14,6 @@ namespace xrds {
 /// The first file of this name in modelFolders(); empty if there is none.
 std::filesystem::path inModelFolders(const std::string& fileName);
 
-/// The shipped models' names, in alphabetical order.
-std::vector<std::string> shippedModels();
-
 /// The file of a model given by name ("xrds-x4-compact") or by path. Throws Error that lists the models there are.
 std::filesystem::path resolveModel(const std::string& nameOrFile);
 

@@ -16,6 +16,13 @@ XrdsModel::XrdsModel(xrds::NetworkModel read)
 
 namespace {
 
+// "xrds-x2-compact, xrds-x4-compact"; empty if none is shipped.
+std::string listedModels() {
+  std::string listed;
+  for (const std::string& name : xrds::shippedModels()) listed += (listed.empty() ? "" : ", ") + name;
+  return listed;
+}
+
 // A name without a folder or an ending is a shipped model's.
 std::filesystem::path fileOf(const std::string& nameOrFile) {
   std::error_code ignored;  // a name too long for a file, say
@@ -24,7 +31,7 @@ std::filesystem::path fileOf(const std::string& nameOrFile) {
     return path;
   std::filesystem::path file = xrds::modelFile(nameOrFile);
   if (!file.empty()) return file;
-  if (const std::string shipped = xrds::listedModels(); !shipped.empty())
+  if (const std::string shipped = listedModels(); !shipped.empty())
     throw xrds::Error("There is no model '" + nameOrFile +
                       "': give a .safetensors file or one of the shipped models, " + shipped + ".");
   std::string folders;
@@ -49,7 +56,7 @@ std::string chosenModel(uint32_t scale, const std::vector<std::string_view>& inp
   if (!xrds::modelFile(name).empty()) return name;
   constexpr std::string_view kBoth[] = {xrds::kAlbedo.name, xrds::kNormal.name};
   if (name = inputs.empty() ? name : xrds::variantName(known, kBoth); !xrds::modelFile(name).empty()) return name;
-  const std::string shipped = xrds::listedModels();
+  const std::string shipped = listedModels();
   throw xrds::Error("No model is shipped that upscales by " + std::to_string(known) + " (" + name + ")" +
                     (shipped.empty() ? "" : ", only " + shipped) +
                     ": render at another size, or name a .safetensors file.");

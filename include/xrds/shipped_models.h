@@ -35,6 +35,19 @@ inline std::filesystem::path findModel(const std::string& name) {
   return {};
 }
 
+/// The names of the shipped models in all folders, in alphabetical order.
+inline std::vector<std::string> shippedModels() {
+  std::vector<std::string> names;
+  for (const std::filesystem::path& folder : modelFolders()) {
+    std::error_code error;
+    for (std::filesystem::directory_iterator file(folder, error), end; !error && file != end; file.increment(error))
+      if (file->path().extension() == ".safetensors") names.push_back(file->path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 /// Of the low-resolution colour: with at most so many samples a pixel the models of few samples make the better picture
 /// (bench/budgets.md).
 inline constexpr double kFewSamples = 4;
