@@ -109,16 +109,18 @@ int main(int argc, char** argv) {
       "--model", options.model,
       "Model file, or edsr, rcan, swinir, ... with random weights (default: random weights of the symbols below)");
   xrds::NetworkConfig& config = options.config;
-  app.add_option("--scale", config.scale, "s")->capture_default_str()->excludes(model);
-  app.add_option("--channels", config.channels, "C")->capture_default_str()->excludes(model);
-  app.add_option("--aux-channels", config.auxChannels, "Ca")->capture_default_str()->excludes(model);
-  app.add_option("--groups", config.groups, "N")->capture_default_str()->excludes(model);
-  app.add_option("--blocks", config.blocks, "B")->capture_default_str()->excludes(model);
-  app.add_option("--head-channels", config.headChannels, "d")->capture_default_str()->excludes(model);
-  app.add_option("--kernels", config.kernels, "0 or 5")->capture_default_str()->excludes(model);
-  app.add_option("--aux-kernels", config.auxKernels, "0, 3 or 5")->capture_default_str()->excludes(model);
-  app.add_option("--output-side", config.outputSide, "3 or 1")->capture_default_str()->excludes(model);
-  app.add_flag("--aux-skip", config.auxSkip, "Feed H_N to the output convolution")->excludes(model);
+  CLI::Option_group* symbols = app.add_option_group("Symbols of a network with random weights");
+  symbols->excludes(model);
+  symbols->add_option("--scale", config.scale, "s")->capture_default_str();
+  symbols->add_option("--channels", config.channels, "C")->capture_default_str();
+  symbols->add_option("--aux-channels", config.auxChannels, "Ca")->capture_default_str();
+  symbols->add_option("--groups", config.groups, "N")->capture_default_str();
+  symbols->add_option("--blocks", config.blocks, "B")->capture_default_str();
+  symbols->add_option("--head-channels", config.headChannels, "d")->capture_default_str();
+  symbols->add_option("--kernels", config.kernels, "0 or 5")->capture_default_str();
+  symbols->add_option("--aux-kernels", config.auxKernels, "0, 3 or 5")->capture_default_str();
+  symbols->add_option("--output-side", config.outputSide, "3 or 1")->capture_default_str();
+  symbols->add_flag("--aux-skip", config.auxSkip, "Feed H_N to the output convolution");
   app.add_option("--size", options.size, "Side of the output in pixels")->capture_default_str();
   app.add_option("--precision", options.precision, "fp32 or fp16")
       ->check(CLI::IsMember({xrds::kFp32, xrds::kFp16}))
