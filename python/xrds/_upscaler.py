@@ -101,7 +101,6 @@ class Upscaler(Held[_native.Upscaler]):
         self._closed = False
         self._apart: Optional[DenoisedFirst] = None
         self._behind: Optional[_native.Upscaler] = None  # of what is denoised apart
-
         self._options = options  # of it without denoisers
         self._passes = ensemble
         self._of_denoisers = {"device": self.device, "precision": precision, "memory": memory, "tiles": "exact", "tune": "never"}
