@@ -6,11 +6,11 @@
 #include "app/byte_count.h"
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "app/pixel_size.h"
 #include "cli/commands.h"
 #include "cli/device_choice.h"
 #include "cli/json_text.h"
 #include "cli/output_file.h"
-#include "cli/output_size.h"
 #include "image/exr_file.h"
 #include "xrds/xrds.hpp"
 
@@ -38,13 +38,13 @@ bool isAlwaysExact(const Model& model) {
 
 /// All that is asked of a model; the tilings if an amount of memory is given.
 struct Answer {
-  OutputSize size;
+  PixelSize size;
   std::string kernelFamily;
   Model::Cost fp32, fp16;
   std::optional<Tiling> fp32Tiling{}, fp16Tiling{};
 };
 
-Answer answerOf(const Model& model, OutputSize size, const InfoOptions& options) {
+Answer answerOf(const Model& model, PixelSize size, const InfoOptions& options) {
   if (uint64_t{size.width} * size.height > static_cast<uint64_t>(kMaxPixelCount))
     throw Error("--size is too large: expected at most " + std::to_string(kMaxPixelCount) + " pixels.");
   const uint32_t scale = model.scale();
@@ -149,7 +149,7 @@ void listModels(const InfoOptions& options) {
 void run(const InfoOptions& options) {
   requireOutput(options.json, ".json", "--json");
   if (options.model.empty()) return listModels(options);
-  const OutputSize size = parseOutputSize(options.size);
+  const PixelSize size = parseOutputSize(options.size);
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
   const Answer answer = failingWith(ExitCode::usage, [&] { return answerOf(model, size, options); });
   printMetadata(model);

@@ -5,12 +5,12 @@
 
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "app/pixel_size.h"
 #include "app/timer.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/device_choice.h"
 #include "cli/output_file.h"
-#include "cli/output_size.h"
 #include "cli/progress.h"
 #include "cli/tune_report.h"
 #include "cli/warnings.h"
@@ -56,7 +56,7 @@ class ReopenedDevice {
 
 TunedModel tuneModel(ReopenedDevice& reopened, const std::string& name, const Model& model, bool fp16, bool anew,
                      const TuneOptions& options) {
-  const OutputSize size = parseOutputSize(options.size);
+  const PixelSize size = parseOutputSize(options.size);
   const uint32_t scale = model.scale(), width = (size.width + scale - 1) / scale,
                  height = (size.height + scale - 1) / scale;
   TunedModel tuned{name, fp16, scale * width, scale * height};

@@ -9,6 +9,7 @@
 #include "app/byte_count.h"
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "app/pixel_size.h"
 #include "app/skip_bound.h"
 #include "image/png_write.h"
 #include "image/srgb.h"
@@ -25,14 +26,8 @@ using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-std::pair<int, int> sizeOf(const std::string& text, const char* option) {
-  int width = 0, height = 0;
-  char end = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &end) != 2 || width < 8 || height < 8 || width > 16384 ||
-      height > 16384)
-    throw Failure{ExitCode::usage, std::string(option) + " takes WIDTHxHEIGHT, found '" + text + "'."};
-  return {width, height};
-}
+// Of the window and of a live view's colour.
+PixelSize sizeOf(const std::string& text, const char* option) { return parsePixelSize(text, option, 8, 16384); }
 
 SkipChoice skipChoice(const std::string& text) {
   if (text == "off") return {};
@@ -43,7 +38,7 @@ SkipChoice skipChoice(const std::string& text) {
 Placement placementOf(const ViewerOptions& options) {
   if (options.size.empty()) return readPlacement(placementFile());
   const auto [width, height] = sizeOf(options.size, "--size");
-  return {width, height};
+  return {static_cast<int>(width), static_cast<int>(height)};
 }
 
 }  // namespace
@@ -66,8 +61,8 @@ Wanted wantedOf(const ViewerOptions& options) {
   wanted.memoryBytes = parseBytes(options.memory);
   if (options.tune != "auto") wanted.tune = options.tune == "now" ? Upscaler::Tune::now : Upscaler::Tune::never;
   const auto [width, height] = sizeOf(options.liveSize, "--live-size");
-  wanted.live.width = static_cast<uint32_t>(width);
-  wanted.live.height = static_cast<uint32_t>(height);
+  wanted.live.width = width;
+  wanted.live.height = height;
   wanted.live.mostSamples = options.samples;
   return wanted;
 }

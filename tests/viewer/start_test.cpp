@@ -40,6 +40,13 @@ TEST(ViewerUsage, NamesTheSlipAndWhatIsNearest) {
   expectRefused(runXrds({"view", "--colour", "x", "--headless"}), 2, "--headless needs --live");  // as --color
 }
 
+TEST(ViewerUsage, TellsTheLimitsOfASize) {
+  for (const char* size : {"4x4", " 64x64", "64x+64"})
+    expectRefused(runXrds({"view", "--headless", "--live", "room", "--frames", "1", "--live-size", size}), 2,
+                  "--live-size takes WIDTHxHEIGHT, such as 1920x1080, of 8 to 16384 pixels each, found '" +
+                      std::string(size) + "'.");
+}
+
 TEST(ViewerUsage, RefusesAScreenshotThatWouldNotBeWritten) {
   expectRefused(runXrds({"view", kColour, "--screenshot", "x.png"}), 2, "--screenshot requires --frames");
   expectRefused(runXrds({"view", kColour, "--screenshot", "x.png", "--frames", "0"}), 2, "--frames");
