@@ -78,6 +78,10 @@ FrameLayer Frame::fullColourLayer() const {
   return {auxFile_.parts[layer.part], layer.layer};
 }
 
+std::optional<double> Frame::lowSamples() const {
+  return merge_.samples ? merge_.samples->low : samplesOf(colourLayer());
+}
+
 void Frame::fit(const std::string& input) {
   const FrameFit found = fitFrame(colourPart(), auxFile_.parts[layerOf(input).part]);
   if (fit_ && found.scale != fit_->scale)

@@ -36,6 +36,9 @@ class Frame {
   FrameLayer colourLayer() const { return {colourPart(), aovs_.color.layer}; }
   FrameLayer fullColourLayer() const;  // kFullColour must be one of inputs()
 
+  /// Samples a pixel of the colour, as the request gives them or its file tells; nothing where they are unknown.
+  std::optional<double> lowSamples() const;
+
   /// What the auxiliary images are, in the order of the model's inputs.
   const std::vector<std::string>& inputs() const { return inputs_; }
 

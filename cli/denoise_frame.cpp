@@ -1,8 +1,7 @@
 #include "cli/denoise_frame.h"
 
-#include <cstdlib>
-
 #include "app/byte_count.h"
+#include "app/network_options.h"
 #include "cli/progress.h"
 #include "image/aov.h"
 
@@ -36,17 +35,16 @@ Frame openFrame(const DenoiseOptions& options, const std::string& color, const s
 
 NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::function<bool(double)>& progress) {
   using Quality = NetworkDenoiser::Quality;
-  NetworkDenoiser::Options result{.folder = options.common.denoisers,
-                                  .quality = options.quality == "high"   ? Quality::high
-                                             : options.quality == "fast" ? Quality::fast
-                                                                         : Quality::balanced,
-                                  .ldr = options.ldr,
-                                  .fp16 = options.common.precision == kFp16,
-                                  .memoryBytes = parseBytes(options.common.memory),
-                                  .progress = progress,
-                                  .staysPrepared = options.common.memory.empty() && !options.common.lights.empty()};
-  if (options.common.exposure != "auto") result.exposure = std::strtof(options.common.exposure.c_str(), nullptr);
-  return result;
+  return {.folder = options.common.denoisers,
+          .quality = options.quality == "high"   ? Quality::high
+                     : options.quality == "fast" ? Quality::fast
+                                                 : Quality::balanced,
+          .ldr = options.ldr,
+          .exposure = parseExposure(options.common.exposure),
+          .fp16 = options.common.precision == kFp16,
+          .memoryBytes = parseBytes(options.common.memory),
+          .progress = progress,
+          .staysPrepared = options.common.memory.empty() && !options.common.lights.empty()};
 }
 
 bool areClean(const DenoiseOptions& options) { return options.guides == "clean"; }

@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "app/failing_with.h"
+#include "app/network_options.h"
+#include "app/skip_bound.h"
 #include "app/skip_map.h"
 #include "app/timer.h"
 #include "cli/alpha.h"
@@ -116,8 +118,7 @@ void upscaleOn(Device& device, const Task& task) {
 
 void run(UpscaleOptions options) {
   const Timer whole;
-  if (options.wrap && options.ensemble == 8)
-    throw Failure{ExitCode::usage, "--ensemble 8 and --wrap exclude each other: 4 leaves out the diagonal."};
+  requirePanorama(options.wrap, options.ensemble, parseSkip(options.skip));
   requireLayersPossible(options);
   if (isSequence(options)) return upscaleSequence(options);
   requireOutputs(options);

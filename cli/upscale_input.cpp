@@ -5,7 +5,6 @@
 #include "app/failing_with.h"
 #include "app/frame_files.h"
 #include "app/models.h"
-#include "app/number_pair.h"
 #include "app/skip_bound.h"
 #include "cli/first_denoiser.h"
 #include "cli/warnings.h"
@@ -45,8 +44,7 @@ std::vector<std::string> inputsThere(const UpscaleOptions& options, const ExrFil
 // not count: the models of few samples cannot skip windows.
 std::optional<double> lowSamples(const UpscaleOptions& options, const Frame& frame) {
   if (parseSkip(options.skip) > 0) return {};
-  if (const auto given = parsePair(options.samples)) return given->first;
-  return samplesOf(frame.colourLayer());
+  return frame.lowSamples();
 }
 
 fs::path modelFile(const UpscaleOptions& options) {
@@ -57,7 +55,9 @@ fs::path modelFile(const UpscaleOptions& options) {
   std::optional<double> samples;
   try {
     const Frame frame = failingWith(ExitCode::input, [&] {
-      return Frame(options.color, options.aux, options.layers, {std::string(kAlbedo.name)});
+      AovRequest layers = options.layers;
+      const MergeRequest merge = mergeRequest(options.auxColour, options.samples, layers);
+      return Frame(options.color, options.aux, layers, {std::string(kAlbedo.name)}, merge);
     });
     scale = frame.scale();
     samples = lowSamples(options, frame);
@@ -106,8 +106,6 @@ void requireSkippable(const UpscaleOptions& options, const OpenedModel& opened) 
   if (parseSkip(options.skip) == 0) return;
   if (const std::string why = opened.model.whyNeverSkipped(); !why.empty())
     throw Failure{ExitCode::model, "--skip is refused: model '" + opened.name() + "' " + why + "."};
-  if (options.wrap)
-    throw Failure{ExitCode::usage, "--skip and --wrap exclude each other: a panorama is computed in full."};
 }
 
 bool isConstant(const Image& image) {

@@ -1,7 +1,6 @@
 #include "cli/upscale_options.h"
 
 #include <CLI/CLI.hpp>
-#include <cstdlib>
 #include <utility>
 
 #include "app/byte_count.h"
@@ -55,13 +54,8 @@ void addNetwork(CLI::App& verb, UpscaleOptions& options) {
                 "With --denoise-first: albedo and normal have no noise, as those of a rasterizer, and stay as they are")
       ->needs("--denoise-first");
   addPrecision(verb, options.precision);
-  verb.add_option("--ensemble", options.ensemble,
-                  "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways; 8, also on the "
-                  "diagonal. Better, and as many times slower; normals must be in the camera's axes. So many of the "
-                  "denoiser, too")
-      ->check(CLI::IsMember({1, 2, 4, 8}))
-      ->capture_default_str();
-  addExposure(verb, options.exposure, "Factor that brings the colour to a mean log luminance of 0.18");
+  addEnsemble(verb, options.ensemble, ". So many of the denoiser, too");
+  addExposure(verb, options.exposure);
   addDevice(verb, options.device);
   verb.add_option(
           "--tune", options.tune,
@@ -88,7 +82,7 @@ void addParts(CLI::App& verb, UpscaleOptions& options) {
       ->capture_default_str();
   verb.add_option("--skip-map", options.skipMap, "PNG file with the picture, what was skipped dark and red")
       ->type_name("PNG");
-  verb.add_flag("--wrap", options.wrap, "The left and right edges continue into each other: a panorama");
+  addWrap(verb, options.wrap);
 }
 
 void addLayers(CLI::App& verb, UpscaleOptions& options) {
@@ -156,8 +150,7 @@ void addSequenceOptions(CLI::App& verb, UpscaleOptions& options) {
 }
 
 Upscaler::Options UpscaleOptions::upscaler() const {
-  Upscaler::Options options{.fp16 = precision == kFp16, .profile = profile};
-  if (exposure != "auto") options.exposure = std::strtof(exposure.c_str(), nullptr);
+  Upscaler::Options options{.fp16 = precision == kFp16, .exposure = parseExposure(exposure), .profile = profile};
   options.tiles = {.memoryBytes = parseBytes(memory), .exact = tiles == "exact", .wrap = wrap};
   options.skip = {.bound = parseSkip(skip), .keepUnchanged = keepUnchanged};
   options.ensemble = ensemble;

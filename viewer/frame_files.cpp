@@ -79,6 +79,7 @@ LoadedFrame loadedFrame(const FrameFiles& files, const Frame& frame) {
     loaded.auxiliary.pop_back();
   }
   loaded.scale = frame.scale();
+  loaded.samples = frame.lowSamples();
   loaded.warnings = frame.warnings();
   if (frame.merged()) loaded.warnings.push_back(describe(*frame.merged()));
   if (!files.reference.empty()) addReference(loaded);

@@ -22,7 +22,8 @@ struct LoadedFrame {
   int scale = 0;                        // of the auxiliary images or the reference over the colour; 0: neither is there
   ExrOutput output;                     // windows and attributes of the upscaled frame; of the colour's if scale is 0
   std::vector<std::string> warnings;
-  size_t merged = 1;  // frames of a sequence that it is made of
+  std::optional<double> samples;  // of a pixel of the colour, where they are known
+  size_t merged = 1;              // frames of a sequence that it is made of
 };
 
 /// A frame with all that its files have of what models take, its pixels read. Throws Error if a file cannot be read or

@@ -8,6 +8,8 @@
 #include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "app/layer_options.h"
+#include "app/network_options.h"
+#include "app/number_pair.h"
 #include "app/skip_bound.h"
 #include "app/typos.h"
 #include "viewer/headless.h"
@@ -20,6 +22,11 @@ int fail(xrds::ExitCode code, const std::string& message) {
   return static_cast<int>(code);
 }
 
+// A live view's number, or two of files.
+std::string validSamples(const std::string& text) {
+  return text.find(',') == std::string::npos ? CLI::Range(1, 1 << 20)(text) : xrds::validPair(text);
+}
+
 void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("FILES", options.files,
                  "Colour, auxiliary and reference EXR files in any order; names with #### for a numbered sequence; or "
@@ -30,15 +37,21 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   app.add_option("--live-size", options.liveSize, "Of the low-resolution colour")
       ->type_name("WIDTHxHEIGHT")
       ->capture_default_str();
-  app.add_option("--samples", options.samples, "The most samples a pixel of it")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
+  app.add_option(
+         "--samples", options.samples,
+         "With --live: the most samples a pixel of it (default: " + std::to_string(xrds::LiveWanted{}.mostSamples) +
+             "). Of files: those of the low- and the "
+             "full-resolution render, as in xrds upscale")
+      ->check(CLI::Validator(validSamples, "N|LOW,HIGH"));
   app.add_option("--reference", options.reference, "EXR file to compare with")->type_name("EXR");
-  app.add_option("--model", options.model, "A shipped model's name or a .safetensors file (default: by the scale)")
+  app.add_option("--model", options.model,
+                 "A shipped model's name or a .safetensors file (default: as xrds upscale chooses it; of a live view "
+                 "xrds-x4-mini)")
       ->type_name("MODEL");
-  app.add_option("--precision", options.precision, "Storage of activations and weights")
-      ->check(CLI::IsMember({xrds::kFp32, xrds::kFp16}))
-      ->capture_default_str();
+  xrds::addPrecision(app, options.precision);
+  xrds::addEnsemble(app, options.ensemble);
+  xrds::addExposure(app, options.exposure);
+  xrds::addWrap(app, options.wrap);
   app.add_flag("--denoise-first", options.denoiseFirst,
                "Networks of Open Image Denoise take the noise out of all images first, as in xrds upscale; needs xrds "
                "import oidn");
@@ -64,8 +77,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
          "it has shown: on, off, or auto, live views alone")
       ->check(CLI::IsMember({"on", "off", "auto"}))
       ->capture_default_str();
-  app.add_option("--device", options.device, "Number, part of the name, or UUID (see xrds devices)")
-      ->type_name("DEVICE");
+  xrds::addDevice(app, options.device);
   xrds::addLayerOptions(app, options.layers);
   app.add_option(
          "--aux-colour", options.auxColour,

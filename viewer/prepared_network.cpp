@@ -23,8 +23,10 @@ Model checked(Model model, const std::string& name, const FrameSize& frame) {
 Upscaler::Options upscalerOptions(const Device& device, const Model& model, const FrameSize& frame,
                                   const NetworkOptions& options) {
   Upscaler::Options asked{.fp16 = options.fp16,
+                          .exposure = options.exposure,
                           .profile = true,
-                          .tiles = {.memoryBytes = options.memoryBytes},
+                          .ensemble = options.ensemble,
+                          .tiles = {.memoryBytes = options.memoryBytes, .wrap = options.wrap},
                           .skip = options.skip,
                           .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
                           .tune = options.tune,
@@ -79,8 +81,8 @@ uint32_t planeCount(const Model& model) { return static_cast<uint32_t>(model.aux
 
 bool operator==(const NetworkOptions& a, const NetworkOptions& b) {
   const auto all = [](const NetworkOptions& o) {
-    return std::tuple(o.fp16, o.skip.bound, o.skip.keepUnchanged, o.denoisers.colour, o.denoisers.albedo,
-                      o.denoisers.normal, o.memoryBytes);
+    return std::tuple(o.fp16, o.exposure, o.ensemble, o.wrap, o.skip.bound, o.skip.keepUnchanged, o.denoisers.colour,
+                      o.denoisers.albedo, o.denoisers.normal, o.memoryBytes);
   };
   return all(a) == all(b);
 }
@@ -101,7 +103,7 @@ PreparedNetwork::PreparedNetwork(VulkanDevice& vulkan, Device& device, std::stri
   if (tileCount() > 1) return;  // which are shown as they are finished
   try {
     record();
-  } catch (const InvalidArgument&) {  // its frames are not recorded: windows are left out, or pixels decide
+  } catch (const InvalidArgument&) {  // its frames are not recorded: windows are left out, or it takes several passes
     deviceColour_.reset();
     deviceAuxiliary_.reset();
     deviceOutput_.reset();

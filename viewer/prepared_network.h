@@ -20,6 +20,9 @@ struct FrameSize {
 /// How a network runs.
 struct NetworkOptions {
   bool fp16 = false;
+  std::optional<float> exposure{};  // empty: from the colour
+  uint32_t ensemble = 1;            // passes, of which the frame goes through the host
+  bool wrap = false;                // as TileOptions has it
   SkipOptions skip{};
   Upscaler::Denoisers denoisers{};  // of all images before the network; they must outlive what they are given to
   uint64_t memoryBytes = 0;         // of the device; 0: most of it. What does not fit is computed in tiles.

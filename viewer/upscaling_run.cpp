@@ -27,25 +27,41 @@ const char* baseName(Slot slot) {
 
 }  // namespace
 
+// As `xrds upscale` chooses it.
 std::string Upscaling::wantedModel(const Wanted& wanted) const {
   if (!wanted.model.empty()) return wanted.model;
   if (live_) return liveModelName();
-  return failingWith(ExitCode::model, [&] { return defaultModel(size_.scale, size_.inputs); }).stem().string();
+  std::vector<std::string> inputs = size_.inputs;
+  std::optional<double> samples = frame_->samples;
+  if (wanted.skip.bound() > 0) {  // models of few samples, and those of a full-resolution colour, cannot skip
+    std::erase(inputs, kFullColour.name);
+    samples.reset();
+  }
+  return failingWith(ExitCode::model, [&] { return defaultModel(size_.scale, inputs, samples); }).stem().string();
 }
 
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
 // frames follow each other; in a live view every sample changes every pixel but those that are skipped anyway.
 NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) {
-  NetworkOptions options{
-      .fp16 = wanted.fp16, .memoryBytes = wanted.memoryBytes, .tune = wanted.tune, .multiplyAddsAtOnce = pace_};
+  NetworkOptions options{.fp16 = wanted.fp16,
+                         .exposure = wanted.exposure,
+                         .ensemble = wanted.ensemble,
+                         .wrap = wanted.wrap,
+                         .memoryBytes = wanted.memoryBytes,
+                         .tune = wanted.tune,
+                         .multiplyAddsAtOnce = pace_};
   if (wanted.denoiseFirst) {  // which computes every pixel
+    if (wanted.ensemble > 1 || wanted.wrap)
+      throw Failure{ExitCode::usage,
+                    "The viewer takes --denoise-first with neither --ensemble nor --wrap: xrds upscale does."};
     const bool hasAlbedo = takes(model, kAlbedo), hasNormal = takes(model, kNormal);
     const bool clean = live_ || wanted.cleanGuides;
     options.denoisers = failingWith(ExitCode::model, [&] { return denoisers_.inFront(hasAlbedo, hasNormal, clean); });
     return options;
   }
-  if (wanted.skip.bound() == 0 || !model.whyNeverSkipped().empty()) return options;
-  options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = !live_ && (wanted.watching || wanted.sequence)};
+  if (wanted.skip.bound() == 0 || wanted.wrap || !model.whyNeverSkipped().empty()) return options;
+  const bool mayKeep = !live_ && wanted.ensemble == 1 && (wanted.watching || wanted.sequence);
+  options.skip = {.bound = wanted.skip.bound(), .keepUnchanged = mayKeep};
   return options;
 }
 
@@ -106,7 +122,8 @@ void Upscaling::showBaseFirst() {
 // Of a run that is under way; returns whether it shall go on. Tiles are shown as they are finished.
 bool Upscaling::showProgress(double share) {
   const auto finished = static_cast<uint32_t>(share * network_->tileCount());
-  if (finished > tilesShown_ && Clock::now() - lastShown_ > kTilePeriod) {
+  // Those of several passes are mirrored until their mean is there.
+  if (network_->options().ensemble == 1 && finished > tilesShown_ && Clock::now() - lastShown_ > kTilePeriod) {
     tilesShown_ = finished;
     network_->showOutput(pictures_, Slot::output);
     lastShown_ = Clock::now();
@@ -136,6 +153,7 @@ void Upscaling::upscale(const Wanted& wanted) {
     report.onDevice = network_->isOnDevice();
     report.whyNotSkipped = wanted.skip.bound() == 0 ? ""
                            : wanted.denoiseFirst    ? "stands behind a denoiser, which computes every pixel"
+                           : wanted.wrap            ? "computes a panorama in full"
                                                     : network_->model().whyNeverSkipped();
   };
   {

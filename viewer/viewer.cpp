@@ -9,6 +9,7 @@
 #include "app/byte_count.h"
 #include "app/failing_with.h"
 #include "app/models.h"
+#include "app/network_options.h"
 #include "app/pixel_size.h"
 #include "app/skip_bound.h"
 #include "image/png_write.h"
@@ -41,6 +42,15 @@ Placement placementOf(const ViewerOptions& options) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
+// Of a live view or, LOW,HIGH, of the two renders of files.
+void takeSamples(const std::string& text, const ViewerOptions& options, Wanted& wanted) {
+  const bool isPair = text.find(',') != std::string::npos;
+  if (isPair && !options.scene.empty())
+    throw Failure{ExitCode::usage, "--samples of a live view is one number, found '" + text + "'."};
+  if (!isPair && !text.empty()) wanted.live.mostSamples = static_cast<uint32_t>(std::stoul(text));
+  wanted.merge = mergeRequest(options.auxColour, isPair ? text : "", wanted.layers);
+}
+
 }  // namespace
 
 bool isTemporal(const ViewerOptions& options, bool live) {
@@ -52,18 +62,21 @@ Wanted wantedOf(const ViewerOptions& options) {
   if (!options.scene.empty()) failingWith(ExitCode::input, [&] { LiveScene::requireExisting(options.scene); });
   Wanted wanted;
   wanted.layers = options.layers;
-  wanted.merge = mergeRequest(options.auxColour, "", wanted.layers);
+  takeSamples(options.samples, options, wanted);
   wanted.model = options.model;
   wanted.fp16 = options.precision == kFp16;
   wanted.denoiseFirst = options.denoiseFirst;
   wanted.cleanGuides = options.cleanGuides;
   wanted.skip = skipChoice(options.skip);
+  wanted.exposure = parseExposure(options.exposure);
+  wanted.ensemble = options.ensemble;
+  wanted.wrap = options.wrap;
+  requirePanorama(wanted.wrap, wanted.ensemble, wanted.skip.bound());
   wanted.memoryBytes = parseBytes(options.memory);
   if (options.tune != "auto") wanted.tune = options.tune == "now" ? Upscaler::Tune::now : Upscaler::Tune::never;
   const auto [width, height] = sizeOf(options.liveSize, "--live-size");
   wanted.live.width = width;
   wanted.live.height = height;
-  wanted.live.mostSamples = options.samples;
   return wanted;
 }
 

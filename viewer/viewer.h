@@ -16,14 +16,15 @@ namespace xrds {
 struct ViewerOptions {
   std::vector<std::string> files;  // colour, auxiliary, reference; patterns of a sequence; or one folder to watch
   std::string reference;
-  bool watch = false;
   AovRequest layers;
-  std::string auxColour = "auto";               // or "never", or a layer
-  std::string scene;                            // live: built-in or a file; with a scene there are no files
-  std::string liveSize = "128x128";             // of its colour
-  uint32_t samples = LiveWanted{}.mostSamples;  // of a pixel of it
-  std::string model, device, precision = kFp32, skip = "off", memory, tune = "auto", temporal = "auto";
-  bool denoiseFirst = false, cleanGuides = false;  // as Wanted has them
+  std::string auxColour = "auto";    // or "never", or a layer
+  std::string scene;                 // live: built-in or a file; with a scene there are no files
+  std::string liveSize = "128x128";  // of its colour
+  std::string samples;               // "N", the most of a pixel of it, or "LOW,HIGH" of two renders
+  std::string model, device, precision = kFp32, skip = "off", memory, tune = "auto", temporal = "auto",
+                             exposure = "auto";
+  uint32_t ensemble = 1;
+  bool watch = false, wrap = false, denoiseFirst = false, cleanGuides = false;  // as Wanted has them
   double framesPerSecond = 24;
   std::string size;                  // "WIDTHxHEIGHT"; empty: as it was left
   std::string script;                // file of steps to take

@@ -17,6 +17,7 @@ bool Wanted::operator==(const Wanted& other) const {
          temporal == other.temporal && folder == other.folder && samePixels(layers, other.layers) &&
          merge.never == other.merge.never && live == other.live && model == other.model && fp16 == other.fp16 &&
          denoiseFirst == other.denoiseFirst && cleanGuides == other.cleanGuides && skip.bound() == other.skip.bound() &&
+         exposure == other.exposure && ensemble == other.ensemble && wrap == other.wrap &&
          memoryBytes == other.memoryBytes && slots == other.slots && metrics == other.metrics && reload == other.reload;
 }
 

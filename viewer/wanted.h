@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "viewer/live_scene.h"
@@ -35,7 +36,10 @@ struct Wanted {
   bool denoiseFirst = false;  // by Open Image Denoise's networks, as `xrds upscale --denoise-first` does
   bool cleanGuides = false;   // albedo and normal of the files have no noise
   SkipChoice skip;
-  uint64_t memoryBytes = 0;  // of the device; 0: most of it
+  std::optional<float> exposure;  // empty: from the colour
+  uint32_t ensemble = 1;          // passes whose mean is taken
+  bool wrap = false;              // a panorama
+  uint64_t memoryBytes = 0;       // of the device; 0: most of it
   Upscaler::Tune tune = Upscaler::Tune::automatic;
   std::array<bool, kSlotCount> slots{};  // pictures besides input and output that are looked at
   bool metrics = true;

@@ -42,6 +42,8 @@ TEST_F(ViewerDenoiseFirst, WhatCannotGoWithItIsTold) {
   const Ended missing = look("key B\nwait\nprint\nkey B\nwait\nprint\n", smallDisplay({colour, full}));
   EXPECT_EQ(occurrences(missing.output, "read them once out of your own copy with 'xrds import oidn PATH'"), 1U)
       << missing.output;
+  const Ended mean = look("wait\nkey B\nwait\nprint\n", smallDisplay({colour, full, "--ensemble", "2"}));
+  EXPECT_EQ(occurrences(mean.output, "takes --denoise-first with neither --ensemble nor --wrap"), 1U) << mean.output;
   importNetworks();
   const Ended skipping = look("wait\nprint\n", smallDisplay({colour, full, "--denoise-first", "--skip", "safe"}));
   EXPECT_EQ(occurrences(skipping.output, "not-skipped=\"stands behind a denoiser"), 1U) << skipping.output;

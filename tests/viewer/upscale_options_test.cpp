@@ -1,0 +1,98 @@
+// What changes the picture of `xrds upscale` changes that of the viewer as well: both are the same, bit for bit.
+#include "image/exr_read.h"
+#include "tests/cli/frames.h"
+#include "tests/viewer/viewer_display.h"
+
+namespace xrds::test {
+namespace {
+
+struct ViewerUpscaleOptions : ViewerDisplay {
+  // 80 x 60 pixels, and four times that with a noisy colour of its own.
+  std::string colour = (folder / "colour.exr").string(), full = (folder / "full.exr").string(),
+              output = (folder / "upscaled.exr").string();
+
+  ViewerUpscaleOptions() {
+    writeParts(colour, {{boxOf(80, 60), boxOf(80, 60), {noisy("", 80)}}});
+    writeParts(
+        full,
+        {{boxOf(320, 240), boxOf(320, 240), {noisy("", 320), albedoLayer("albedo", 320), normalLayer("normal", 320)}}});
+  }
+  static Layer noisy(const std::string& name, int width) {
+    return {name, "RGB", [even = colourLayer(name, width).pixels](int x, int y, int c) {
+              return even(x, y, c) * (0.7F + 0.6F * static_cast<float>((x * 7919 + y * 104729 + c * 31) % 256) / 255);
+            }};
+  }
+
+  // The pictures of the command and of the viewer, with these options.
+  std::pair<Image, Image> pictures(const std::vector<std::string>& options) {
+    std::vector<std::string> command{"upscale", colour, full, "-o", output, "--quiet"}, viewer{colour, full};
+    for (auto* arguments : {&command, &viewer}) arguments->insert(arguments->end(), options.begin(), options.end());
+    const Ended ended = runXrds(command);
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    run("wait\nsave viewed.exr\nwait\nprint\n", viewer);
+    return {readColour(output), readColour((folder / "viewed.exr").string())};
+  }
+  Image samePicture(std::vector<std::string> options) {
+    options.insert(options.end(), {"--model", "xrds-x4-nano"});
+    const auto [upscaled, viewed] = pictures(options);
+    EXPECT_EQ(upscaled, viewed);
+    return viewed;
+  }
+};
+
+TEST_F(ViewerUpscaleOptions, MakeThePictureOfTheCommand) {
+  const std::vector<std::string> merging{"--exposure", "0.7", "--samples", "64,16"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> options = merging;
+    options.insert(options.end(), more.begin(), more.end());
+    return options;
+  };
+  samePicture({});
+  const Image plain = samePicture(merging);
+  EXPECT_NE(samePicture({"--exposure", "3", "--samples", "64,16"}), plain);
+  EXPECT_NE(samePicture({"--exposure", "0.7", "--samples", "4,16"}), plain);
+  EXPECT_NE(samePicture(with({"--wrap"})), plain);
+  const Image mean = samePicture(with({"--ensemble", "2"}));
+  EXPECT_NE(mean, plain);
+  EXPECT_NE(samePicture(with({"--ensemble", "8"})), mean);
+  EXPECT_NE(samePicture(with({"--ensemble", "4", "--wrap", "--memory", "24M"})), mean);
+}
+
+TEST_F(ViewerUpscaleOptions, ChooseTheModelOfTheCommand) {
+  const std::vector<std::string> few{"--exposure", "0.7", "--aux-colour", "never", "--samples", "2,16"};
+  const auto [upscaled, viewed] = pictures(few);
+  EXPECT_EQ(upscaled, viewed);
+  std::vector<std::string> skipping = few;
+  skipping.insert(skipping.begin(), {colour, full, "--skip", "safe"});
+  const Ended ended = run("wait\nprint\nkey K\nkey K\nwait\nprint\n", skipping);
+  EXPECT_EQ(occurrences(ended.output, "model=xrds-x4-compact "), 1U) << ended.output;
+  EXPECT_EQ(occurrences(ended.output, "model=xrds-x4-live "), 1U) << ended.output;
+}
+
+TEST_F(ViewerUpscaleOptions, GoWithALiveView) {
+  const auto shown = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.end(), {"--live", "room", "--live-size", "32x32", "--samples", "4", "--model", "xrds-x4-nano"});
+    run("wait\nsave " + name + "\nwait\n", more);
+    return readColour((folder / name).string());
+  };
+  EXPECT_NE(shown("once.exr", {}), shown("twice.exr", {"--ensemble", "2"}));
+}
+
+TEST_F(ViewerUpscaleOptions, ThatExcludeEachOtherAreRefused) {
+  const auto refusal = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {colour, full, "--model", "xrds-x4-nano"});
+    const Ended ended = runViewer(desktop, folder, "wait\n", options);
+    EXPECT_EQ(ended.exitCode, 2) << ended.error;
+    return ended.error;
+  };
+  EXPECT_TRUE(has(refusal({"--wrap", "--ensemble", "8"}), "4 leaves out the diagonal"));
+  EXPECT_TRUE(has(refusal({"--wrap", "--skip", "safe"}), "a panorama is computed in full"));
+  EXPECT_TRUE(has(refusal({"--samples", "4,x"}), "two positive numbers"));
+  EXPECT_TRUE(has(refusal({"--samples", "0"}), "--samples"));
+  const Ended live = runViewer(desktop, folder, "wait\n", {"--live", "room", "--samples", "4,16"});
+  EXPECT_EQ(live.exitCode, 2) << live.error;
+  EXPECT_TRUE(has(live.error, "--samples of a live view is one number, found '4,16'")) << live.error;
+}
+
+}  // namespace
+}  // namespace xrds::test
