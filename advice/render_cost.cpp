@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "image/cycles_text.h"
+#include "image/layers/cycles_text.h"
 #include "image/leading_number.h"
 #include "xrds/error.h"
 

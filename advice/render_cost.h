@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "image/exr_file.h"
+#include "image/exr/file.h"
 
 namespace xrds {
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "image/aov_candidates.h"
-#include "image/light_names.h"
+#include "image/layers/aov_candidates.h"
+#include "image/layers/light_names.h"
 
 namespace xrds {
 namespace {

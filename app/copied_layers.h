@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "image/exr_planes.h"
-#include "image/exr_read.h"
+#include "image/exr/planes.h"
+#include "image/exr/read.h"
 
 namespace xrds {
 

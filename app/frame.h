@@ -8,11 +8,11 @@
 #include "app/frame_layers.h"
 #include "app/image_denoiser.h"
 #include "app/merge_request.h"
-#include "image/aov.h"
-#include "image/exr_write.h"
+#include "image/exr/write.h"
 #include "image/frame_fit.h"
 #include "image/image.h"
 #include "image/image_view.h"
+#include "image/layers/aov.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "image/aov.h"
+#include "image/layers/aov.h"
 
 namespace xrds {
 

@@ -8,9 +8,9 @@
 
 #include "app/copied_layers.h"
 #include "app/nearest.h"
-#include "image/aov_candidates.h"
 #include "image/image_view.h"
-#include "image/light_names.h"
+#include "image/layers/aov_candidates.h"
+#include "image/layers/light_names.h"
 #include "image/repair.h"
 #include "xrds/error.h"
 #include "xrds/merged_colour.h"

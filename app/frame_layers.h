@@ -7,9 +7,9 @@
 
 #include "app/copied_layers.h"
 #include "app/image_denoiser.h"
-#include "image/aov_candidates.h"
-#include "image/exr_planes.h"
-#include "image/exr_read.h"
+#include "image/exr/planes.h"
+#include "image/exr/read.h"
+#include "image/layers/aov_candidates.h"
 #include "image/repair.h"
 #include "xrds/layers.h"
 

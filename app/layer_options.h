@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "image/aov.h"
+#include "image/layers/aov.h"
 
 namespace CLI {
 class App;

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "app/number_pair.h"
-#include "image/cycles_text.h"
+#include "image/layers/cycles_text.h"
 #include "image/leading_number.h"
 
 namespace xrds {

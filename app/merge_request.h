@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "image/aov.h"
+#include "image/layers/aov.h"
 #include "xrds/merged_colour.h"
 
 namespace xrds {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "app/listed.h"
-#include "image/exr_file.h"
+#include "image/exr/file.h"
 #include "xrds/error.h"
 
 namespace xrds {

@@ -12,10 +12,10 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "cli/warnings.h"
-#include "image/aov.h"
 #include "image/compose.h"
-#include "image/flip.h"
-#include "image/metrics.h"
+#include "image/layers/aov.h"
+#include "image/metrics/flip.h"
+#include "image/metrics/metrics.h"
 #include "image/png_write.h"
 
 namespace xrds {

@@ -3,7 +3,7 @@
 #include "app/byte_count.h"
 #include "app/network_options.h"
 #include "cli/progress.h"
-#include "image/aov.h"
+#include "image/layers/aov.h"
 
 namespace xrds {
 namespace {

@@ -11,7 +11,7 @@
 #include "cli/device_choice.h"
 #include "cli/json_text.h"
 #include "cli/output_file.h"
-#include "image/exr_file.h"
+#include "image/exr/file.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {

@@ -9,7 +9,7 @@
 #include "app/typos.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
-#include "image/exr_file.h"
+#include "image/exr/file.h"
 
 namespace {
 

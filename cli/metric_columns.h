@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 
 namespace xrds {
 

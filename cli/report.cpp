@@ -8,7 +8,7 @@
 #include "app/failing_with.h"
 #include "cli/progress.h"
 #include "image/compose.h"
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 #include "image/png_write.h"
 
 namespace xrds {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/frame.h"
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {

@@ -8,7 +8,7 @@
 #include "app/moving_frame.h"
 #include "cli/sequence_plan.h"
 #include "cli/upscale_input.h"
-#include "image/exr_write.h"
+#include "image/exr/write.h"
 
 namespace xrds {
 

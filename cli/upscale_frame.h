@@ -5,7 +5,7 @@
 
 #include "cli/upscale_input.h"
 #include "cli/upscale_report.h"
-#include "image/exr_write.h"
+#include "image/exr/write.h"
 
 namespace xrds {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "image/aov.h"
+#include "image/layers/aov.h"
 #include "xrds/xrds.hpp"
 
 namespace CLI {

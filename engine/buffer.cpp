@@ -4,9 +4,9 @@
 #include <bit>
 #include <cstring>
 
+#include "engine/drivers/vulkan_result.h"
 #include "engine/handles.h"
 #include "engine/parallel.h"
-#include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
 namespace xrds {

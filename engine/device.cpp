@@ -7,14 +7,14 @@
 #include "engine/bytes.h"
 #include "engine/cache_file.h"
 #include "engine/cache_folder.h"
+#include "engine/drivers/matrix_units.h"
+#include "engine/drivers/selection.h"
+#include "engine/drivers/traits.h"
+#include "engine/drivers/vulkan_result.h"
 #include "engine/environment.h"
 #include "engine/handles.h"
 #include "engine/host_device.h"
 #include "engine/kernel_family.h"
-#include "engine/matrix_units.h"
-#include "engine/selection.h"
-#include "engine/traits.h"
-#include "engine/vulkan_result.h"
 #include "xrds/error.h"
 
 namespace xrds {

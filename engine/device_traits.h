@@ -80,8 +80,8 @@ struct DeviceTraits {
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
   bool shaderInt64 = false;  // also in subgroup operations
-  /// Of a CPU device (engine/llvmpipe.h). Kernels read it as the constant kLaneCodeConstant, beside those of their
-  /// dispatch.
+  /// Of a CPU device (engine/drivers/llvmpipe.h). Kernels read it as the constant kLaneCodeConstant, beside those of
+  /// their dispatch.
   LaneCode laneCode = LaneCode::shuffles;
   bool bufferAddresses = false;  // of a CPU device: kernels may read buffers by address
 };

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "engine/drivers/matrix_units.h"
+#include "engine/drivers/selection.h"
+#include "engine/drivers/traits.h"
 #include "engine/handles.h"
 #include "engine/kernel_family.h"
-#include "engine/matrix_units.h"
-#include "engine/selection.h"
-#include "engine/traits.h"
 #include "xrds/error.h"
 
 namespace xrds {

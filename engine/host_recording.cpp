@@ -1,7 +1,7 @@
 #include "engine/host_recording.h"
 
+#include "engine/drivers/vulkan_result.h"
 #include "engine/recorder.h"
-#include "engine/vulkan_result.h"
 
 namespace xrds {
 

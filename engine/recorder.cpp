@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/drivers/vulkan_result.h"
 #include "engine/hazards.h"
 #include "engine/host_device.h"
-#include "engine/vulkan_result.h"
 #include "engine/work.h"
 
 namespace xrds {

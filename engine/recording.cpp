@@ -4,8 +4,8 @@
 #include <chrono>
 #include <set>
 
+#include "engine/drivers/vulkan_result.h"
 #include "engine/recorder.h"
-#include "engine/vulkan_result.h"
 
 namespace xrds {
 namespace {

@@ -7,9 +7,9 @@
 #include <fstream>
 #include <string>
 
-#include "image/aov.h"
-#include "image/exr_read.h"
-#include "image/exr_write.h"
+#include "image/exr/read.h"
+#include "image/exr/write.h"
+#include "image/layers/aov.h"
 #include "xrds/error.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "image/exr_write.h"
+#include "image/exr/write.h"
 #include "image/test_files.h"
 #include "network/network_model.h"
 #include "xrds/error.h"

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "image/exr_file.h"
+#include "image/exr/file.h"
 
 namespace xrds {
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "image/exr_attributes_stored.h"
+#include "image/exr/attributes_stored.h"
 #include "xrds/error.h"
 
 namespace xrds {

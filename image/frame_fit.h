@@ -1,7 +1,7 @@
 #pragma once
 
 #include "image/box.h"
-#include "image/exr_file.h"
+#include "image/exr/file.h"
 
 namespace xrds {
 

@@ -23,7 +23,7 @@ def relative_errors(x, y):
 
 def all_metrics(x, y):
     """{name: number}: PSNR, RelMSE, RelMSE without the worst 0.1 % of the pixels, its median and 99.9th percentile, as
-    image/metrics.h defines them."""
+    image/metrics/metrics.h defines them."""
     errors = relative_errors(x, y).sort().values
     count = errors.numel()
     kept = errors[:count - count // 1000]

@@ -1,4 +1,4 @@
-"""The ranks among the pixels' errors are those that image/metrics.h defines, so that both programs tell the same numbers."""
+"""The ranks among the pixels' errors are those that image/metrics/metrics.h defines, so that both programs tell the same numbers."""
 import pytest
 import torch
 

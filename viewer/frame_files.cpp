@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "image/aov.h"
+#include "image/layers/aov.h"
 #include "image/repair.h"
 #include "sequence/file_pattern.h"
 #include "xrds/error.h"

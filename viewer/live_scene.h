@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "viewer/live_history.h"
-#include "viewer/prepared_network.h"
 #include "viewer/tracer/path_tracer.h"
+#include "viewer/upscaling/live_history.h"
+#include "viewer/upscaling/prepared_network.h"
 
 namespace xrds {
 

@@ -4,7 +4,7 @@
 
 #include "app/moving_frame.h"
 #include "sequence/shared_reads.h"
-#include "viewer/wanted.h"
+#include "viewer/upscaling/wanted.h"
 
 namespace xrds {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "viewer/picture_parameters.h"
+#include "viewer/display/picture_parameters.h"
 
 namespace xrds {
 

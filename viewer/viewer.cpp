@@ -14,7 +14,7 @@
 #include "app/skip_bound.h"
 #include "image/png_write.h"
 #include "image/srgb.h"
-#include "viewer/placement.h"
+#include "viewer/display/placement.h"
 
 namespace xrds {
 namespace fs = std::filesystem;

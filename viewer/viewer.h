@@ -4,11 +4,11 @@
 #include <ctime>
 #include <memory>
 
-#include "viewer/canvas.h"
+#include "viewer/display/canvas.h"
+#include "viewer/display/panel.h"
 #include "viewer/orbit.h"
-#include "viewer/panel.h"
 #include "viewer/script.h"
-#include "viewer/upscaling.h"
+#include "viewer/upscaling/upscaling.h"
 
 namespace xrds {
 

@@ -1,6 +1,6 @@
 #include "bench/gpu_static/compiled.h"
 
-#include "engine/vulkan_result.h"
+#include "engine/drivers/vulkan_result.h"
 
 namespace xrds {
 namespace {

@@ -1,8 +1,8 @@
 #include "bench/gpu_static/null_device.h"
 
-#include "engine/matrix_units.h"
-#include "engine/traits.h"
-#include "engine/vulkan_result.h"
+#include "engine/drivers/matrix_units.h"
+#include "engine/drivers/traits.h"
+#include "engine/drivers/vulkan_result.h"
 #include "xrds/error.h"
 
 namespace xrds {

@@ -6,7 +6,7 @@
 
 #include "cli/bench/quality_methods.h"
 #include "cli/bench/quality_scenes.h"
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 
 namespace xrds {
 

@@ -15,7 +15,7 @@
 #include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 
 namespace xrds {
 namespace {

@@ -13,7 +13,7 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "image/compose.h"
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 #include "image/png_write.h"
 #include "image/srgb.h"
 

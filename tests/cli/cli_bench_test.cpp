@@ -1,7 +1,7 @@
 // bench quality, on scenes made up here.
 #include <nlohmann/json.hpp>
 
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 #include "tests/cli/frames.h"
 
 namespace xrds::test {

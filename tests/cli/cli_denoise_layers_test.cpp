@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "image/exr_planes.h"
-#include "image/exr_read.h"
+#include "image/exr/planes.h"
+#include "image/exr/read.h"
 #include "tests/cli/frames.h"
 #include "tests/cli/process.h"
 

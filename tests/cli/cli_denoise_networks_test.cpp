@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "image/exr_read.h"
+#include "image/exr/read.h"
 #include "tests/cli/frames.h"
 #include "tests/cli/process.h"
 

@@ -10,8 +10,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "image/exr_planes.h"
-#include "image/exr_read.h"
+#include "image/exr/planes.h"
+#include "image/exr/read.h"
 #include "tests/cli/frames.h"
 #include "tests/cli/process.h"
 

@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "image/exr_read.h"
+#include "image/exr/read.h"
 #include "tests/cli/moving_sequence.h"
 #include "tests/cli/process.h"
 

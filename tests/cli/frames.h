@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "image/aov.h"
-#include "image/exr_write.h"
+#include "image/exr/write.h"
+#include "image/layers/aov.h"
 #include "image/test_files.h"
 #include "tests/cli/process.h"
 #include "tests/temporary_folder.h"

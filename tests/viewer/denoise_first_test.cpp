@@ -1,6 +1,6 @@
 // Frames that Open Image Denoise's networks take the noise out of before they are upscaled: small networks of random
 // weights.
-#include "image/exr_read.h"
+#include "image/exr/read.h"
 #include "tests/viewer/viewer_denoiser.h"
 
 namespace xrds::test {

@@ -1,4 +1,4 @@
-#include "viewer/file_browser.h"
+#include "viewer/display/file_browser.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

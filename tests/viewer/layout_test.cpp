@@ -1,4 +1,4 @@
-#include "viewer/layout.h"
+#include "viewer/display/layout.h"
 
 #include <gtest/gtest.h>
 

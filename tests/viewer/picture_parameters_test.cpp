@@ -1,8 +1,8 @@
-#include "viewer/picture_parameters.h"
+#include "viewer/display/picture_parameters.h"
 
 #include <gtest/gtest.h>
 
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 
 namespace xrds {
 namespace {

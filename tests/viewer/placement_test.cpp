@@ -1,4 +1,4 @@
-#include "viewer/placement.h"
+#include "viewer/display/placement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The full-resolution render denoised, as a view beside xrds: by small networks of random weights.
-#include "image/exr_read.h"
+#include "image/exr/read.h"
 #include "tests/viewer/viewer_denoiser.h"
 
 namespace xrds::test {

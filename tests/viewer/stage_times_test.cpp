@@ -1,4 +1,4 @@
-#include "viewer/stage_times.h"
+#include "viewer/upscaling/stage_times.h"
 
 #include <gtest/gtest.h>
 

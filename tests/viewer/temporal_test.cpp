@@ -1,7 +1,7 @@
 // Sequences and live views that are stable over time, and flicker as a picture.
 #include <array>
 
-#include "image/metrics.h"
+#include "image/metrics/metrics.h"
 #include "image/srgb.h"
 #include "tests/cli/moving_sequence.h"
 #include "tests/viewer/viewer_display.h"

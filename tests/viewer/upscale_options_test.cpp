@@ -1,5 +1,5 @@
 // What changes the picture of `xrds upscale` changes that of the viewer as well: both are the same, bit for bit.
-#include "image/exr_read.h"
+#include "image/exr/read.h"
 #include "tests/cli/frames.h"
 #include "tests/viewer/viewer_display.h"
 
