@@ -11,14 +11,13 @@
 #include "network/oidn.h"
 #include "shaders/common/transfer.h"
 #include "xrds/auxiliary_input.h"
+#include "xrds/denoised_first.h"
 #include "xrds/error.h"
 
 namespace xrds {
 namespace {
 
-constexpr double kRounding = 1.0 / 256;  // between a render's colour and the sum of its layers, stored as halves
-constexpr double kLeastMissing = 0.01;   // of the whole: less is taken as noise of the sum
-constexpr double kMostGain = 16;         // of the picture over the guesses, before unlikely places take light as well
+constexpr double kMostGain = 16;  // of the picture over the guesses, before unlikely places take light as well
 constexpr float kMostFloat = std::numeric_limits<float>::max();
 constexpr float kMostLight = 1e30F;  // of a layer, so that no sum of it leaves the range of a float
 
@@ -135,7 +134,7 @@ void LayerFrame::makeRest(const PixelView& whole) {
       sum += filtered_[k].pixels[i];
       everywhere_[k][i % 3] += filtered_[k].pixels[i] / static_cast<double>(pixels);
     }
-    const double all = rest.pixels[i], more = all - sum > kRounding * all ? all - sum : 0;
+    const double all = rest.pixels[i], more = all - sum > denoising::kLayerRounding * all ? all - sum : 0;
     ofWhole += all;
     ofLayers += sum;
     missing += more;
@@ -144,7 +143,7 @@ void LayerFrame::makeRest(const PixelView& whole) {
   }
   share_ = ofWhole > 0 ? ofLayers / ofWhole : 1;
   isBlack_ = !(ofWhole > 0);
-  if (missing < kLeastMissing * ofWhole) {
+  if (missing < denoising::kLeastMissingLight * ofWhole) {
     std::fill(rest.pixels.begin(), rest.pixels.end(), 0.F);
     everywhere_[lights] = {};
   }

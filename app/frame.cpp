@@ -10,6 +10,7 @@
 #include "image/aux_check.h"
 #include "image/edge_check.h"
 #include "image/repair.h"
+#include "xrds/denoised_first.h"
 
 namespace xrds {
 namespace {
@@ -17,16 +18,6 @@ namespace {
 std::string nameOf(const ExrSelection& layer) { return printable(layer.layer); }
 
 constexpr const char *kFilled = "not finite, filled from the neighbours", *kNegative = "negative, set to 0";
-
-// The means of scale x scale pixels, three channels.
-Image boxMean(const Image& image, int scale) {
-  Image mean(image.width / scale, image.height / scale, 3);
-  const float share = 1.0F / static_cast<float>(scale * scale);
-  for (int y = 0; y < mean.height * scale; ++y)
-    for (int x = 0; x < mean.width * scale; ++x)
-      for (int c = 0; c < 3; ++c) mean.at(x / scale, y / scale, c) += share * image.at(x, y, c);
-  return mean;
-}
 
 bool covers(const Box& outer, const Box& inner) {
   return outer.minX <= inner.minX && outer.minY <= inner.minY && outer.maxX >= inner.maxX && outer.maxY >= inner.maxY;
@@ -216,9 +207,15 @@ void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) 
   for (size_t i = 0; i < inputs_.size(); ++i)
     if (findAuxiliaryInput(inputs_[i])->isRadiance && &auxiliary_[i] != full)
       auxiliary_[i] = denoiser.denoised(auxiliary_[i], albedo, normal, passes);
+  const auto mean = [&](const Image& image) {
+    Image low(colour_.width, colour_.height, 0);
+    low.channels = 3;
+    low.pixels = denoising::boxMean(viewOf(image), static_cast<uint32_t>(scale()));
+    return low;
+  };
   std::optional<Image> lowAlbedo, lowNormal;
-  if (albedo) lowAlbedo = boxMean(*albedo, scale());
-  if (normal) lowNormal = boxMean(*normal, scale());
+  if (albedo) lowAlbedo = mean(*albedo);
+  if (normal) lowNormal = mean(*normal);
   colour_ = denoiser.denoised(colour_, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr, passes);
   if (layers_) layers_->denoise(denoiser, lowAlbedo ? &*lowAlbedo : nullptr, lowNormal ? &*lowNormal : nullptr, passes);
   denoisedBy_ = denoiser.name();

@@ -12,17 +12,16 @@
 #include "image/layers/aov_candidates.h"
 #include "image/layers/light_names.h"
 #include "image/repair.h"
+#include "xrds/denoised_first.h"
 #include "xrds/error.h"
 #include "xrds/merged_colour.h"
 
 namespace xrds {
 namespace {
 
-constexpr double kRounding = 1.0 / 256, kLeastMissing = 0.01, kMost = 1.05;  // as LayerReport::share has it
+constexpr double kMost = 1.05;  // of the colour that layers may make up
 
-bool isBlack(const Image& image) {
-  return std::none_of(image.pixels.begin(), image.pixels.end(), [](float value) { return value > 0; });
-}
+bool isBlack(const Image& image) { return denoising::isBlack(image.pixels); }
 
 // a b, or a / b, where b is not black.
 Image combined(const Image& a, const Image& b, bool divides) {
@@ -210,24 +209,11 @@ void FrameLayers::makeRest(const Files& files) {
   Image whole = readLayer(files.colour, files.colourLayer);  // what is repaired in it was told
   repairRadiance(whole);
   for (const bool groups : {false, true}) {
+    denoising::RestOfLayers found = denoising::restOfLayers(whole.pixels, radiances(groups));
     Image& rest = rest_[groups ? 1 : 0];
     rest = whole;
-    double missing = 0, all = 0, given = 0;
-    for (const Light& light : lights_) {
-      if (light.isGroup != groups) continue;
-      const Image radiance = radianceOf(light);
-      for (size_t i = 0; i < rest.pixels.size(); ++i) {
-        rest.pixels[i] -= radiance.pixels[i];
-        given += radiance.pixels[i];
-      }
-    }
-    for (size_t i = 0; i < rest.pixels.size(); ++i) {
-      if (!(rest.pixels[i] > kRounding * whole.pixels[i])) rest.pixels[i] = 0;
-      missing += rest.pixels[i];
-      all += whole.pixels[i];
-    }
-    if (hasLights(groups)) shares_.push_back(all > 0 ? given / all : 1);
-    if (missing < kLeastMissing * all) std::fill(rest.pixels.begin(), rest.pixels.end(), 0.F);
+    rest.pixels = std::move(found.pixels);
+    if (hasLights(groups)) shares_.push_back(found.share);
   }
 }
 
@@ -240,16 +226,19 @@ Image FrameLayers::radianceOf(const Light& light) const {
                           : combined(light.image, colours_[static_cast<size_t>(light.colour)].image, false);
 }
 
+std::vector<std::vector<float>> FrameLayers::radiances(bool groups) const {
+  std::vector<std::vector<float>> found;
+  for (const Light& light : lights_)
+    if (light.isGroup == groups) found.push_back(radianceOf(light).pixels);
+  return found;
+}
+
 // What each set adds up to, after whatever was done to its layers.
 void FrameLayers::makeWhole() {
   for (const bool groups : {false, true}) {
     Image& whole = whole_[groups ? 1 : 0];
     whole = rest_[groups ? 1 : 0];
-    for (const Light& light : lights_) {
-      if (light.isGroup != groups) continue;
-      const Image radiance = radianceOf(light);
-      for (size_t i = 0; i < whole.pixels.size(); ++i) whole.pixels[i] += radiance.pixels[i];
-    }
+    whole.pixels = denoising::sumOfLayers(std::move(whole.pixels), radiances(groups));
   }
 }
 
@@ -344,7 +333,7 @@ std::vector<std::string> FrameLayers::warnings(const UpscaledLayers& upscaled) c
   std::vector<std::string> warnings;
   char text[200];
   for (const LayerReport& report : upscaled.reports) {
-    if (report.share > kMost || report.share < 1 - kLeastMissing) {
+    if (report.share > kMost || report.share < 1 - denoising::kLeastMissingLight) {
       std::snprintf(text, sizeof text, "the layers add up to %.1f %% of the colour, %s.", 100 * report.share,
                     report.share > 1 ? "and each gets its share of it: leave out what is the sum of others"
                                      : "and of the result");

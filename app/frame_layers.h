@@ -117,6 +117,7 @@ class FrameLayers {
   void makeWhole();
   bool hasLights(bool groups) const;
   Image radianceOf(const Light& light) const;
+  std::vector<std::vector<float>> radiances(bool groups) const;
 
   std::vector<Light> lights_;
   std::vector<Colour> colours_;

@@ -1,49 +1,45 @@
 #include "app/image_denoiser.h"
 
-#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "image/image_view.h"
-#include "xrds/mirror.h"
+#include "xrds/denoised_first.h"
 
 namespace xrds {
 namespace {
 
-Image clampedToOne(Image image) {
-  for (float& value : image.pixels) value = std::clamp(value, 0.0F, 1.0F);
+Image imageOf(std::vector<float> pixels, int width, int height) {
+  Image image(width, height, 0);
+  image.channels = 3;
+  image.pixels = std::move(pixels);
   return image;
 }
 
-Image mirroredImage(const Image& image, Mirror mirror, bool isNormal) {
-  Image result(mirror.transposed ? image.height : image.width, mirror.transposed ? image.width : image.height, 0);
-  result.channels = 3;
-  result.pixels = mirrored(viewOf(image), mirror, isNormal);
-  return result;
+Image copyOf(const PixelView& view) {
+  return imageOf(mirrored(view, {}, false), static_cast<int>(view.width), static_cast<int>(view.height));
 }
 
 }  // namespace
 
 Image ImageDenoiser::denoised(const Image& colour, const Image* albedo, const Image* normal, uint32_t passes) {
-  const Image inside = albedo ? clampedToOne(*albedo) : Image{};
-  Image mean(colour.width, colour.height, 3);
-  for (const Mirror mirror : mirrorsOf(passes)) {
-    const Image images[] = {mirroredImage(colour, mirror, false), mirroredImage(inside, mirror, false),
-                            normal ? mirroredImage(*normal, mirror, true) : Image{}};
-    const Image result =
-        colourWithoutNoise(images[0], albedo ? &images[1] : nullptr, albedo && normal ? &images[2] : nullptr);
-    const auto width = static_cast<uint32_t>(result.width), height = static_cast<uint32_t>(result.height);
-    for (size_t p = 0; p < result.pixelCount(); ++p)
-      for (size_t c = 0; c < 3; ++c)
-        mean.pixels[3 * mirroredPixel(p, width, height, mirror) + c] +=
-            result.pixels[3 * p + c] / static_cast<float>(passes);
-  }
-  return mean;
+  std::vector<PixelView> guides;
+  if (albedo) guides.push_back(viewOf(*albedo));
+  if (albedo && normal) guides.push_back(viewOf(*normal));
+  const auto denoise = [&](const PixelView& image, std::span<const PixelView> turned) {
+    std::vector<Image> clean;
+    for (const PixelView& guide : turned) clean.push_back(copyOf(guide));
+    return colourWithoutNoise(copyOf(image), clean.empty() ? nullptr : &clean[0],
+                              clean.size() < 2 ? nullptr : &clean[1])
+        .pixels;
+  };
+  return imageOf(denoising::denoisedRadiance(viewOf(colour), guides, passes, denoise), colour.width, colour.height);
 }
 
 Image ImageDenoiser::denoisedAlbedo(const Image& albedo) {
-  const Image clamped = clampedToOne(albedo);
-  Image result = albedoWithoutNoise(clamped);
-  for (size_t i = 0; i < result.pixels.size(); ++i) result.pixels[i] += albedo.pixels[i] - clamped.pixels[i];
-  return result;
+  const auto denoise = [&](const PixelView& image) { return albedoWithoutNoise(copyOf(image)).pixels; };
+  return imageOf(denoising::denoisedAlbedo(viewOf(albedo), denoise), albedo.width, albedo.height);
 }
 
 }  // namespace xrds
