@@ -55,7 +55,7 @@ void open(Gpu& gpu, std::vector<Stage>& stages) {
 
 }  // namespace
 
-void checkDenoising(const NetworkConfig& upscaler, const DenoisingModels& models, const Upscaler::Options& options) {
+void checkDenoising(const NetworkConfig& upscaler, const DenoisingModels& models) {
   if (!models) return;
   const auto require = [](bool holds, const std::string& problem) {
     if (!holds) throw InvalidArgument(problem);
@@ -70,10 +70,11 @@ void checkDenoising(const NetworkConfig& upscaler, const DenoisingModels& models
   const auto& guides = models.colour->config().auxInputs;
   require((guides.empty() || takes(upscaler, kAlbedo)) && (guides.size() < 2 || takes(upscaler, kNormal)),
           "The denoiser of the colour takes an albedo or a normal that the model does not take.");
-  require(options.ensemble == 1, "An upscaler with denoisers takes one pass: ensemble must be 1.");
-  require(options.skip.bound == 0 && !options.skip.keepUnchanged,
-          "An upscaler with denoisers computes every pixel: it cannot skip windows or keep unchanged ones.");
-  require(!options.tiles.wrap, "An upscaler with denoisers takes no panoramas that continue into themselves.");
+}
+
+bool runsSeparately(const Upscaler::Options& options) {
+  return options.denoisers.separate || options.ensemble > 1 || options.skip.bound > 0 || options.skip.keepUnchanged ||
+         options.tiles.wrap;
 }
 
 DenoisedPlan planDenoised(Gpu& gpu, const NetworkModel& model, FrameShape frame, const DenoisingModels& denoising,

@@ -10,8 +10,12 @@ struct DenoisingModels {
   explicit operator bool() const { return colour || albedo || normal; }
 };
 
-/// Throws InvalidArgument if the models do not denoise what the upscaler takes, or the options exclude them.
-void checkDenoising(const NetworkConfig& upscaler, const DenoisingModels& models, const Upscaler::Options& options);
+/// Throws InvalidArgument if the models do not denoise what the upscaler takes.
+void checkDenoising(const NetworkConfig& upscaler, const DenoisingModels& models);
+
+/// Whether the options exclude denoisers that stand in front of the upscaler on the device, so that they run one after
+/// the other (SeparateDenoisers).
+bool runsSeparately(const Upscaler::Options& options);
 
 /// A frame made ready with a denoiser in front.
 struct DenoisedPlan {

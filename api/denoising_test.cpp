@@ -183,6 +183,41 @@ TEST_F(Denoising, TellsItsTimesItsProgressAndItsEnd) {
   EXPECT_TRUE(upscaler.run(viewOf(colour_, 1), views, output));
 }
 
+// In the least memory in which it goes at all they find no room in front of the upscaler.
+TEST_F(Denoising, NeedsLessRoomOneAfterTheOther) {
+  const Pixels expected = through(guided_, colour_, 1, {&albedo_, &normal_},
+                                  {.denoisers = {&colourNetwork_, &albedoNetwork_, &normalNetwork_, true}});
+  const PixelView views[] = {viewOf(albedo_, kScale), viewOf(normal_, kScale)};
+  Pixels found(albedo_.size());
+  const auto denoisesAlone = [&](uint64_t bytes) {
+    Upscaler upscaler(device(), guided_, kWidth, kHeight,
+                      {.profile = true, .tiles = {.memoryBytes = bytes, .exact = true}, .denoisers = denoisers_});
+    EXPECT_TRUE(upscaler.run(viewOf(colour_, 1), views, found));
+    const auto rows = upscaler.profile();
+    return std::none_of(rows.begin(), rows.end(), [](const auto& row) { return row.label == "add_excess"; });
+  };
+  for (uint64_t bytes = 100000;; bytes += bytes / 8) {
+    try {
+      EXPECT_TRUE(denoisesAlone(bytes)) << bytes;
+      break;
+    } catch (const OutOfMemory&) {
+    }
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_FALSE(denoisesAlone(uint64_t{1} << 30));
+}
+
+TEST_F(Denoising, CanBeStoppedOneAfterTheOther) {
+  Upscaler upscaler(device(), guided_, kWidth, kHeight, {.ensemble = 2, .denoisers = denoisers_});
+  const PixelView views[] = {viewOf(albedo_, kScale), viewOf(normal_, kScale)};
+  Pixels outputs[2] = {Pixels(albedo_.size()), Pixels(albedo_.size())};
+  ASSERT_TRUE(upscaler.run(viewOf(colour_, 1), views, outputs[0]));
+  for (const double end : {0.0, 0.3, 0.9})
+    EXPECT_FALSE(upscaler.run(viewOf(colour_, 1), views, outputs[1], [&](double share) { return share < end; })) << end;
+  ASSERT_TRUE(upscaler.run(viewOf(colour_, 1), views, outputs[1]));
+  EXPECT_EQ(outputs[0], outputs[1]);
+}
+
 TEST_F(Denoising, RefusesWhatItCannotDo) {
   const PixelView views[] = {viewOf(albedo_, kScale), viewOf(normal_, kScale)};
   const auto messageOf = [](const auto& action) {
@@ -210,14 +245,6 @@ TEST_F(Denoising, RefusesWhatItCannotDo) {
   has(refusal({.denoisers = {&colourNetwork_, &normalNetwork_, nullptr}}, guided_), "albedo");
   has(refusal({.denoisers = {&colourNetwork_, nullptr, &albedoNetwork_}}, guided_), "normal");
   has(refusal({.denoisers = denoisers_}, golden("s1_none_noaux")), "does not take");
-  has(refusal({.ensemble = 2, .denoisers = denoisers_}, guided_), "ensemble");
-  has(refusal({.skip = {.bound = 0.01F}, .denoisers = denoisers_}, guided_), "skip");
-  has(refusal({.tiles = {.wrap = true}, .denoisers = denoisers_}, guided_), "panoramas");
-  Upscaler upscaler(device(), guided_, kWidth, kHeight, {.denoisers = denoisers_});
-  Pixels output(albedo_.size()), mean(albedo_.size());
-  const LayerSet layers{.lights = {{.light = viewOf(colour_, 1), .output = mean}}};
-  EXPECT_THROW(upscaler.run(viewOf(colour_, 1), views, output, std::span(&layers, 1)), InvalidArgument);
-  EXPECT_TRUE(upscaler.run(viewOf(colour_, 1), views, output));
   const Upscaler::Options narrow{.tiles = {.memoryBytes = 100000}, .denoisers = denoisers_};
   EXPECT_THROW(Upscaler(device(), guided_, kWidth, kHeight, narrow), OutOfMemory);
 }

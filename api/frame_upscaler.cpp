@@ -5,10 +5,12 @@
 #include <exception>
 
 #include "api/arguments.h"
+#include "api/colour.h"
 #include "api/denoising.h"
 #include "api/finite_image.h"
 #include "api/layer_frame.h"
 #include "api/model.h"
+#include "api/separate_denoisers.h"
 #include "checks/reference.h"
 #include "engine/kernel_family.h"
 #include "frames/ensemble.h"
@@ -19,8 +21,8 @@
 #include "network/halo.h"
 #include "network/oidn.h"
 #include "tuning/tuner.h"
-#include "xrds/alpha.h"
 #include "xrds/auxiliary_input.h"
+#include "xrds/noisy_share.h"
 
 namespace xrds {
 namespace {
@@ -59,6 +61,7 @@ struct FrameUpscaler::State {
         config(model.config()),
         frame(shape),
         options(given),
+        isSeparate(denoisers && runsSeparately(given)),
         sharers(sharing) {
     if (options.ensemble == 8 && frame.width != frame.height) {
       sharers = 2;
@@ -70,8 +73,25 @@ struct FrameUpscaler::State {
     prepareAsFits();
   }
 
+  // Where the denoisers find no room in front, they need less one after the other.
   void prepareAsFits() {
     exposure = 0;
+    if (!denoising || denoisesSeparately()) return prepareInTiles();
+    try {
+      prepareInTiles();
+    } catch (const DeviceLost&) {
+      throw;
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error&) {
+      noRoom = std::current_exception();
+      isSeparate = true;
+      runner.reset();
+      prepareInTiles();
+    }
+  }
+
+  void prepareInTiles() {
     try {
       prepare(memoryOf(gpu, options.tiles));
     } catch (const OutOfMemory&) {
@@ -83,7 +103,7 @@ struct FrameUpscaler::State {
     SessionOptions of = sessionOptions(gpu, model, frame, options);
     of.memoryBytes = memory / sharers;
     of.layers = layerCount;
-    if (denoising) {
+    if (denoising && !denoisesSeparately()) {
       auto plan = planDenoised(gpu, model, frame, denoising, options, of, memory);
       tiling = plan.tiling;
       runner = std::move(plan.runner);
@@ -109,25 +129,26 @@ struct FrameUpscaler::State {
   }
 
   // Plans anew where the last plan was for another number of layers, or failed.
-  void planLayers(uint32_t count) {
-    if (turned) turned->planLayers(count);
-    if (count == layerCount && runner) return;
+  void planLayers(uint32_t count, bool some) {
+    if (turned) turned->planLayers(count, some);
+    if (count == layerCount && some == hasLayers && runner) return;
     if (count > 0 && (options.skip.bound > 0 || options.skip.keepUnchanged))
       throw InvalidArgument(
           "Layers are made of every pixel of the frame: an upscaler that leaves out windows cannot make them.");
-    if (denoising)
-      throw InvalidArgument("An upscaler with denoisers makes no layers: denoise them before, and the colour as well.");
     if (hold.use_count() > 1)
       throw InvalidArgument(
           "The upscaler is part of a recording, which layers would change: destroy that, or create another "
           "upscaler.");
     runner.reset();
+    if (!isSeparate && !some) networks.reset();
     layerCount = count;
+    hasLayers = some;
     try {
       prepareAsFits();
     } catch (const Error&) {
       runner.reset();
       layerCount = 0;
+      hasLayers = false;
       prepareAsFits();
       throw;
     }
@@ -180,14 +201,65 @@ struct FrameUpscaler::State {
     return true;
   }
 
+  bool denoisesSeparately() const { return denoising && (isSeparate || hasLayers); }
+
+  bool runImages(const FrameImages& images, std::span<float> output, const Progress& progress) {
+    std::vector<LayerFrame> sets;
+    sets.reserve(images.layers.size());
+    std::vector<LayerImage> filtered;
+    for (const LayerSet& set : images.layers) {
+      const auto ofSet = sets.emplace_back(config, frame, set, images.colour, images.auxiliary).images();
+      filtered.insert(filtered.end(), ofSet.begin(), ofSet.end());
+    }
+    if (!run(images.colour, images.auxiliary, filtered, output, progress)) return false;
+    layerReports.clear();
+    for (LayerFrame& set : sets) layerReports.push_back(set.share(output));
+    for (size_t i = 0; i < images.shares.size(); ++i) layerReports[i].share = images.shares[i];
+    return true;
+  }
+
+  // Where the device has no room for a network beside the upscaler, that goes and comes back.
+  std::optional<FrameImages> denoised(const FrameImages& images, const Progress& progress) {
+    try {
+      return networks->denoised(images, progress);
+    } catch (const OutOfMemory&) {
+      runner.reset();
+      if (turned) turned->runner.reset();
+    }
+    auto clean = networks->denoised(images, progress);
+    networks->release();
+    if (turned) turned->prepareAsFits();
+    prepareAsFits();
+    return clean;
+  }
+
+  // given: the images as they came, of which an ensemble of a model of the full-resolution colour makes a share.
+  bool runDenoised(const FrameImages& given, const FrameImages& levelled, std::span<float> output,
+                   const Progress& progress) {
+    if (!networks) networks = std::make_unique<SeparateDenoisers>(gpu, config, denoising, options);
+    const bool mixes = options.ensemble > 1 && config.auxOffset(kFullColour.name) >= 0 && given.layers.empty();
+    const uint32_t before = networks->runs(levelled), own = options.ensemble;
+    const double all = before + (mixes ? 2 : 1) * own;
+    std::vector<float> noisy(mixes ? output.size() : 0);
+    if (mixes && !runImages(given, noisy, partOf(progress, 0, own / all))) return false;
+    const auto clean = denoised(levelled, partOf(progress, mixes ? own / all : 0, before / all));
+    if (!clean || !runImages(*clean, output, partOf(progress, 1 - own / all, own / all))) return false;
+    if (mixes) addNoisyShare(output, noisy, exposure);
+    return true;
+  }
+
   Gpu& gpu;
   const NetworkModel model;
   const DenoisingModels denoising;
   NetworkConfig config;
   FrameShape frame;
   Options options;
-  uint32_t sharers;         // of the memory: 2 with `turned`
-  uint32_t layerCount = 0;  // images beside the colour that the runner filters
+  bool isSeparate;                              // denoisers do not stand in front
+  std::exception_ptr noRoom;                    // why not, where they should
+  std::unique_ptr<SeparateDenoisers> networks;  // made when first needed
+  uint32_t sharers;                             // of the memory: 2 with `turned`
+  uint32_t layerCount = 0;                      // images beside the colour that the runner filters
+  bool hasLayers = false;                       // denoisers then do not stand in front either
   const std::shared_ptr<const bool> hold = std::make_shared<bool>();  // shared with recordings, which use the runner
   std::vector<LayerReport> layerReports;                              // of the last run
   Tiling tiling;
@@ -199,9 +271,8 @@ struct FrameUpscaler::State {
 
 FrameUpscaler::FrameUpscaler(Gpu& gpu, const NetworkModel& model, FrameShape shape, const Options& options,
                              const DenoisingModels& denoising)
-    : state_((checkOptions(options), checkShape(model.config(), shape),
-              checkDenoising(model.config(), denoising, options), tuneIfAsked(gpu, model, shape, options),
-              new State(gpu, model, shape, options, denoising))) {}
+    : state_((checkOptions(options), checkShape(model.config(), shape), checkDenoising(model.config(), denoising),
+              tuneIfAsked(gpu, model, shape, options), new State(gpu, model, shape, options, denoising))) {}
 FrameUpscaler::~FrameUpscaler() = default;
 
 bool paysToTune(const Gpu& gpu, const NetworkModel& model, FrameShape frame, bool fp16) {
@@ -218,24 +289,24 @@ bool FrameUpscaler::run(const PixelView& colour, std::span<const PixelView> auxi
     checkLayers(state_->config, state_->frame, set);
     layerImages += layerImageCount(state_->config, set);
   }
-  state_->planLayers(layerImages);
+  state_->planLayers(layerImages, state_->denoising && !layers.empty());
   const FiniteImage finiteColour(colour, kindOfColour(state_->config));
   std::vector<FiniteImage> finiteImages;
-  std::vector<PixelView> views;
-  views.reserve(auxiliary.size());
+  FrameImages frame{finiteColour.view(), {}, {layers.begin(), layers.end()}};
   for (size_t i = 0; i < auxiliary.size(); ++i)
     finiteImages.emplace_back(auxiliary[i], kindOf(state_->config.auxInputs[i]));
-  for (const FiniteImage& image : finiteImages) views.push_back(image.view());
-  std::vector<LayerFrame> sets;
-  sets.reserve(layers.size());
-  std::vector<LayerImage> filtered;
-  for (const LayerSet& set : layers) {
-    const auto images = sets.emplace_back(state_->config, state_->frame, set, finiteColour.view(), views).images();
-    filtered.insert(filtered.end(), images.begin(), images.end());
+  for (const FiniteImage& image : finiteImages) frame.auxiliary.push_back(image.view());
+  FrameImages levelled = frame;
+  std::vector<float> full;
+  const bool levels = state_->denoising && state_->options.denoisers.level;
+  if (const int first = state_->config.auxOffset(kFullColour.name); first >= 0 && levels) {
+    PixelView& view = levelled.auxiliary[static_cast<size_t>(first) / 3];
+    full = atLevelOf(view, frame.colour);
+    view = {full.data(), view.width, view.height};
   }
-  if (!state_->run(finiteColour.view(), views, filtered, output, progress)) return false;
-  state_->layerReports.clear();
-  for (LayerFrame& set : sets) state_->layerReports.push_back(set.share(output));
+  if (!(state_->denoisesSeparately() ? state_->runDenoised(frame, levelled, output, progress)
+                                     : state_->runImages(levelled, output, progress)))
+    return false;
   state_->repairs.colour = finiteColour.repaired();
   state_->repairs.auxiliary = 0;
   for (const FiniteImage& image : finiteImages) state_->repairs.auxiliary += image.repaired();
@@ -250,7 +321,8 @@ float FrameUpscaler::exposure() const { return state_->exposure; }
 
 uint64_t FrameUpscaler::deviceBytes() const {
   const uint64_t own = state_->runner ? state_->runner->byteSize() : 0;
-  return state_->turned && state_->turned->runner ? own + state_->turned->runner->byteSize() : own;
+  const uint64_t ofDenoisers = state_->networks ? state_->networks->byteSize() : 0;
+  return own + ofDenoisers + (state_->turned && state_->turned->runner ? state_->turned->runner->byteSize() : 0);
 }
 
 SkipMap FrameUpscaler::skipMap() const {
@@ -286,7 +358,7 @@ std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, 
   const FrameShape frame{colour.height, colour.width};
   checkOptions(options);
   checkShape(model.config(), frame);
-  checkDenoising(model.config(), denoising, options);
+  checkDenoising(model.config(), denoising);
   checkImages(model.config(), frame, colour, auxiliary);
   const CheckResult result = checkAgainstReference(gpu, modelFor(model, denoising, options), frame,
                                                    inputOf(model.config(), colour, auxiliary, options),
@@ -306,7 +378,12 @@ std::vector<FramePart> FrameUpscaler::parts() const {
   if (state_->options.ensemble > 1)
     throw InvalidArgument("An ensemble of " + std::to_string(state_->options.ensemble) +
                           " passes cannot be recorded: create the upscaler with an ensemble of 1.");
-  state_->planLayers(0);  // the run before may have had some
+  state_->planLayers(0, false);  // the run before may have had some
+  if (state_->noRoom) std::rethrow_exception(state_->noRoom);
+  if (state_->denoising && (state_->isSeparate || state_->options.denoisers.level))
+    throw InvalidArgument(
+        "Denoisers that run one after the other, or bring a colour to the level of another one, cannot be recorded: "
+        "create the upscaler without skipBound, keepUnchanged, wrap, separateDenoisers and levelColour.");
   auto parts = state_->runner->parts();
   if (parts.empty())
     throw InvalidArgument(
@@ -318,16 +395,5 @@ std::vector<FramePart> FrameUpscaler::parts() const {
 std::shared_ptr<const void> FrameUpscaler::hold() const { return state_->hold; }
 
 const DenoisingParts* FrameUpscaler::denoising() const { return state_->runner->denoising(); }
-
-std::vector<float> upscaledAlpha(FrameUpscaler& bicubic, std::span<const float> alpha) {
-  const FrameShape shape = bicubic.shape();
-  const uint32_t scale = bicubic.config().scale;
-  std::vector<float> spread(3 * alpha.size());
-  for (size_t i = 0; i < spread.size(); ++i) spread[i] = alpha[i / 3];
-  std::vector<float> upscaled(spread.size() * scale * scale), result(upscaled.size() / 3);
-  bicubic.run({spread.data(), shape.width, shape.height}, {}, upscaled, {});
-  for (size_t i = 0; i < result.size(); ++i) result[i] = snappedAlpha(upscaled[3 * i]);
-  return result;
-}
 
 }  // namespace xrds

@@ -1,3 +1,4 @@
+#include <cstddef>
 #include <limits>
 
 #include "api/c/handles.h"
@@ -48,6 +49,9 @@ xrds::FrameUpscaler& XrdsUpscaler::alphaUpscaler() {
 
 xrds::Upscaler::Options xrds::c::optionsOf(const XrdsUpscalerOptions* options) {
   const XrdsUpscalerOptions usual = xrdsUpscalerOptionsDefault(), given = options ? taken(*options, usual) : usual;
+  // Headers without the field behind it had padding in the place of separateDenoisers.
+  const bool separate =
+      options && options->structSize > offsetof(XrdsUpscalerOptions, levelColour) && given.separateDenoisers;
   constexpr Upscaler::Tune kTunes[] = {Upscaler::Tune::automatic, Upscaler::Tune::never, Upscaler::Tune::now};
   if (const int tune = numberOf(given.tune); tune < XRDS_TUNE_AUTO || tune > XRDS_TUNE_NOW)
     throw InvalidArgument("The option tune is " + std::to_string(tune) +
@@ -65,6 +69,7 @@ xrds::Upscaler::Options xrds::c::optionsOf(const XrdsUpscalerOptions* options) {
                           .skip = {.bound = given.skipBound, .keepUnchanged = given.keepUnchanged != 0},
                           .multiplyAddsPerSubmission = given.multiplyAddsPerSubmission,
                           .tune = kTunes[given.tune],
+                          .denoisers = {.separate = separate, .level = given.levelColour != 0},
                           .denoisedColour = given.denoisedColour != 0};
   if (given.exposure != 0) asked.exposure = given.exposure;
   if (given.tileHalo >= 0) asked.tiles.halo = static_cast<uint32_t>(given.tileHalo);

@@ -28,8 +28,9 @@ struct LayerColour {
 /// Layers that are upscaled with a picture so that they still add up to it; passes of Cycles are one set, light groups
 /// another. Each is filtered by the kernels of the picture's base image, by its bicubic weights where the model has no
 /// such kernels, times its colour or albedo of full resolution. What the network makes beyond that is shared out: each
-/// layer gets its share of the picture, pixel by pixel and channel by channel. A denoiser (xrds/oidn_import.h) filters
-/// no layers: give each without its noise, and the sum of these as `whole`.
+/// layer gets its share of the picture, pixel by pixel and channel by channel. Of an upscaler with denoisers each goes
+/// through these before. A denoiser (xrds/oidn_import.h) as the model filters no layers: give each without its noise,
+/// and the sum of these as `whole`.
 struct LayerSet {
   std::vector<LightLayer> lights;
   std::vector<LayerColour> colours{};

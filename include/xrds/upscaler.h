@@ -31,14 +31,16 @@ class Upscaler {
   enum class Tune : uint8_t { never, automatic, now };
 
   /// Networks of Open Image Denoise (xrds/oidn_import.h) that take the noise out of the images before they are
-  /// upscaled; between them nothing leaves the device. Albedo and normal, unless they have no noise, each by its own;
-  /// then light at their resolution, with these; then the colour, with their box means. A full-resolution colour must
-  /// be at the level of the other one (levelledColour()). Not with an ensemble, layers, SkipOptions or
-  /// TileOptions::wrap. The exposure of these networks is their own.
+  /// upscaled: out of albedo and normal, unless they have no noise, each by its own; then light at their resolution,
+  /// with these; then the colour, with their box means. Their exposure is their own. Between them nothing leaves the
+  /// device; but with an ensemble (its passes are theirs, too), SkipOptions, TileOptions::wrap, layers, or where they
+  /// find no room together, they run one after the other. Then they cannot be recorded.
   struct Denoisers {
     const Model* colour = nullptr;  // HDR, with as many guides as the model has of albedo and normal, or fewer
     const Model* albedo = nullptr;  // null: the albedo has no noise
     const Model* normal = nullptr;
+    bool separate = false;  // one after the other in any case, each in all of TileOptions::memoryBytes
+    bool level = false;  // brings a full-resolution colour to the level of the other (levelledColour()), as it must be
   };
 
   struct Options {
@@ -114,9 +116,8 @@ class Upscaler {
     uint64_t colour = 0, auxiliary = 0, output = 0;
   };
   Repairs repairs() const;
-  float exposure() const {
-    return xrdsGetExposure(handle());
-  }  // of the last run, while one goes on that before it (of its last pass, as all that follow)
+  /// Of the last run, while one goes on that before it; of its last pass, as all that follow.
+  float exposure() const { return xrdsGetExposure(handle()); }
   uint64_t deviceBytes() const { return xrdsGetDeviceBytes(handle()); }  // arena and weights
   const Tiling& tiling() const { return tiling_; }
   SkipMap skipMap() const;                  // of the last run

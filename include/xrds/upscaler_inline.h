@@ -30,6 +30,8 @@ inline XrdsUpscalerOptions options(const Upscaler::Options& given) {
   asked.albedoDenoiser = handleOf(given.denoisers.albedo);
   asked.normalDenoiser = handleOf(given.denoisers.normal);
   asked.denoisedColour = given.denoisedColour;
+  asked.separateDenoisers = given.denoisers.separate;
+  asked.levelColour = given.denoisers.level;
   return asked;
 }
 

@@ -221,6 +221,8 @@ int main(void) {
   FIELD(XrdsUpscalerOptions, albedoDenoiser);
   FIELD(XrdsUpscalerOptions, normalDenoiser);
   FIELD(XrdsUpscalerOptions, denoisedColour);
+  FIELD(XrdsUpscalerOptions, separateDenoisers);
+  FIELD(XrdsUpscalerOptions, levelColour);
   SIZE(XrdsVulkanFeatures);
   FIELD(XrdsVulkanFeatures, shaderInt64);
   FIELD(XrdsVulkanFeatures, shaderSubgroupExtendedTypes);

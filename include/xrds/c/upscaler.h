@@ -40,17 +40,22 @@ typedef struct XrdsUpscalerOptions {
   XrdsProgress tuning;            /* hears of a tuning in place of the device's `preparation`; default NULL */
   void* tuningUser;
   int32_t profile; /* 1: each dispatch is timed for xrdsGetProfile(); default 0 */
-  /* Networks of Open Image Denoise (xrdsImportOidn()) that take the noise out of the images first; between them nothing
-   * leaves the device. Of albedo and normal, each by its own, NULL where it has no noise; then of light at their
-   * resolution, with these; then of the colour, with their box means. A full-resolution colour must be at the level of
-   * the other one (xrdsLevelColour()). Not with an ensemble, layers, skipBound, keepUnchanged or wrap. The exposure
-   * of these networks is their own. Default NULL: none; with `denoiser` NULL both others are, too. */
+  /* Networks of Open Image Denoise (xrdsImportOidn()) that take the noise out of the images first: of albedo and
+   * normal, each by its own, NULL where it has no noise; then of light at their resolution, with these; then of the
+   * colour, with their box means. Their exposure is their own. Between them nothing leaves the device; but with an
+   * ensemble, of which so many passes are theirs, skipBound, keepUnchanged, wrap, layers, each of which is denoised, or
+   * where they find no room together, they run one after the other. Then they cannot be recorded. Default NULL: none;
+   * with `denoiser` NULL both others are, too. */
   const XrdsModel* denoiser; /* for HDR colour with as many guides as the model has of albedo and normal, or fewer */
   const XrdsModel* albedoDenoiser;
   const XrdsModel* normalDenoiser;
   /* 1: the colour was denoised before. Of what the model changes in it only the part is taken that its file states
    * ("denoised_darker", "denoised_brighter"; of most models all). With `denoiser` it is so in any case. Default 0. */
   int32_t denoisedColour;
+  int32_t separateDenoisers; /* 1: they run one after the other in any case, each in all of memoryBytes; default 0 */
+  /* 1: of denoisers' images a full-resolution colour is brought to the level of the other one (xrdsLevelColour()), as
+   * it must be. In an ensemble a share of the picture is made of both as they are given. Default 0: it is there. */
+  int32_t levelColour;
 } XrdsUpscalerOptions;
 
 XRDS_API XrdsUpscalerOptions xrdsUpscalerOptionsDefault(void);
