@@ -14,7 +14,6 @@
 #include "python/native/device.h"
 #include "python/native/image.h"
 #include "python/native/temporal_filter.h"
-#include "xrds/noisy_share.h"
 #include "xrds/xrds_report.h"
 
 namespace nb = nanobind;
@@ -53,7 +52,8 @@ using LayerColour = std::tuple<const Image*, const Image*, const Image*>;  // lo
 using LayerSet = std::tuple<std::vector<Layer>, std::vector<LayerColour>, const Image*>;  // and what they are part of
 
 struct UpscalerOptions {
-  bool fp16 = false, keepUnchanged = false, exactTiles = false, wrap = false, denoisedColour = false;
+  bool fp16 = false, keepUnchanged = false, exactTiles = false, wrap = false, denoisedColour = false,
+       separateDenoisers = false;
   float exposure = 0, skip = 0;
   uint32_t ensemble = 1;
   uint64_t memory = 0;
@@ -72,6 +72,8 @@ XrdsUpscalerOptions optionsOf(const UpscalerOptions& given) {
   options.keepUnchanged = given.keepUnchanged;
   options.tune = static_cast<XrdsTune>(given.tune);
   options.denoisedColour = given.denoisedColour;
+  options.separateDenoisers = given.separateDenoisers;
+  options.levelColour = 1;  // of denoisers, which take it so
   return options;
 }
 
@@ -197,18 +199,6 @@ void mergeColour(const Image& low, const Image& full, double lowSamples, double 
   call.run([&] { return xrdsMergeColour(&low.view(), &full.view(), lowSamples, fullSamples, &merged.view()); });
 }
 
-void levelColour(const Image& full, const Image& merged, const Image& levelled) {
-  Call call;
-  call.run([&] { return xrdsLevelColour(&full.view(), &merged.view(), &levelled.view()); });
-}
-
-// Of arrays of three 32-bit floats without gaps.
-void addNoisyShare(const Image& picture, const Image& noisy, float exposure) {
-  const size_t count = size_t{3} * picture.view().width * picture.view().height;
-  xrds::addNoisyShare({static_cast<float*>(picture.view().channels[0]), count},
-                      {static_cast<const float*>(noisy.view().channels[0]), count}, exposure);
-}
-
 double compareColour(const Image& low, const Image& full) {
   double difference = 0;
   Call call;
@@ -264,7 +254,8 @@ NB_MODULE(_native, module) {
       .def_rw("exact_tiles", &UpscalerOptions::exactTiles)
       .def_rw("wrap", &UpscalerOptions::wrap)
       .def_rw("tune", &UpscalerOptions::tune)
-      .def_rw("denoised_colour", &UpscalerOptions::denoisedColour);
+      .def_rw("denoised_colour", &UpscalerOptions::denoisedColour)
+      .def_rw("separate_denoisers", &UpscalerOptions::separateDenoisers);
   nb::class_<Upscaler>(module, "Upscaler")
       .def(nb::init<Device&, const Model&, uint32_t, uint32_t, const UpscalerOptions&, const std::vector<const Model*>&,
                     nb::handle>(),
@@ -281,8 +272,6 @@ NB_MODULE(_native, module) {
   module.def("model_folders", &modelFolders);
   module.def("choose_model", &chooseModel);
   module.def("merge_colour", &mergeColour);
-  module.def("level_colour", &levelColour);
-  module.def("add_noisy_share", &addNoisyShare);
   module.def("compare_colour", &compareColour);
   module.def("import_oidn", &importOidn);
   module.def("denoiser_folder", &xrdsGetDenoiserFolder);

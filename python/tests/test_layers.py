@@ -102,6 +102,11 @@ def test_denoised_first_they_are_those_of_the_command(networks, tmp_path, words,
         upscaler(SUM, layers=LAYERS, **IMAGES)  # closed
 
 
+def test_layers_that_are_denoised_warn_where_they_add_up_to_more(networks):
+    with pytest.warns(UserWarning, match="add up to 2"):
+        xrds.upscale(SUM, model=MODEL, layers={"Emit": 2 * SUM}, denoise_first=networks, **IMAGES)
+
+
 @pytest.mark.parametrize("words, options", [([], {}), (["--ensemble", "2", "--denoise-first"], {"ensemble": 2}), (["--denoise-first"], {})])
 def test_broken_pixels_are_repaired_as_by_the_command(networks, tmp_path, words, options):
     given = {name: image.copy() for name, image in {"colour": SUM, **LIGHT, "low": LOW, "full": FULL, **IMAGES}.items()}

@@ -53,6 +53,7 @@ def test_the_full_colour_is_brought_to_the_level_of_the_merged_one(networks, tmp
 @pytest.mark.parametrize("words, options", [
     (["--ensemble", "2"], {"ensemble": 2}), (["--ensemble", "4", "--clean-guides"], {"ensemble": 4, "clean_guides": True}), (["--ensemble", "8"], {"ensemble": 8}),
     (["--skip", "0.05"], {"skip": 0.05}), (["--wrap"], {"wrap": True}), (["--wrap", "--ensemble", "4", "--precision", "fp16"], {"wrap": True, "ensemble": 4, "precision": "fp16"}),
+    (["--memory", "7000000", "--tiles", "exact"], {"memory": 7e6, "tiles": "exact"}),
 ])
 def test_networks_one_after_the_other_are_those_of_the_command(networks, tmp_path, words, options):
     colour, images = frame(12, 16)

@@ -52,13 +52,6 @@ def merged_or_none(low: _native.Image, full: _native.Image, samples: Optional[Sa
     return merged
 
 
-def levelled(full: _native.Image, merged: _native.Image) -> Result:
-    """The full-resolution colour at the level of the merged one, as denoisers take it best; in 32 bits."""
-    result = numpy.empty((full.height, full.width, 3), numpy.float32)
-    _native.level_colour(full, merged, writable(result, "full_colour"))
-    return result
-
-
 def checked(samples: Optional[Samples]) -> Samples:
     if samples is None:
         return 0, 0

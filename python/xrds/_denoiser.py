@@ -1,22 +1,39 @@
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Optional, Union, overload
 
-from ._arrays import Array, Result, readable
-from ._denoise_first import Networks, clean_albedo, guides_of, through
+import numpy
+
+from ._arrays import Array, Result, readable, writable
 from ._devices import Device
 from ._errors import ArgumentError
-from ._held import Held
+from ._held import Held, OnDevice
 from ._layers import LayerRun, Layers
 from ._oidn import Path, networks_alone
 from ._progress import Progress, steps
-from ._repair import filled
+from ._repair import filled, plain
 from ._upscaler import AnyDevice, Upscaler, _listed, _one_of
 
 _INPUTS = ((), ("albedo",), ("albedo", "normal"))
 
 
-class Denoiser(Held[Networks]):
+class _Networks:
+    """What stands on a device together."""
+
+    def __init__(self, networks: Sequence[OnDevice]) -> None:
+        self._all = networks
+
+    @property
+    def device_bytes(self) -> int:
+        return sum(network.device_bytes for network in self._all)
+
+    def close(self) -> None:
+        for network in self._all:
+            network.close()
+
+
+class Denoiser(Held[_Networks]):
     """Open Image Denoise's networks made ready for renders of one size on a device: slow once, then fast for each.
 
     width, height: of all images, pixels.
@@ -60,7 +77,7 @@ class Denoiser(Held[Networks]):
             for name, model in prefilters.items()
         }
         self._colour = Upscaler(width, height, colour, exposure=exposure, progress=progress, **options)  # type: ignore[arg-type]
-        super().__init__(Networks([*self._prefilters.values(), self._colour]))
+        super().__init__(_Networks([*self._prefilters.values(), self._colour]))
 
     @overload
     def __call__(
@@ -112,10 +129,33 @@ class Denoiser(Held[Networks]):
         passes = run.passes if run and "albedo" in self._prefilters else []
         heard = iter(steps(progress, len(self._prefilters) + len(passes) + len(noisy) + 1))
         for name, prefilter in self._prefilters.items():
-            images[name] = through(prefilter, images[name], [], next(heard))
+            images[name] = _through(prefilter, images[name], [], next(heard))
         if run:
-            clean = [clean_albedo(self._prefilters["albedo"], image, next(heard)) for image in passes]
-            guides = guides_of(images)
-            run.put([through(self._colour, image, guides, next(heard)) for image in noisy], clean or None)
+            clean = [_clean_albedo(self._prefilters["albedo"], image, next(heard)) for image in passes]
+            guides = _guides_of(images)
+            run.put([_through(self._colour, image, guides, next(heard)) for image in noisy], clean or None)
         picture = self._colour._run(colour, None, images, run, out, next(heard))
         return (picture, run.results) if run else picture
+
+
+def _through(network: Upscaler, image: Array, guides: list[Result], progress: Optional[Progress]) -> Result:
+    """What a network of one size makes of an image, in 32 bits."""
+    clean = numpy.empty((network.height, network.width, 3), numpy.float32)
+    with network._lock:
+        network._native.run(
+            readable(image, "image"), [readable(guide, "guide") for guide in guides], writable(clean, "result"), progress
+        )
+    return clean
+
+
+def _clean_albedo(network: Upscaler, albedo: Array, progress: Optional[Progress]) -> Result:
+    """An albedo, or a colour pass, without its noise; what it has above 1, as that of lights may, stays."""
+    given = plain(albedo)
+    inside = given.clip(0, 1)
+    clean: Result = _through(network, inside, [], progress) + (given - inside)
+    return clean
+
+
+def _guides_of(images: Mapping[str, Array]) -> list[Result]:
+    """What a denoiser of colours takes of images: the albedo, from 0 to 1, and the normal, those that are there."""
+    return [plain(images[name]).clip(0, 1) if name == "albedo" else plain(images[name]) for name in ("albedo", "normal") if name in images]

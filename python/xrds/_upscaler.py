@@ -5,11 +5,10 @@ from typing import NamedTuple, Optional, Union, overload
 
 from . import _native
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
-from ._colour import Samples, levelled, merged_or_none
-from ._denoise_first import DenoisedFirst
+from ._colour import Samples, merged_or_none
 from ._devices import Device
 from ._errors import ArgumentError
-from ._held import Held, OnDevice
+from ._held import Held
 from ._layers import LayerRun, Layers
 from ._models import Model
 from ._oidn import Path, networks_in_front
@@ -52,8 +51,8 @@ class Upscaler(Held[_native.Upscaler]):
     tune: "auto", "never" or "now": whether the device's fastest kernels are found before, minutes on a CPU.
     denoise_first: Open Image Denoise's networks take the noise out of all images first, on the same device: True: those of
     denoiser_folder(), where import_oidn() puts them; or a folder. With ensemble (of which so many passes are theirs, too),
-    skip, keep_unchanged or wrap they run one after the other, and `memory` is for each. So they do for frames with layers,
-    each of which goes through the denoiser: for the first one the networks are made ready once more.
+    skip, keep_unchanged, wrap or memory, or where they find no room together, they run one after the other, and `memory` is
+    for each. So they do for frames with layers, each of which goes through the denoiser: they are made ready anew.
     clean_guides: with denoise_first: albedo and normal have no noise.
     denoised_colour: the colour was denoised before: of what the model changes in it only the part is taken that its file
     states ("denoised_darker", "denoised_brighter"; of most models all). With denoise_first it is so in any case.
@@ -94,27 +93,15 @@ class Upscaler(Held[_native.Upscaler]):
         self.width, self.height = _size(width, "width"), _size(height, "height")
         self.model = model if isinstance(model, Model) else Model(model)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
-        self._denoisers: list[Optional[Model]] = []
+        denoisers: list[Optional[Model]] = []
         if denoise_first is not False and denoise_first is not None:
             folder = None if denoise_first is True else denoise_first
-            self._denoisers = networks_in_front(self.model.inputs, folder, clean_guides)
-        self._closed = False
-        self._apart: Optional[DenoisedFirst] = None
-        self._behind: Optional[_native.Upscaler] = None  # of what is denoised apart
-        self._options = options  # of it without denoisers
-        self._passes = ensemble
-        self._of_denoisers = {"device": self.device, "precision": precision, "memory": memory, "tiles": "exact", "tune": "never"}
-        if self._denoisers and (ensemble > 1 or options.skip != 0 or keep_unchanged or wrap):
-            options.denoised_colour = True
-            super().__init__(self._plainly(progress))
-            self._behind, self._apart = self._native, self._denoised_apart(progress)
-        else:
-            networks = [network._native if network else None for network in self._denoisers]
-            super().__init__(
-                _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, networks, progress)
-            )
-            options.denoised_colour = denoised_colour or bool(self._denoisers)
-        self._ran = self._native  # of the last frame
+            denoisers = networks_in_front(self.model.inputs, folder, clean_guides)
+        options.separate_denoisers = memory is not None
+        networks = [network._native if network else None for network in denoisers]
+        super().__init__(
+            _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, networks, progress)
+        )
 
     @overload
     def __call__(
@@ -171,33 +158,13 @@ class Upscaler(Held[_native.Upscaler]):
     def exposure(self) -> float:
         """The exposure of the last frame; of that before while one is made, and 0 before the first."""
         with self._lock:
-            return self._ran.exposure
+            return self._native.exposure
 
     @property
     def repairs(self) -> Repairs:
         """Pixels of the last frame that were not finite."""
         with self._lock:
-            colour, auxiliary, output = self._ran.repairs
-            if self._apart and self._ran is self._behind:
-                colour, auxiliary = self._apart.filled
-            return Repairs(colour, auxiliary, output)
-
-    @property
-    def device_bytes(self) -> int:
-        """Memory of the device that this holds."""
-        with self._lock:
-            return sum(one.device_bytes for one in self._held())
-
-    def close(self) -> None:
-        """Gives its memory back now. It is of no more use; without it, this comes by itself."""
-        with self._lock:
-            self._closed = True
-            for one in self._held():
-                one.close()
-
-    def _held(self) -> list[OnDevice]:
-        behind = [self._behind] if self._behind and self._behind is not self._native else []
-        return [self._native, *behind, *([self._apart] if self._apart else [])]
+            return Repairs(*self._native.repairs)
 
     def _run(
         self,
@@ -219,41 +186,13 @@ class Upscaler(Held[_native.Upscaler]):
         output = writable(result, "out")
         refuse_overlap(output, [low, *inputs])
         frame = low if merged is None else readable(merged, "colour")
-        if self._behind is self._native or (layers is not None and self._denoisers and not self._closed):
-            self._run_apart(colour if merged is None else merged, arrays, layers, output, progress)
-            return result
-        if self._denoisers and "colour" in self.model.inputs:
-            place = self.model.inputs.index("colour")
-            inputs[place] = readable(levelled(inputs[place], frame), "full_colour")
         with self._lock:
-            self._ran = self._native
             if layers is None:
                 self._native.run(frame, inputs, output, progress)
                 return result
             reports = self._native.run_layers(frame, inputs, output, layers.sets(), progress)
         layers.hear(reports)
         return result
-
-    def _run_apart(
-        self, frame: Array, arrays: dict[str, Array], layers: Optional[LayerRun], output: _native.Image, progress: Optional[Progress]
-    ) -> None:
-        with self._lock:
-            self._behind = self._behind or self._plainly(progress)
-            self._apart = self._apart or self._denoised_apart(progress)
-            self._ran = self._behind
-            reports = self._apart.run(self._behind, frame, arrays, layers, output, progress)
-        if layers:
-            layers.hear(reports)
-
-    def _plainly(self, progress: Optional[Progress]) -> _native.Upscaler:
-        return _native.Upscaler(self.device._native, self.model._native, self.width, self.height, self._options, [], progress)
-
-    def _denoised_apart(self, progress: Optional[Progress]) -> DenoisedFirst:
-        options = self._of_denoisers
-        return DenoisedFirst(
-            self.model, self.width, self.height, self._denoisers, self._passes,
-            lambda wide, high, one: Upscaler(wide, high, one, progress=progress, **options),  # type: ignore[arg-type]
-        )
 
     def _chosen(self, given: dict[str, _native.Image], merged: bool) -> list[_native.Image]:
         """The images of the model in its order."""
