@@ -149,7 +149,11 @@ void addDenoise(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("denoise", "Take the noise out of a frame, or a sequence, with Open Image Denoise's networks");
   addOptions(*verb, *options);
-  verb->callback([options] { isSequence(options->common) ? denoiseSequence(*options) : denoiseOne(*options); });
+  verb->callback([options] {
+    if (options->ldr && options->common.exposure != "auto")
+      throw Failure{ExitCode::usage, "--exposure is of radiance without bound: it cannot go with --ldr."};
+    isSequence(options->common) ? denoiseSequence(*options) : denoiseOne(*options);
+  });
 }
 
 }  // namespace xrds

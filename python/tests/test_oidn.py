@@ -201,6 +201,7 @@ def test_a_denoiser_refuses_what_cannot_be(networks):
         ({"albedo": noise(40, 56), "normal": albedo}, "The albedo is 56 x 40 pixels, expected 28 x 20"),
         ({"guides": "wrong"}, "guides is 'wrong'"),
         ({"quality": "wrong"}, "quality is 'wrong'"),
+        ({"ldr": True, "exposure": 2.0}, "exposure .* cannot go with ldr"),
     ):
         with pytest.raises(xrds.ArgumentError, match=sentence):
             xrds.denoise(colour, denoisers=networks, **options)

@@ -40,7 +40,7 @@ class Denoiser(Held[_Networks]):
     inputs: the images that come with the colour: ("albedo", "normal"), ("albedo",) or ().
     guides: "prefilter": albedo and normal are denoised first, each by a network of its own; "noisy": they stay as they are; "clean": so they do, and have no noise.
     quality: "high": the largest networks that there are; "balanced", "fast": the base ones, the small ones.
-    ldr: the colour is linear from 0 to 1 and stays so; else it is radiance without bound.
+    ldr: the colour is linear from 0 to 1 and stays so; else it is radiance without bound. Not with exposure.
     denoisers: folder of the networks; None: denoiser_folder(), where import_oidn() puts them.
     The others are those of Upscaler.
 
@@ -69,6 +69,8 @@ class Denoiser(Held[_Networks]):
             raise ArgumentError(f"A denoiser takes albedo and normal, albedo, or nothing beside the colour, not {_listed(self.inputs)}.")
         _one_of(guides, "guides", ("prefilter", "noisy", "clean"))
         _one_of(quality, "quality", ("high", "balanced", "fast"))
+        if ldr and exposure is not None:
+            raise ArgumentError("The exposure is of radiance without bound: it cannot go with ldr.")
         colour, prefilters = networks_alone(self.inputs, guides, quality, ldr, denoisers)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
         options = {"device": self.device, "precision": precision, "memory": memory, "tiles": "exact", "tune": "never"}

@@ -53,6 +53,8 @@ TEST(CliOidn, MatchesPyTorch) {
     ASSERT_EQ(ended.exitCode, 0) << ended.error;
     EXPECT_LT(frame.difference(), tolerance) << precision;
   }
+  expectFailure(frame.denoise({"--ldr", "--guides", "noisy", "--exposure", "2"}), 2, "cannot go with --ldr",
+                frame.folder, 3);
 }
 
 TEST(CliOidn, TakesTheColourAlone) {
