@@ -51,7 +51,7 @@ bool FirstDenoiser::goesAlong(const Frame& frame) {
   const bool isPlain = options_.ensemble == 1 && options_.memory.empty() && parseSkip(options_.skip) == 0 &&
                        !options_.keepUnchanged && !options_.wrap;
   const bool isLookedAt = options_.check || !options_.reference.empty() || !options_.sideBySide.empty();
-  return hasRoom_ && isPlain && !isLookedAt && !frame.layers() && takes(frame);
+  return isPlain && !isLookedAt && !frame.layers() && takes(frame);
 }
 
 void FirstDenoiser::prepare(std::optional<Upscaler>& upscaler, Device& device, const Model& model, const Frame& frame) {
@@ -59,13 +59,9 @@ void FirstDenoiser::prepare(std::optional<Upscaler>& upscaler, Device& device, c
   asked.denoisers = networks_.inFront(frame.imageOf(kAlbedo.name), frame.imageOf(kNormal.name), options_.cleanGuides);
   try {
     upscaler.emplace(device, model, frame.width(), frame.height(), asked);
-  } catch (const DeviceLost&) {
-    throw;
   } catch (const Cancelled&) {
     stopIfInterrupted();
     throw;
-  } catch (const Error&) {  // one after the other they need less
-    hasRoom_ = false;
   }
 }
 

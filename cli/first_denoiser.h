@@ -25,13 +25,13 @@ class FirstDenoiser {
   /// denoisesOnDevice() for frames of a sequence.
   bool takes(const Frame& frame);
 
-  /// Whether the networks stand in front of the upscaler on the device, so that no image comes back in between. Not
-  /// where more is asked of the frame than one pass over all of it, where --memory is for each network alone, or where
-  /// the device had no room.
+  /// Whether the upscaler has the networks in front of it, so that no image comes back in between where the device has
+  /// room for that. Not where more is asked of the frame than one pass over all of it, or where --memory is for each
+  /// network alone.
   bool goesAlong(const Frame& frame);
 
-  /// Makes the upscaler of a frame with which the networks go along, with them in front. If they find no room there is
-  /// none, and they do not go along from then on. Throws Error. The upscaler must go before this.
+  /// Makes the upscaler of a frame with which the networks go along, with them in front. Throws Error. The upscaler
+  /// must go before this.
   void prepare(std::optional<Upscaler>& upscaler, Device& device, const Model& model, const Frame& frame);
 
   /// What is left to do before the upscaler: nothing but the levels of the frame if the networks go along with it, else
@@ -48,7 +48,6 @@ class FirstDenoiser {
  private:
   const UpscaleOptions& options_;
   NetworkDenoiser networks_;
-  bool hasRoom_ = true;
 };
 
 }  // namespace xrds

@@ -71,8 +71,10 @@ class UpscaledFrames : public FrameMaker {
       upscaler_.reset();  // its memory may be needed
       width_ = frame.width();
       height_ = frame.height();
-      if (denoiser_.goesAlong(frame)) denoiser_.prepare(upscaler_, device, model(), frame);
-      if (!upscaler_) upscaler_.emplace(device, model(), width_, height_, options_.upscaler());
+      if (denoiser_.goesAlong(frame))
+        denoiser_.prepare(upscaler_, device, model(), frame);
+      else
+        upscaler_.emplace(device, model(), width_, height_, options_.upscaler());
     }
     if (frame.alpha() && !alpha_) alpha_.emplace(device, width_, height_, model().scale(), options_.upscaler().tiles);
   }
