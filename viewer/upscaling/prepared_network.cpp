@@ -103,7 +103,7 @@ PreparedNetwork::PreparedNetwork(VulkanDevice& vulkan, Device& device, std::stri
   if (tileCount() > 1) return;  // which are shown as they are finished
   try {
     record();
-  } catch (const InvalidArgument&) {  // its frames are not recorded: windows are left out, or it takes several passes
+  } catch (const InvalidArgument&) {  // its frames are not recorded, such as those of several passes
     deviceColour_.reset();
     deviceAuxiliary_.reset();
     deviceOutput_.reset();
@@ -136,7 +136,7 @@ void PreparedNetwork::take(const LoadedFrame& frame) {
   std::vector<PixelView> auxiliary = inputsOf(model_, frame.inputs, frame.auxiliary);
   const auto& inputs = model_.auxiliaryInputs();
   for (size_t i = 0; i < inputs.size(); ++i)
-    if (options_.denoisers.colour && inputs[i] == kFullColour.name) {
+    if (options_.denoisers.colour && !options_.denoisers.level && inputs[i] == kFullColour.name) {
       levelledFull_ = levelledColour(auxiliary[i], viewOf(frame.colour));
       auxiliary[i] = {levelledFull_.data(), auxiliary[i].width, auxiliary[i].height};
     }

@@ -50,14 +50,11 @@ NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) {
                          .memoryBytes = wanted.memoryBytes,
                          .tune = wanted.tune,
                          .multiplyAddsAtOnce = pace_};
-  if (wanted.denoiseFirst) {  // which computes every pixel
-    if (wanted.ensemble > 1 || wanted.wrap)
-      throw Failure{ExitCode::usage,
-                    "The viewer takes --denoise-first with neither --ensemble nor --wrap: xrds upscale does."};
+  if (wanted.denoiseFirst) {
     const bool hasAlbedo = takes(model, kAlbedo), hasNormal = takes(model, kNormal);
     const bool clean = live_ || wanted.cleanGuides;
     options.denoisers = failingWith(ExitCode::model, [&] { return denoisers_.inFront(hasAlbedo, hasNormal, clean); });
-    return options;
+    options.denoisers.level = wanted.ensemble > 1;  // which takes a full-resolution colour as it is, too
   }
   if (wanted.skip.bound() == 0 || wanted.wrap || !model.whyNeverSkipped().empty()) return options;
   const bool mayKeep = !live_ && wanted.ensemble == 1 && (wanted.watching || wanted.sequence);
@@ -152,7 +149,6 @@ void Upscaling::upscale(const Wanted& wanted) {
     report.tiles = network_->tileCount();
     report.onDevice = network_->isOnDevice();
     report.whyNotSkipped = wanted.skip.bound() == 0 ? ""
-                           : wanted.denoiseFirst    ? "stands behind a denoiser, which computes every pixel"
                            : wanted.wrap            ? "computes a panorama in full"
                                                     : network_->model().whyNeverSkipped();
   };
