@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <thread>
 
 #include "app/failing_with.h"
@@ -33,6 +34,13 @@ int fail(xrds::ExitCode code, const std::string& message) {
   return static_cast<int>(code);
 }
 
+// The exit code of what went well, if all that it printed was taken.
+int ended() {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return static_cast<int>(xrds::ExitCode::ok);
+  return fail(xrds::ExitCode::output, "Cannot write to standard output: is the disk full?");
+}
+
 }  // namespace
 
 // NOLINTNEXTLINE(bugprone-exception-escape): only the handlers could throw, when building a message fails
@@ -61,11 +69,12 @@ int main(int argc, char** argv) {
   try {
     xrds::useExrThreads(static_cast<int>(std::thread::hardware_concurrency()));
     app.parse(argc, argv);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-      return fail(xrds::ExitCode::output, "Cannot write to standard output: is the disk full?");
-    return 0;
+    return ended();
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    if (error.get_exit_code() == 0) {  // --help and --version
+      app.exit(error);
+      return ended();
+    }
     return fail(xrds::ExitCode::usage, xrds::usageSentence(app, error));
   } catch (...) {
     const xrds::Failure failure = xrds::failureOf(std::current_exception());

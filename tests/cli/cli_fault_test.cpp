@@ -139,7 +139,9 @@ TEST(CliFault, AFullStandardOutputIsAFailure) {
   const SmallFrame frame;
   StartOptions full;
   full.fullOutput = true;
-  expectFailure(runXrds({"compare", frame.color, frame.color}, full), 6, "standard output", frame.folder, 2);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"compare", frame.color, frame.color}, {"--help"}, {"info", "--help"}, {"--version"}})
+    expectFailure(runXrds(words, full), 6, "standard output", frame.folder, 2);
 }
 
 }  // namespace
