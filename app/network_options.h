@@ -52,7 +52,7 @@ inline void addEnsemble(CLI::App& verb, uint32_t& passes, const std::string& mor
                   "Passes whose mean is taken: 2, also turned by half a turn; 4, mirrored both ways; 8, also on the "
                   "diagonal. Better, and as many times slower; normals must be in the camera's axes" +
                       more)
-      ->check(CLI::IsMember({1, 2, 4, 8}))
+      ->check(CLI::IsMember({"1", "2", "4", "8"}))
       ->capture_default_str();
 }
 

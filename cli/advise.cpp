@@ -10,6 +10,7 @@
 #include "app/layer_options.h"
 #include "app/models.h"
 #include "app/number_pair.h"
+#include "app/number_range.h"
 #include "cli/advise_report.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
@@ -155,13 +156,13 @@ void addAdvise(CLI::App& app) {
   verb->add_option("--guide-seconds", options->guideSeconds,
                    "What clean albedo and normal of the frame take, made by cheaper means than paths; 0 for\n"
                    "rasterized ones (default: only those of path-traced renders are considered)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(numberIn(0, 1e9))
       ->type_name("SECONDS");
   CLI::Option* within = verb->add_option("--within", options->within, "Advise the best plan that takes at most so long")
-                            ->check(CLI::Range(0.001, 1e9))
+                            ->check(numberIn(0.001, 1e9))
                             ->type_name("SECONDS");
   verb->add_option("--reach", options->reach, "Advise the quickest plan that is predicted to reach this PSNR")
-      ->check(CLI::Range(0.001, 1e9))
+      ->check(numberIn(0.001, 1e9))
       ->type_name("DB")
       ->excludes(within);
   verb->add_flag("--scene-only", options->sceneOnly, "Tell what the renders say of the scene, and no plans");

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/failing_with.h"
+#include "app/number_range.h"
 #include "cli/commands.h"
 #include "cli/common_options.h"
 #include "cli/json_text.h"
@@ -108,11 +109,11 @@ void addCompare(CLI::App& app) {
   verb->add_option("--heat-map", options->heatMap, "PNG file to write with the perceptual error of each pixel")
       ->type_name("PNG");
   verb->add_option("--heat-max", options->heatMaximum, "Error that is shown brightest")
-      ->check(CLI::Range(1e-6, 1.0))
+      ->check(numberIn(1e-6, 1))
       ->capture_default_str();
   verb->add_option("--min-psnr", options->minimumPsnr, "Exit with code 7 if the PSNR is lower")
       ->type_name("DB")
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(numberIn(0, 1000));
   verb->add_option("--json", options->json, "File to write with every metric")->type_name("JSON");
   addQuiet(*verb, options->quiet);
   verb->footer(

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <thread>
 
+#include "app/empty_values.h"
 #include "app/failing_with.h"
 #include "app/help_format.h"
 #include "app/kernel_family.h"
@@ -53,7 +54,10 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "xrds " XRDS_VERSION);
   app.require_subcommand(1);
   app.footer(kFooter);
-  app.parse_complete_callback(xrds::checkKernelFamilyVariable);
+  app.parse_complete_callback([&app] {
+    xrds::checkKernelFamilyVariable();
+    xrds::refuseEmptyValues(app);
+  });
   xrds::addUpscale(app);
   xrds::addAdvise(app);
   xrds::addCompare(app);

@@ -4,12 +4,14 @@
 #include <limits>
 
 #include "app/byte_count.h"
+#include "app/empty_values.h"
 #include "app/failing_with.h"
 #include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "app/layer_options.h"
 #include "app/network_options.h"
 #include "app/number_pair.h"
+#include "app/number_range.h"
 #include "app/skip_bound.h"
 #include "app/typos.h"
 #include "viewer/headless.h"
@@ -69,7 +71,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
       ->check(CLI::IsMember({"never", "auto", "now"}))
       ->capture_default_str();
   app.add_option("--fps", options.framesPerSecond, "Frames a second of a sequence")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(xrds::numberIn(0.1, 1000))
       ->capture_default_str();
   app.add_option(
          "--temporal", options.temporal,
@@ -131,6 +133,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     xrds::checkKernelFamilyVariable();
+    xrds::refuseEmptyValues(app);
     if (options.headless)
       xrds::runHeadless(options);
     else

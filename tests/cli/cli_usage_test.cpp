@@ -33,6 +33,31 @@ TEST(CliUsage, NamesTheSlipAndWhatIsNearest) {
   }
 }
 
+// Such as a variable of a script that is not set.
+TEST(CliUsage, RefusesValuesThatAreEmptyOrNoNumber) {
+  const SmallFrame frame;
+  const std::string picture = frame.color;
+  const Slip slips[] = {
+      {frame.arguments({"--json", ""}), "--json is empty: give it a value, or leave it out."},
+      {frame.arguments({"--device", ""}), "--device is empty: give it a value, or leave it out."},
+      {{"info", ""}, "MODEL is empty: give it a value, or leave it out."},
+      {{"compare", picture, picture, "--heat-max", "nan"},
+       "--heat-max: expected a number from 1e-06 to 1, found 'nan'; see xrds compare --help."},
+      {{"compare", picture, picture, "--min-psnr", "-1"},
+       "--min-psnr: expected a number from 0 to 1000, found '-1'; see xrds compare --help."},
+      {{"advise", picture, picture, "--within", "nan"},
+       "--within: expected a number from 0.001 to 1e+09, found 'nan';"},
+      {{"advise", picture, picture, "--guide-seconds", "-1"},
+       "--guide-seconds: expected a number from 0 to 1e+09, found '-1';"},
+      {frame.arguments({"--ensemble", "many"}), "--ensemble: many not in {1,2,4,8}; see xrds upscale --help."},
+  };
+  for (const auto& [typed, said] : slips) {
+    const Ended ended = runXrds(typed);
+    expectFailure(ended, 2, said, frame.folder, 2);
+    EXPECT_TRUE(ended.error.starts_with("xrds: " + said)) << ended.error;
+  }
+}
+
 // One word, one meaning: of `upscale` a layer, in both spellings; of `bench` neither.
 TEST(CliUsage, ColourIsALayerAndSamplesAreSamples) {
   const SmallFrame frame;
