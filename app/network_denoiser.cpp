@@ -64,8 +64,9 @@ fs::path NetworkDenoiser::fileOf(const std::string& kind) const {
   std::vector<std::string> names{kind};
   if (options_.quality == Quality::high) names.insert(names.begin(), kind + "_large");
   if (options_.quality == Quality::fast) names.insert(names.begin(), kind + "_small");
+  std::error_code unreadable;  // a home of somebody else, say
   for (const std::string& name : names)
-    if (fs::path file = folder() / (name + ".safetensors"); fs::exists(file)) return file;
+    if (fs::path file = folder() / (name + ".safetensors"); fs::exists(file, unreadable)) return file;
   return {};
 }
 

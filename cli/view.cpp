@@ -25,8 +25,9 @@ constexpr const char* kProgram = "xrds-view";
 
 // The viewer stands beside this program where both are installed, in a folder of its own where they are built.
 fs::path viewerProgram() {
+  std::error_code unreadable;
   for (const char* place : {".", "../viewer"})
-    if (fs::path program = programFolder() / place / kProgram; fs::exists(program)) return program;
+    if (fs::path program = programFolder() / place / kProgram; fs::exists(program, unreadable)) return program;
   throw Failure{ExitCode::usage,
                 "This xrds was built without the viewer: install GLFW and Dear ImGui (Debian: libglfw3-dev, "
                 "libimgui-dev) and build it again."};

@@ -109,6 +109,8 @@ TEST(CliDenoiseNetworks, AreMissedWhereTheyAreAskedFor) {
     EXPECT_NE(ended.error.find("There is no network rt_alb of Open Image Denoise"), std::string::npos) << ended.error;
   }
   EXPECT_EQ(frame.upscale({"--denoisers", frame.networks}).exitCode, 2);
+  const Ended unreadable = frame.upscale({"--denoise-first", "--denoisers", std::string(5000, 'x')});
+  EXPECT_EQ(unreadable.exitCode, 4) << unreadable.error;
 }
 
 TEST(CliDenoiseNetworks, TakeAnEnsemblesPassesAndHalfPrecision) {
