@@ -4,11 +4,16 @@
 
 #include <cstdint>
 #include <random>
+#include <string>
 
 #include "image/exr/read.h"
 #include "image/test_files.h"
 #include "tests/temporary_folder.h"
 #include "xrds/error.h"
+
+#ifndef _WIN32
+#include <unistd.h>
+#endif
 
 namespace xrds {
 namespace {
@@ -58,6 +63,28 @@ TEST(ExrDamage, RefusesFilesCutAtAnyLength) {
       EXPECT_FALSE(readsWhole(folder / "cut.exr")) << length << " of " << bytes.size() << " bytes";
     }
   }
+}
+
+std::string whyUnread(const std::filesystem::path& path) {
+  try {
+    static_cast<void>(readExrHeader(path));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ExrDamage, WhatIsMissingAndWhatIsClosedAreToldApart) {
+  const TemporaryFolder folder;
+  EXPECT_NE(whyUnread(folder / "none.exr").find("there is no such file"), std::string::npos);
+  EXPECT_EQ(whyUnread(folder / std::string(5000, 'x')).find("there is no such file"), std::string::npos);
+#ifndef _WIN32
+  if (geteuid() == 0) return;  // who may read everything
+  const auto closed = folder / "closed.exr";
+  writeFixture(closed, damageFixtures().front());
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  EXPECT_NE(whyUnread(closed).find("Permission denied"), std::string::npos) << whyUnread(closed);
+#endif
 }
 
 TEST(ExrDamage, SurvivesFlippedBytes) {
