@@ -13,12 +13,16 @@ namespace {
 constexpr const char* kSuffix = ".safetensors";
 constexpr int kScaleOfColourAlone = 4;  // no image tells another
 
-// Where no model is found at all.
-std::string noModels() {
+std::string placesOfModels() {
   std::string folders;
   for (const fs::path& folder : modelFolders())
     folders += (folders.empty() ? "'" : " or '") + folder.lexically_normal().string() + "'";
-  return "no model is found in " + folders + ": install xrds again, or name a .safetensors file with --model.";
+  return folders;
+}
+
+// Where no model is found at all.
+std::string noModels() {
+  return "no model is found in " + placesOfModels() + ": install xrds again, or name a .safetensors file with --model.";
 }
 
 std::string nameOf(int scale, const char* kind) { return "xrds-x" + std::to_string(scale) + "-" + kind; }
@@ -45,6 +49,12 @@ fs::path resolveModel(const std::string& nameOrFile) {
   if (shippedModels().empty()) throw Error("There is no model '" + nameOrFile + "', and " + noModels());
   throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
               listed(shippedModels()) + ".");
+}
+
+void requireShippedModels() {
+  if (shippedModels().empty())
+    throw Error("No model is found in " + placesOfModels() +
+                ": install xrds again, or let XRDS_MODELS name their folder.");
 }
 
 std::string defaultModelName(int scale) { return nameOf(scale, "compact"); }

@@ -17,6 +17,9 @@ std::filesystem::path inModelFolders(const std::string& fileName);
 /// The file of a model given by name ("xrds-x4-compact") or by path. Throws Error that lists the models there are.
 std::filesystem::path resolveModel(const std::string& nameOrFile);
 
+/// Throws Error that names modelFolders() if none of them has a model.
+void requireShippedModels();
+
 /// "xrds-x<scale>-compact", whether it is shipped or not.
 std::string defaultModelName(int scale);
 

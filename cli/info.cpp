@@ -142,6 +142,7 @@ void writeJson(const std::string& file, const Json& json) {
 }
 
 void listModels(const InfoOptions& options) {
+  failingWith(ExitCode::model, requireShippedModels);
   for (const std::string& name : shippedModels()) std::printf("%s\n", name.c_str());
   writeJson(options.json, {{"version", XRDS_VERSION}, {"models", shippedModels()}});
 }
