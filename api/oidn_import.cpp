@@ -25,7 +25,7 @@ fs::path folderOfDenoisers() {
 #if defined(_WIN32)
   const fs::path data = environmentVariable("LOCALAPPDATA");
 #else
-  fs::path data = environmentVariable("XDG_DATA_HOME");
+  fs::path data = userFolder("XDG_DATA_HOME");
   if (const fs::path home = environmentVariable("HOME"); data.empty() && !home.empty()) data = home / ".local/share";
 #endif
   return data.empty() ? data : data / "xrds" / "denoisers";

@@ -93,6 +93,11 @@ std::string environmentVariable(const char* name) {
   return text ? text : "";
 }
 
+std::filesystem::path userFolder(const char* name) {
+  std::filesystem::path folder = environmentVariable(name);
+  return folder.is_absolute() ? folder : std::filesystem::path();
+}
+
 std::string processorName() {
   return brandOfProcessor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
 }
@@ -105,8 +110,7 @@ uint64_t secondCacheBytes() {
 }
 
 std::filesystem::path defaultCacheFolder() {
-  if (const auto folder = environmentVariable("XDG_CACHE_HOME"); !folder.empty())
-    return std::filesystem::path(folder) / "xrds";
+  if (const std::filesystem::path folder = userFolder("XDG_CACHE_HOME"); !folder.empty()) return folder / "xrds";
 #ifdef _WIN32
   if (const auto folder = environmentVariable("LOCALAPPDATA"); !folder.empty())
     return std::filesystem::path(folder) / "xrds";

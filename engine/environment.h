@@ -10,6 +10,10 @@ namespace xrds {
 /// one.
 std::string environmentVariable(const char* name);
 
+/// The folder that a variable such as XDG_CACHE_HOME names; empty if it is not set, or relative: the XDG Base Directory
+/// Specification has such paths ignored.
+std::filesystem::path userFolder(const char* name);
+
 /// The folder in which caches are kept unless the caller names one: $XDG_CACHE_HOME/xrds, ~/.cache/xrds,
 /// %LOCALAPPDATA%/xrds, or a temporary folder.
 std::filesystem::path defaultCacheFolder();

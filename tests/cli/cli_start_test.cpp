@@ -76,6 +76,16 @@ TEST(CliStart, ACacheFolderThatCannotBeWrittenIsNamedOnceAndReplaced) {
   EXPECT_EQ(second.output.find("compiling programs"), std::string::npos) << second.output;
 }
 
+TEST(CliStart, ARelativeFolderOfTheEnvironmentIsIgnored) {
+  const SmallFrame frame;
+  StartOptions options = cachesIn("relative");
+  options.environment["HOME"] = (frame.folder / "home").string();
+  options.folder = frame.folder / "";
+  EXPECT_EQ(runXrds(frame.arguments(), options).exitCode, 0);
+  EXPECT_FALSE(std::filesystem::exists(frame.folder / "relative" / "xrds"));
+  EXPECT_TRUE(std::filesystem::exists(frame.folder / "home" / ".cache" / "xrds"));
+}
+
 // Kernels that take the driver a second to read are for frames that take longer.
 TEST(CliStart, ASmallFrameTakesPlainKernels) {
   const SmallFrame frame;

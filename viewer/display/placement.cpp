@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 fs::path configFolder() {
-  if (const char* folder = std::getenv("XDG_CONFIG_HOME"); folder && *folder) return folder;
+  if (const char* folder = std::getenv("XDG_CONFIG_HOME"); folder && fs::path(folder).is_absolute()) return folder;
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".config";
   if (const char* folder = std::getenv("APPDATA"); folder && *folder) return folder;
   return fs::temp_directory_path();
