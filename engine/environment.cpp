@@ -80,10 +80,19 @@ bool lavapipeIsLoaded() {
 
 constexpr const char* kWidth = "LP_NATIVE_VECTOR_WIDTH";
 constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
+constexpr const char* kNoShaderCache = "MESA_SHADER_CACHE_DISABLE";
 
 // What this process has set itself; a value that differs from it is the user's.
 std::string ourWidth, ourShaderCache;
+bool shadersAreUnkept = false;
 std::string usersShaderCache;  // in which ours lies; empty: in the engine's cache folder
+
+// Whether Mesa keeps what it compiles. What the user has set stays.
+void keepShaders(bool kept) {
+  if (kept == !shadersAreUnkept || (!kept && !environmentVariable(kNoShaderCache).empty())) return;
+  setVariable(kNoShaderCache, kept ? "false" : "true");
+  shadersAreUnkept = !kept;
+}
 
 }  // namespace
 
@@ -163,7 +172,10 @@ void separateShaderCache(const std::filesystem::path& cacheFolder) {
   const auto ours = cacheFolder.empty() ? defaultCacheFolder() : cacheFolder;
   const auto folder = (usersShaderCache.empty() ? ours : std::filesystem::path(usersShaderCache)) / ("mesa-w" + width);
   std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
+  // Of a full disk it reads what is there. Where it would begin anew it maps a file that has no room: a bus error.
+  const bool reads = std::filesystem::exists(folder, failed) && !std::filesystem::is_empty(folder, failed);
+  keepShaders(!cacheFolder.empty() || !usersShaderCache.empty() || reads);
+  if (!shadersAreUnkept) std::filesystem::create_directories(folder, failed);
   ourShaderCache = folder.string();
   if (ourShaderCache != present) setVariable(kShaderCache, ourShaderCache);
 }

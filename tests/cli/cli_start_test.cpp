@@ -1,4 +1,5 @@
 // The first start on a machine: nothing is cached, and what is kept must have a place.
+#include <algorithm>
 #include <fstream>
 
 #include "tests/cli/frames.h"
@@ -74,6 +75,19 @@ TEST(CliStart, ACacheFolderThatCannotBeWrittenIsNamedOnceAndReplaced) {
   EXPECT_EQ(second.exitCode, 0) << second.output;
   EXPECT_NE(second.output.find("the cache folder '" + place), std::string::npos) << second.output;
   EXPECT_EQ(second.output.find("compiling programs"), std::string::npos) << second.output;
+}
+
+// Neither is a file begun that has no room, nor does the driver tell the same again.
+TEST(CliStart, WithoutAnyCacheFolderOneWarningTellsIt) {
+  const SmallFrame frame;
+  std::ofstream(frame.folder / "file") << "no folder";
+  StartOptions options = cachesIn((frame.folder / "file").string(), "/proc");
+  options.environment["LP_NATIVE_VECTOR_WIDTH"] = "128";  // with a shader cache that xrds places, on every processor
+  const Ended ended = runXrds(frame.arguments({"--quiet"}), options);
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(ended.error.starts_with("xrds: warning: the cache folder '")) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "programs are compiled again at every start")) << ended.error;
+  EXPECT_EQ(std::count(ended.error.begin(), ended.error.end(), '\n'), 1) << ended.error;
 }
 
 TEST(CliStart, ARelativeFolderOfTheEnvironmentIsIgnored) {
