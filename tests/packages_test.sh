@@ -15,7 +15,7 @@ make_package() {
 compare() {
   local found
   found=$(sed -E 's|/lib(64)?(/[a-z0-9_]+-linux-[a-z]+)?/|/lib/|' <<< "$3" | grep -vE '/$|^$' | sort)
-  diff <(sort <<< "$2") <(echo "$found") || fail "$1 differs from what it should have: < expected, > found"
+  diff <(sort <<< "$2" | grep .) <(echo "$found") || fail "$1 differs from what it should have: < expected, > found"
 }
 
 source=$(cd "$(dirname "$0")/.." && pwd)
@@ -38,6 +38,16 @@ programs=
 [ "$viewer" = no ] || programs="
 bin/xrds-view"
 
+# licences FOLDER PACKAGE...: of what is compiled in, where Debian brought it.
+licences() {
+  local package folder=$1
+  shift
+  for package; do [ ! -e "/usr/share/doc/$package/copyright" ] || echo "$folder/licenses/$package.txt"; done
+}
+of_library=(nlohmann-json3-dev libvulkan-volk-dev)
+of_command=("${of_library[@]}" libcli11-dev)
+[ "$viewer" = no ] || of_command+=(libimgui-dev)
+
 # examples FOLDER: below a folder of papers.
 examples() {
   (cd "$source/examples" && find upscale.c embed_vulkan -type f -printf "$1/examples/%p\n")
@@ -56,6 +66,7 @@ $command$programs$page
 share/man/man1/xrds.1
 share/zsh/site-functions/_xrds
 share/doc/xrds/LICENSE
+$(licences share/doc/xrds "${of_command[@]}")
 $farms
 $(examples share/doc/xrds)" "$archive"
 
@@ -69,11 +80,13 @@ share/doc/$1/copyright
 share/doc/$1/changelog.Debian.gz" "$(dpkg-deb --fsys-tarfile "$file" | tar -t | sed 's|^\./usr/||; s|^\./$|/|')"
 }
 [ "$(find "$work" -maxdepth 1 -name '*.deb' | wc -l)" -eq 4 ] || fail "There should be four packages"
-check_deb "libxrds$soversion" "$library"
+check_deb "libxrds$soversion" "$library
+$(licences "share/doc/libxrds$soversion" "${of_library[@]}")"
 check_deb libxrds-dev "$development
 $(examples share/doc/libxrds-dev)"
 check_deb xrds-models "$models"
 check_deb xrds "$command$programs${page:+$page.gz}
+$(licences share/doc/xrds "${of_command[@]}")
 $farms
 share/man/man1/xrds.1.gz
 share/zsh/vendor-completions/_xrds"
