@@ -11,6 +11,7 @@
 #include "xrds/precision.h"
 #include "xrds/preparation.h"
 #include "xrds/relative_depth.h"
+#include "xrds/shipped_models.h"
 #include "xrds/skip.h"
 #include "xrds/temporal_filter.h"
 #include "xrds/tiling.h"
