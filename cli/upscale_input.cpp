@@ -154,9 +154,22 @@ void leaveColourOut(const UpscaleOptions& options, OpenedModel& opened, Frame& f
   reopen(options, file, opened, frame);
 }
 
+// Layers that were named for what the model does not take. Merging frames may take them.
+void warnOfUnused(const UpscaleOptions& options, const OpenedModel& opened, Frame& frame) {
+  if (options.temporal) return;
+  for (const AuxiliaryInput& input : kAuxiliaryInputs) {
+    const auto named = options.layers.names.find(roleOf(input.name));
+    if (named == options.layers.names.end() || named->second.empty() || takes(opened.model, input)) continue;
+    const std::string name(input.name);
+    if (name != kFullColour.name)
+      frame.warn("--" + name + " is not used: model " + opened.name() + " does not take it.");
+  }
+}
+
 // What is left to do before the network, once the model is certain.
 void prepare(const UpscaleOptions& options, const OpenedModel& opened, Frame& frame) {
   failingWith(ExitCode::input, [&] { (void)inputsOf(opened.model, frame); });  // throws if one is not there
+  warnOfUnused(options, opened, frame);
   requireSkippable(options, opened);
   if (const LayerRequest request = layerRequest(options.lights); request.any())
     failingWith(ExitCode::input, [&] { frame.loadLayers(request, opened.model.scale()); });

@@ -86,6 +86,14 @@ TEST(CliFrame, TakesTheModelForWhatTheFileHolds) {
   EXPECT_TRUE(contains(noAlbedo.error, "The albedo is the same everywhere")) << noAlbedo.error;
 }
 
+TEST(CliFrame, TellsOfLayersThatTheModelDoesNotTake) {
+  const SmallFrame frame;
+  const Ended ended = runXrds(frame.arguments({"--normal", "normal", "--depth", "nowhere"}, goldenModel("s4_guided")));
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "--depth is not used: model s4_guided.model does not take it.")) << ended.error;
+  EXPECT_FALSE(contains(ended.error, "--normal")) << ended.error;
+}
+
 TEST(CliFrame, ReadsDepthInAnyUnitForAModelThatTakesIt) {
   const SmallFrame frame;
   const auto runWith = [&](float unit, float background, const std::vector<std::string>& more = {}) {
