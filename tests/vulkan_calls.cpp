@@ -8,6 +8,10 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <numeric>
 #include <stdexcept>
 
 #include "tests/heap_count.h"
@@ -35,6 +39,32 @@ std::array<PFN_vkVoidFunction, kCountedCount> originals;
 std::atomic<int> failing = -1;
 std::atomic<VkResult> failure;
 
+std::mutex memoryAccess;
+std::map<VkDeviceMemory, uint64_t> memories;  // of the library, with their bytes
+constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
+uint64_t mostBytes = kNoLimit;  // of all of them
+
+uint64_t heldBytes() {
+  return std::accumulate(memories.begin(), memories.end(), uint64_t{0},
+                         [](uint64_t sum, const auto& memory) { return sum + memory.second; });
+}
+
+// The driver's vkAllocateMemory() and vkFreeMemory(), by the limit.
+VkResult allocate(PFN_vkAllocateMemory next, VkDevice device, const VkMemoryAllocateInfo* info,
+                  const VkAllocationCallbacks* allocator, VkDeviceMemory* memory) {
+  const std::lock_guard lock(memoryAccess);
+  if (heldBytes() + info->allocationSize > mostBytes) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const VkResult result = next(device, info, allocator, memory);
+  if (result == VK_SUCCESS) memories[*memory] = info->allocationSize;
+  return result;
+}
+
+void release(PFN_vkFreeMemory next, VkDevice device, VkDeviceMemory memory, const VkAllocationCallbacks* allocator) {
+  const std::lock_guard lock(memoryAccess);
+  memories.erase(memory);
+  next(device, memory, allocator);
+}
+
 template <Counted kIndex, class Function>
 struct Thunk;
 template <Counted kIndex, class Result, class... Arguments>
@@ -44,7 +74,10 @@ struct Thunk<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
     if constexpr (std::is_same_v<Result, VkResult>)
       if (failing == kIndex) return failure;
     const Uncounted driver;
-    return reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(originals[kIndex])(arguments...);
+    const auto next = reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(originals[kIndex]);
+    if constexpr (kIndex == k_vkAllocateMemory) return allocate(next, arguments...);
+    if constexpr (kIndex == k_vkFreeMemory) return release(next, arguments...);
+    return next(arguments...);
   }
 };
 
@@ -96,6 +129,11 @@ void VulkanHost::fail(const char* function, VkResult result) {
   failing = -1;
   for (int i = 0; i < kCountedCount && function; ++i)
     if (std::strcmp(kNames[i], function) == 0) failing = i;
+}
+
+void VulkanHost::limitMemory(std::optional<uint64_t> more) {
+  const std::lock_guard lock(memoryAccess);
+  mostBytes = more ? heldBytes() + *more : kNoLimit;
 }
 
 }  // namespace xrds::test

@@ -2,6 +2,7 @@
 
 #include <vulkan/vulkan.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,8 @@ class VulkanHost {
   static std::vector<std::string>& messages();
   /// Lets the library's calls of a function fail, from the next one on; nullptr: none.
   static void fail(const char* function, VkResult result);
+  /// Lets the library have so many bytes of memory beside those that it has, and no more; none: as many as there are.
+  static void limitMemory(std::optional<uint64_t> more);
 
   HostBuffer buffer(uint64_t byteSize, VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                                                   VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
