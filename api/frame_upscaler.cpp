@@ -220,13 +220,12 @@ struct FrameUpscaler::State {
 
   // Where the device has no room for a network beside the upscaler, that goes and comes back.
   std::optional<FrameImages> denoised(const FrameImages& images, const Progress& progress) {
-    try {
-      return networks->denoised(images, progress);
-    } catch (const OutOfMemory&) {
+    const auto makeRoom = [&] {
       runner.reset();
       if (turned) turned->runner.reset();
-    }
-    auto clean = networks->denoised(images, progress);
+    };
+    auto clean = networks->denoised(images, progress, makeRoom);
+    if (runner) return clean;
     networks->release();
     if (turned) turned->prepareAsFits();
     prepareAsFits();

@@ -8,6 +8,7 @@
 #include "image/repair.h"
 #include "xrds/auxiliary_input.h"
 #include "xrds/denoised_first.h"
+#include "xrds/error.h"
 
 namespace xrds {
 namespace {
@@ -77,28 +78,51 @@ uint32_t SeparateDenoisers::runs(const FrameImages& frame) const {
   return (models_.albedo && takes(kAlbedo)) + (models_.normal && takes(kNormal)) + options_.ensemble * radiances;
 }
 
-SeparateDenoisers::Pixels SeparateDenoisers::through(const NetworkModel& model, const PixelView& image,
-                                                     std::span<const PixelView> guides) {
-  const FrameShape shape{image.height, image.width};
+// Made ready where it is not.
+FrameUpscaler& SeparateDenoisers::network(const NetworkModel& model, FrameShape shape) {
   const auto isThis = [&](const std::unique_ptr<Network>& network) {
     return &network->model == &model && network->shape.width == shape.width && network->shape.height == shape.height;
   };
-  auto found = std::find_if(networks_.begin(), networks_.end(), isThis);
-  if (found == networks_.end()) {
-    if (options_.tiles.memoryBytes || byteSize() > gpu_.description().memoryBytes / kShareOfMemory) networks_.clear();
-    Upscaler::Options asked{.fp16 = options_.fp16,
-                            .tiles = {.memoryBytes = options_.tiles.memoryBytes, .exact = true},
-                            .multiplyAddsPerSubmission = options_.multiplyAddsPerSubmission,
-                            .tune = Upscaler::Tune::never};
-    networks_.push_back(std::unique_ptr<Network>(new Network{model, shape, FrameUpscaler(gpu_, model, shape, asked)}));
-    found = networks_.end() - 1;
-  }
+  const auto found = std::find_if(networks_.begin(), networks_.end(), isThis);
+  if (found != networks_.end()) return (*found)->upscaler;
+  if (options_.tiles.memoryBytes || byteSize() > gpu_.description().memoryBytes / kShareOfMemory) networks_.clear();
+  Upscaler::Options asked{.fp16 = options_.fp16,
+                          .tiles = {.memoryBytes = options_.tiles.memoryBytes, .exact = true},
+                          .multiplyAddsPerSubmission = options_.multiplyAddsPerSubmission,
+                          .tune = Upscaler::Tune::never};
+  networks_.push_back(std::unique_ptr<Network>(new Network{model, shape, FrameUpscaler(gpu_, model, shape, asked)}));
+  return networks_.back()->upscaler;
+}
+
+SeparateDenoisers::Pixels SeparateDenoisers::ran(const NetworkModel& model, const PixelView& image,
+                                                 std::span<const PixelView> guides) {
+  FrameUpscaler& upscaler = network(model, {image.height, image.width});
   Pixels result(size_t{3} * image.width * image.height);
-  const auto hear = [&](double share) { return hear_((done_ + share) / runs_); };
-  if (!(*found)->upscaler.run(image, guides, result, {}, hear_ ? Upscaler::Progress(hear) : Upscaler::Progress()))
+  const auto hear = [&](double share) {
+    heard_ = std::max(heard_, (done_ + share) / runs_);  // one that runs again begins anew
+    return hear_(heard_);
+  };
+  if (!upscaler.run(image, guides, result, {}, hear_ ? Upscaler::Progress(hear) : Upscaler::Progress()))
     throw Stopped{};
   ++done_;
   return result;
+}
+
+// Where the device has no room for it, the other networks go first, then what else is there.
+SeparateDenoisers::Pixels SeparateDenoisers::through(const NetworkModel& model, const PixelView& image,
+                                                     std::span<const PixelView> guides) {
+  try {
+    return ran(model, image, guides);
+  } catch (const OutOfMemory&) {
+    networks_.clear();
+  }
+  try {
+    return ran(model, image, guides);
+  } catch (const OutOfMemory&) {
+    networks_.clear();
+    makeRoom_();
+  }
+  return ran(model, image, guides);
 }
 
 SeparateDenoisers::Pixels SeparateDenoisers::radiance(const PixelView& image, std::span<const PixelView> guides) {
@@ -152,28 +176,38 @@ void SeparateDenoisers::denoiseLayers(FrameImages& frame, size_t place, const Pi
   for (size_t k = 0; k < set.lights.size(); ++k) set.lights[k].light = kept(std::move(layers.lights[k]), colour);
 }
 
+void SeparateDenoisers::denoise(FrameImages& frame) {
+  const PixelView given = frame.colour;
+  denoiseGuides(frame.auxiliary);
+  const std::vector<PixelView> guides = guidesOf(frame.auxiliary);
+  for (size_t i = 0; i < frame.auxiliary.size(); ++i)
+    if (isRadiance(upscaler_.auxInputs[i]))
+      frame.auxiliary[i] =
+          kept(radiance(kept(finiteRadiance(frame.auxiliary[i]), frame.auxiliary[i]), guides), frame.auxiliary[i]);
+  std::vector<PixelView> means;
+  for (const PixelView& guide : guides) means.push_back(kept(denoising::boxMean(guide, upscaler_.scale), given));
+  const PixelView noisy = kept(finiteRadiance(given), given);
+  frame.colour = kept(radiance(noisy, means), noisy);
+  for (size_t i = 0; i < frame.layers.size(); ++i) denoiseLayers(frame, i, noisy, means);
+}
+
 std::optional<FrameImages> SeparateDenoisers::denoised(const FrameImages& frame,
-                                                       const std::function<bool(double)>& hear) {
+                                                       const std::function<bool(double)>& hear,
+                                                       const std::function<void()>& makeRoom) {
   hear_ = hear;
+  makeRoom_ = makeRoom;
+  heard_ = 0;
   done_ = 0;
   runs_ = runs(frame);
   pixels_.clear();
   FrameImages clean = frame;
   try {
-    denoiseGuides(clean.auxiliary);
-    const std::vector<PixelView> guides = guidesOf(clean.auxiliary);
-    for (size_t i = 0; i < clean.auxiliary.size(); ++i)
-      if (isRadiance(upscaler_.auxInputs[i]))
-        clean.auxiliary[i] =
-            kept(radiance(kept(finiteRadiance(clean.auxiliary[i]), clean.auxiliary[i]), guides), clean.auxiliary[i]);
-    std::vector<PixelView> means;
-    for (const PixelView& guide : guides)
-      means.push_back(kept(denoising::boxMean(guide, upscaler_.scale), frame.colour));
-    const PixelView noisy = kept(finiteRadiance(frame.colour), frame.colour);
-    clean.colour = kept(radiance(noisy, means), noisy);
-    for (size_t i = 0; i < clean.layers.size(); ++i) denoiseLayers(clean, i, noisy, means);
+    denoise(clean);
   } catch (const Stopped&) {
     return {};
+  } catch (...) {
+    release();
+    throw;
   }
   return clean;
 }

@@ -37,8 +37,10 @@ class SeparateDenoisers {
   uint32_t runs(const FrameImages& frame) const;
 
   /// The frame without its noise; layers with their results' places, each with the sum of its set. It is there until
-  /// the next call. `hear` gets the share of `runs` done; where it returns false, nothing is returned. Throws Error.
-  std::optional<FrameImages> denoised(const FrameImages& frame, const std::function<bool(double)>& hear);
+  /// the next call. `hear` gets the share of `runs` done; where it returns false, nothing is returned. `makeRoom` is
+  /// called where the device has no room even for one network alone. Throws Error; then no network is kept.
+  std::optional<FrameImages> denoised(const FrameImages& frame, const std::function<bool(double)>& hear,
+                                      const std::function<void()>& makeRoom);
 
   uint64_t byteSize() const;  // of the device's memory
   void release();             // gives that back
@@ -47,7 +49,10 @@ class SeparateDenoisers {
   struct Network;
   struct Stopped {};
   using Pixels = std::vector<float>;
+  FrameUpscaler& network(const NetworkModel& model, FrameShape shape);
+  Pixels ran(const NetworkModel& model, const PixelView& image, std::span<const PixelView> guides);
   Pixels through(const NetworkModel& model, const PixelView& image, std::span<const PixelView> guides);
+  void denoise(FrameImages& frame);
   Pixels radiance(const PixelView& image, std::span<const PixelView> guides);
   PixelView kept(Pixels pixels, const PixelView& like);
   std::vector<PixelView> guidesOf(const std::vector<PixelView>& auxiliary) const;
@@ -61,6 +66,8 @@ class SeparateDenoisers {
   std::vector<std::unique_ptr<Network>> networks_;
   std::deque<Pixels> pixels_;  // of the frame, which stay where they are
   std::function<bool(double)> hear_;
+  std::function<void()> makeRoom_;
+  double heard_ = 0;
   uint32_t done_ = 0, runs_ = 1;
 };
 

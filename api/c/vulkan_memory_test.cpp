@@ -1,0 +1,96 @@
+// Denoisers on a device that has less memory than it says.
+#include <span>
+#include <string>
+#include <utility>
+
+#include "tests/embedded.h"
+
+namespace xrds {
+namespace {
+
+using namespace test;
+
+class EmbeddedMemory : public Embedded {
+ public:
+  void SetUp() override {
+    const char* const names[] = {"hdr_albedo_normal_large", "albedo_small", "normal_small"};
+    for (int i = 0; i < 3; ++i) {
+      const std::string file = std::string(XRDS_GOLDEN_FOLDER) + "/unet/" + names[i] + ".model.safetensors";
+      ASSERT_EQ(xrdsOpenModel(file.c_str(), &networks[i]), XRDS_OK) << xrdsGetMessage();
+    }
+    options.denoiser = networks[0];
+    options.albedoDenoiser = networks[1];
+    options.normalDenoiser = networks[2];
+  }
+  void TearDown() override {
+    VulkanHost::fail(nullptr, VK_SUCCESS);
+    VulkanHost::limitMemory({});
+    for (XrdsModel* network : networks) xrdsCloseModel(network);
+    Embedded::TearDown();
+  }
+
+  // One frame, whose shares of progress must not go back.
+  XrdsResult run(XrdsProgress progress = nullptr) { return upscale(progress, {}); }
+  XrdsResult runWithLayer(XrdsProgress progress = nullptr) {
+    std::vector<float> light = pixels[0], lit(pixels[1].size());
+    XrdsLayer layer = xrdsLayerDefault();
+    layer.light = rgb(light, width, height);
+    layer.output = rgb(lit, scale * width, scale * height);
+    XrdsLayerSet set = xrdsLayerSetDefault();
+    set.layers = &layer;
+    set.layerCount = 1;
+    return upscale(progress, {&set, 1});
+  }
+  XrdsResult upscale(XrdsProgress progress, std::span<const XrdsLayerSet> sets) {
+    struct Heard {
+      XrdsProgress progress;
+      double last = 0;
+    } heard{progress};
+    const auto hear = [](void* user, double share) {
+      Heard& heard = *static_cast<Heard*>(user);
+      EXPECT_GE(share, heard.last);
+      EXPECT_LE(share, 1);
+      heard.last = share;
+      return heard.progress ? heard.progress(nullptr, share) : 1;
+    };
+    const uint32_t w = scale * width, h = scale * height;
+    output.assign(size_t{3} * w * h, -1);
+    const XrdsImage colour = rgb(pixels[0], width, height), to = rgb(output, w, h);
+    const XrdsImage auxiliary[] = {rgb(pixels[1], w, h), rgb(pixels[2], w, h)};
+    return xrdsUpscaleLayers(upscaler, &colour, auxiliary, 2, &to, sets.data(), static_cast<uint32_t>(sets.size()),
+                             nullptr, hear, &heard);
+  }
+
+  XrdsModel* networks[3] = {};
+  XrdsUpscalerOptions options = xrdsUpscalerOptionsDefault();
+  std::vector<float> output;
+  uint32_t scale = kScale;
+};
+
+// Where a network finds no room, the others go, and then the upscaler, which comes back: the bits stay the same.
+TEST_F(EmbeddedMemory, ADenoiserFindsRoomWhereTheUpscalerWas) {
+  options.ensemble = 8;
+  open(14, 9, options);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> expected = output;
+  const float exposure = xrdsGetExposure(upscaler);
+  constexpr uint64_t kMost = uint64_t{16} << 20, kStep = uint64_t{512} << 10;
+  int without = 0;
+  for (uint64_t bytes = kMost; bytes > 0; bytes -= kStep) {
+    VulkanHost::limitMemory({});
+    xrdsDestroyUpscaler(std::exchange(upscaler, nullptr));
+    VulkanHost::limitMemory(bytes);
+    if (xrdsCreateUpscaler(device, model, width, height, &options, &upscaler) != XRDS_OK) break;
+    const uint64_t own = xrdsGetDeviceBytes(upscaler);
+    for (int frame = 0; frame < 2; ++frame) {
+      ASSERT_EQ(run(), XRDS_OK) << bytes << ": " << xrdsGetMessage();
+      EXPECT_EQ(output, expected) << bytes;
+      EXPECT_EQ(xrdsGetExposure(upscaler), exposure);
+      without += xrdsGetDeviceBytes(upscaler) == own;  // the networks gave theirs back
+    }
+  }
+  EXPECT_GT(without, 0);
+}
+
+}  // namespace
+}  // namespace xrds
