@@ -104,6 +104,7 @@ struct FrameUpscaler::State {
     of.memoryBytes = memory / sharers;
     of.layers = layerCount;
     if (denoising && !denoisesSeparately()) {
+      tiling = {};  // where they do not fit, that of another plan is no measure of what may
       auto plan = planDenoised(gpu, model, frame, denoising, options, of, memory);
       tiling = plan.tiling;
       runner = std::move(plan.runner);
@@ -140,6 +141,8 @@ struct FrameUpscaler::State {
           "The upscaler is part of a recording, which layers would change: destroy that, or create another "
           "upscaler.");
     runner.reset();
+    isSeparate = denoising && runsSeparately(options);  // there may be room again
+    noRoom = nullptr;
     if (!isSeparate && !some) networks.reset();
     layerCount = count;
     hasLayers = some;

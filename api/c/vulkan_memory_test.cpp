@@ -92,5 +92,61 @@ TEST_F(EmbeddedMemory, ADenoiserFindsRoomWhereTheUpscalerWas) {
   EXPECT_GT(without, 0);
 }
 
+// Denoisers that find no room in front for one frame have it again for the next, and can be recorded.
+TEST_F(EmbeddedMemory, DenoisersComeBackInFront) {
+  open(14, 9, options);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> inFront = output;
+  ASSERT_EQ(runWithLayer(), XRDS_OK) << xrdsGetMessage();
+  VulkanHost::fail("vkAllocateMemory", VK_ERROR_OUT_OF_DEVICE_MEMORY);
+  for (int frame = 0; frame < 2; ++frame) EXPECT_EQ(run(), XRDS_ERROR_OUT_OF_MEMORY);
+  EXPECT_EQ(xrdsGetDeviceBytes(upscaler), 0);
+  VulkanHost::fail(nullptr, VK_SUCCESS);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(output, inFront);
+  Frame mine = frame();
+  Embedded::run(mine);
+  EXPECT_EQ(get(mine.output), inFront);
+}
+
+TEST_F(EmbeddedMemory, LayersGoBeforeAndBehindARecording) {
+  open(14, 9, options);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> inFront = output;
+  ASSERT_EQ(runWithLayer(), XRDS_OK) << xrdsGetMessage();
+  const std::vector<float> withLayer = output;
+  Frame mine = frame();
+  Embedded::run(mine);
+  EXPECT_EQ(get(mine.output), inFront);
+  EXPECT_EQ(runWithLayer(), XRDS_ERROR_ARGUMENT);
+  EXPECT_NE(std::string(xrdsGetMessage()).find("recording"), std::string::npos) << xrdsGetMessage();
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(output, inFront);
+  host->submit(recorded(mine));
+  host->await();
+  EXPECT_EQ(get(mine.output), inFront);
+  xrdsDestroyRecording(std::exchange(recordings.back(), nullptr));
+  ASSERT_EQ(runWithLayer(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(output, withLayer);
+}
+
+// Tiles of half the memory that the upscaler alone took are no smaller ones for all networks.
+TEST_F(EmbeddedMemory, ALargeFrameThatFindsNoRoomAfterLayersEnds) {
+  open(14, 9, options);
+  xrdsCloseModel(std::exchange(model, nullptr));
+  xrdsDestroyUpscaler(std::exchange(upscaler, nullptr));
+  const std::string file = std::string(XRDS_GOLDEN_FOLDER) + "/s2_paper_width.model.safetensors";
+  ASSERT_EQ(xrdsOpenModel(file.c_str(), &model), XRDS_OK) << xrdsGetMessage();
+  width = 128, height = 96, scale = 2;
+  pixels[0] = noise(size_t{3} * width * height, 1);
+  for (int i = 1; i < 3; ++i) pixels[i] = noise(size_t{3} * scale * scale * width * height, 1 + i);
+  ASSERT_EQ(xrdsCreateUpscaler(device, model, width, height, &options, &upscaler), XRDS_OK) << xrdsGetMessage();
+  ASSERT_EQ(runWithLayer(), XRDS_OK) << xrdsGetMessage();
+  VulkanHost::fail("vkAllocateMemory", VK_ERROR_OUT_OF_DEVICE_MEMORY);
+  EXPECT_EQ(run(), XRDS_ERROR_OUT_OF_MEMORY);
+  VulkanHost::fail(nullptr, VK_SUCCESS);
+  EXPECT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+}
+
 }  // namespace
 }  // namespace xrds
