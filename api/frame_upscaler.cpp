@@ -1,8 +1,9 @@
 #include "api/frame_upscaler.h"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
+#include <tuple>
+#include <utility>
 
 #include "api/arguments.h"
 #include "api/colour.h"
@@ -12,15 +13,12 @@
 #include "api/model.h"
 #include "api/separate_denoisers.h"
 #include "checks/reference.h"
-#include "engine/kernel_family.h"
 #include "frames/ensemble.h"
 #include "frames/frame_exposure.h"
 #include "frames/frame_runner.h"
 #include "frames/quiet_windows.h"
 #include "frames/tile_choice.h"
-#include "network/halo.h"
 #include "network/oidn.h"
-#include "tuning/tuner.h"
 #include "xrds/auxiliary_input.h"
 #include "xrds/noisy_share.h"
 
@@ -75,7 +73,6 @@ struct FrameUpscaler::State {
 
   // Where the denoisers find no room in front, they need less one after the other.
   void prepareAsFits() {
-    exposure = 0;
     if (!denoising || denoisesSeparately()) return prepareInTiles();
     try {
       prepareInTiles();
@@ -243,7 +240,11 @@ struct FrameUpscaler::State {
     const uint32_t before = networks->runs(levelled), own = options.ensemble;
     const double all = before + (mixes ? 2 : 1) * own;
     std::vector<float> noisy(mixes ? output.size() : 0);
-    if (mixes && !runImages(given, noisy, partOf(progress, 0, own / all))) return false;
+    if (mixes) {
+      const auto last = std::pair(exposure, repairs.output);
+      if (!runImages(given, noisy, partOf(progress, 0, own / all))) return false;
+      std::tie(exposure, repairs.output) = last;  // those of the last run, until this has its picture
+    }
     const auto clean = denoised(levelled, partOf(progress, mixes ? own / all : 0, before / all));
     if (!clean || !runImages(*clean, output, partOf(progress, 1 - own / all, own / all))) return false;
     if (mixes) addNoisyShare(output, noisy, exposure);

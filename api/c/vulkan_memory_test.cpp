@@ -92,6 +92,24 @@ TEST_F(EmbeddedMemory, ADenoiserFindsRoomWhereTheUpscalerWas) {
   EXPECT_GT(without, 0);
 }
 
+TEST_F(EmbeddedMemory, TheExposureOfTheLastFrameStaysWhereOneIsCancelled) {
+  options.separateDenoisers = 1;
+  open(14, 9, options);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  const float exposure = xrdsGetExposure(upscaler);
+  const uint64_t networks = xrdsGetDeviceBytes(upscaler);
+  VulkanHost::limitMemory(0);
+  const auto never = [](void*, double share) { return share < 0.5 ? 1 : 0; };
+  ASSERT_EQ(run(never), XRDS_CANCELLED) << xrdsGetMessage();
+  VulkanHost::limitMemory({});
+  EXPECT_EQ(xrdsGetExposure(upscaler), exposure);
+  ASSERT_EQ(runWithLayer(never), XRDS_CANCELLED) << xrdsGetMessage();
+  EXPECT_EQ(xrdsGetExposure(upscaler), exposure);
+  ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
+  EXPECT_EQ(xrdsGetExposure(upscaler), exposure);
+  EXPECT_EQ(xrdsGetDeviceBytes(upscaler), networks);
+}
+
 // Denoisers that find no room in front for one frame have it again for the next, and can be recorded.
 TEST_F(EmbeddedMemory, DenoisersComeBackInFront) {
   open(14, 9, options);
@@ -114,10 +132,12 @@ TEST_F(EmbeddedMemory, LayersGoBeforeAndBehindARecording) {
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
   const std::vector<float> inFront = output;
   ASSERT_EQ(runWithLayer(), XRDS_OK) << xrdsGetMessage();
+  const float exposure = xrdsGetExposure(upscaler);
   const std::vector<float> withLayer = output;
   Frame mine = frame();
   Embedded::run(mine);
   EXPECT_EQ(get(mine.output), inFront);
+  EXPECT_EQ(xrdsGetExposure(upscaler), exposure);
   EXPECT_EQ(runWithLayer(), XRDS_ERROR_ARGUMENT);
   EXPECT_NE(std::string(xrdsGetMessage()).find("recording"), std::string::npos) << xrdsGetMessage();
   ASSERT_EQ(run(), XRDS_OK) << xrdsGetMessage();
