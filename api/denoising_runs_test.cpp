@@ -2,6 +2,7 @@
 // the next run is as of a new upscaler, and what is told of the last one stays.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 
@@ -98,6 +99,14 @@ class DenoisingRuns : public testing::Test {
     return true;
   }
 
+  // Of denoisers, wherever they stand.
+  static size_t countRows(const Upscaler& upscaler) {
+    const auto rows = upscaler.profile();
+    EXPECT_TRUE(
+        std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.label.starts_with("enc_conv"); }));
+    return rows.size();
+  }
+
   void expectGoesOn(const Model& model, const Upscaler::Options& options, bool layersBefore, bool layers) {
     RunFrame before(model, 20), frame(model, 40), wanted(model, 40);
     Upscaler fresh = make(model, options);
@@ -112,6 +121,7 @@ class DenoisingRuns : public testing::Test {
       EXPECT_EQ(frame.results(), wanted.results()) << end << " of " << shares;
       EXPECT_EQ(upscaler.exposure(), fresh.exposure());
       EXPECT_EQ(upscaler.deviceBytes(), fresh.deviceBytes());
+      EXPECT_EQ(countRows(upscaler), countRows(fresh));
     }
   }
 

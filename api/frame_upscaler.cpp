@@ -344,15 +344,12 @@ SkipMap FrameUpscaler::skipMap() const {
 
 const Tiling& FrameUpscaler::tiling() const { return state_->tiling; }
 
-std::vector<Upscaler::ProfileRow> profileRows(std::span<const DispatchTime> times) {
-  std::vector<Upscaler::ProfileRow> rows;
-  for (const DispatchTime& time : times)
-    rows.push_back({time.label, time.program, time.multiplyAdds, time.byteSize, time.microseconds});
-  return rows;
-}
-
 std::vector<Upscaler::ProfileRow> FrameUpscaler::profile() const {
-  return state_->runner ? profileRows(state_->runner->times()) : std::vector<Upscaler::ProfileRow>();
+  std::vector<Upscaler::ProfileRow> rows, own;
+  if (state_->runner) own = profileRows(state_->runner->times());
+  if (state_->networks && !own.empty()) rows = state_->networks->profile();
+  rows.insert(rows.end(), own.begin(), own.end());
+  return rows;
 }
 
 std::vector<Upscaler::CheckRow> checkFrame(Gpu& gpu, const NetworkModel& model, const PixelView& colour,

@@ -87,6 +87,7 @@ FrameUpscaler& SeparateDenoisers::network(const NetworkModel& model, FrameShape 
   if (found != networks_.end()) return (*found)->upscaler;
   if (options_.tiles.memoryBytes || byteSize() > gpu_.description().memoryBytes / kShareOfMemory) networks_.clear();
   Upscaler::Options asked{.fp16 = options_.fp16,
+                          .profile = options_.profile,
                           .tiles = {.memoryBytes = options_.tiles.memoryBytes, .exact = true},
                           .multiplyAddsPerSubmission = options_.multiplyAddsPerSubmission,
                           .tune = Upscaler::Tune::never};
@@ -105,6 +106,8 @@ SeparateDenoisers::Pixels SeparateDenoisers::ran(const NetworkModel& model, cons
   if (!upscaler.run(image, guides, result, {}, hear_ ? Upscaler::Progress(hear) : Upscaler::Progress()))
     throw Stopped{};
   ++done_;
+  const auto rows = upscaler.profile();
+  rows_.insert(rows_.end(), rows.begin(), rows.end());
   return result;
 }
 
@@ -198,6 +201,7 @@ std::optional<FrameImages> SeparateDenoisers::denoised(const FrameImages& frame,
   makeRoom_ = makeRoom;
   heard_ = 0;
   done_ = 0;
+  rows_.clear();
   runs_ = runs(frame);
   pixels_.clear();
   FrameImages clean = frame;
@@ -209,6 +213,7 @@ std::optional<FrameImages> SeparateDenoisers::denoised(const FrameImages& frame,
     release();
     throw;
   }
+  profile_.swap(rows_);
   return clean;
 }
 

@@ -44,6 +44,8 @@ class SeparateDenoisers {
 
   uint64_t byteSize() const;  // of the device's memory
   void release();             // gives that back
+  /// Of the last frame, with Upscaler::Options::profile.
+  const std::vector<Upscaler::ProfileRow>& profile() const { return profile_; }
 
  private:
   struct Network;
@@ -69,6 +71,7 @@ class SeparateDenoisers {
   std::function<void()> makeRoom_;
   double heard_ = 0;
   uint32_t done_ = 0, runs_ = 1;
+  std::vector<Upscaler::ProfileRow> profile_, rows_;  // the latter of the frame that is under way
 };
 
 }  // namespace xrds

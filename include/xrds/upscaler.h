@@ -121,7 +121,7 @@ class Upscaler {
   uint64_t deviceBytes() const { return xrdsGetDeviceBytes(handle()); }  // arena and weights
   const Tiling& tiling() const { return tiling_; }
   SkipMap skipMap() const;                  // of the last run
-  std::vector<ProfileRow> profile() const;  // of each dispatch in the last run; empty without Options::profile
+  std::vector<ProfileRow> profile() const;  // each dispatch of the last run, or pass; empty without Options::profile
 
   /// Replays one frame with every value kept and compares each operator with its double-precision reference on the
   /// host. Slow: seconds for 16 x 16 pixels.

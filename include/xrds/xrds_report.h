@@ -104,7 +104,8 @@ typedef struct XrdsProfileRow {
 } XrdsProfileRow;
 typedef void (*XrdsHearProfile)(void* user, const XrdsProfileRow* row);
 
-/* Of the last run, in order; nothing is heard unless XrdsUpscalerOptions.profile was set. */
+/* Of the last run, in order, of an ensemble of the upscaler's last pass; nothing is heard unless
+ * XrdsUpscalerOptions.profile was set. */
 XRDS_API XrdsResult xrdsGetProfile(XrdsUpscaler* upscaler, XrdsHearProfile hear, void* user);
 
 /* How far the device is from double precision at one operator. */
