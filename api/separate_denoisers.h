@@ -24,7 +24,8 @@ Upscaler::Progress partOf(const Upscaler::Progress& progress, double begin, doub
 
 /// The networks of Upscaler::Options::denoisers, where they do not stand in front of the upscaler on the device: each
 /// image goes through them by itself, and comes back to the host. What is asked of them for one frame stays ready for
-/// the next, in at most a quarter of the device's memory; where that is limited, only one network at a time is there.
+/// the next, until that takes more than a quarter of the device's memory; where memory is limited, only one network at
+/// a time is there.
 class SeparateDenoisers {
  public:
   /// upscaler: its model; everything must outlive it. Of the options precision, memory and passes are those of the
