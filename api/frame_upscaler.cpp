@@ -185,9 +185,8 @@ struct FrameUpscaler::State {
       const MirroredFrame images(colour, auxiliary, config.auxInputs, mirrors[pass]);
       MirroredLayers turnedLayers(layers, mirrors[pass], config.scale);
       State& state = turned && mirrors[pass].transposed ? *turned : *this;
-      const auto report = [&](double done) { return progress((static_cast<double>(pass) + done) * share); };
       if (!state.runFinite(images.colour(), images.auxiliary(), turnedLayers.images(), output,
-                           progress ? Progress(report) : Progress()))
+                           partOf(progress, static_cast<double>(pass) * share, share)))
         return false;
       mean.add(output, mirrors[pass], state.runner->exposure());
       turnedLayers.add(layers, static_cast<float>(share));
