@@ -9,12 +9,7 @@
 namespace xrds {
 
 Image imageOf(const PixelView& view) {
-  Image image;
-  image.width = static_cast<int>(view.width);
-  image.height = static_cast<int>(view.height);
-  image.channels = 3;
-  image.pixels = packed(view);
-  return image;
+  return {static_cast<int>(view.width), static_cast<int>(view.height), 3, packed(view)};
 }
 
 namespace {

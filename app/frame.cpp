@@ -208,10 +208,7 @@ void Frame::denoise(ImageDenoiser& denoiser, bool cleanGuides, uint32_t passes) 
     if (findAuxiliaryInput(inputs_[i])->isRadiance && &auxiliary_[i] != full)
       auxiliary_[i] = denoiser.denoised(auxiliary_[i], albedo, normal, passes);
   const auto mean = [&](const Image& image) {
-    Image low(colour_.width, colour_.height, 0);
-    low.channels = 3;
-    low.pixels = denoising::boxMean(viewOf(image), static_cast<uint32_t>(scale()));
-    return low;
+    return Image(colour_.width, colour_.height, 3, denoising::boxMean(viewOf(image), static_cast<uint32_t>(scale())));
   };
   std::optional<Image> lowAlbedo, lowNormal;
   if (albedo) lowAlbedo = mean(*albedo);

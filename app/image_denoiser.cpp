@@ -1,7 +1,6 @@
 #include "app/image_denoiser.h"
 
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "image/image_view.h"
@@ -10,15 +9,8 @@
 namespace xrds {
 namespace {
 
-Image imageOf(std::vector<float> pixels, int width, int height) {
-  Image image(width, height, 0);
-  image.channels = 3;
-  image.pixels = std::move(pixels);
-  return image;
-}
-
 Image copyOf(const PixelView& view) {
-  return imageOf(mirrored(view, {}, false), static_cast<int>(view.width), static_cast<int>(view.height));
+  return {static_cast<int>(view.width), static_cast<int>(view.height), 3, mirrored(view, {}, false)};
 }
 
 }  // namespace
@@ -34,12 +26,12 @@ Image ImageDenoiser::denoised(const Image& colour, const Image* albedo, const Im
                               clean.size() < 2 ? nullptr : &clean[1])
         .pixels;
   };
-  return imageOf(denoising::denoisedRadiance(viewOf(colour), guides, passes, denoise), colour.width, colour.height);
+  return {colour.width, colour.height, 3, denoising::denoisedRadiance(viewOf(colour), guides, passes, denoise)};
 }
 
 Image ImageDenoiser::denoisedAlbedo(const Image& albedo) {
   const auto denoise = [&](const PixelView& image) { return albedoWithoutNoise(copyOf(image)).pixels; };
-  return imageOf(denoising::denoisedAlbedo(viewOf(albedo), denoise), albedo.width, albedo.height);
+  return {albedo.width, albedo.height, 3, denoising::denoisedAlbedo(viewOf(albedo), denoise)};
 }
 
 }  // namespace xrds

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace xrds {
@@ -21,6 +22,9 @@ struct Image {
         height(h),
         channels(c),
         pixels(static_cast<size_t>(w) * static_cast<size_t>(h) * static_cast<size_t>(c), fill) {}
+
+  /// An image of w x h pixels with c channels of these values, of which there must be as many.
+  Image(int w, int h, int c, std::vector<float> values) : width(w), height(h), channels(c), pixels(std::move(values)) {}
 
   /// The number of pixels, whatever their channels.
   size_t pixelCount() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
