@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <random>
 
+#include "tests/uniform_numbers.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {
@@ -26,11 +26,7 @@ Model golden(const std::string& name) {
 }
 
 Pixels noise(uint32_t scale, float least, float most, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> numbers(least, most);
-  Pixels pixels(size_t{3} * scale * scale * kWidth * kHeight);
-  for (float& number : pixels) number = numbers(random);
-  return pixels;
+  return test::uniformNumbers(size_t{3} * scale * scale * kWidth * kHeight, least, most, seed);
 }
 
 PixelView viewOf(const Pixels& pixels, uint32_t scale) { return {pixels.data(), scale * kWidth, scale * kHeight}; }

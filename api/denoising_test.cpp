@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "tests/harness.h"
+#include "tests/uniform_numbers.h"
 #include "xrds/merged_colour.h"
 #include "xrds/xrds.hpp"
 
@@ -30,11 +30,7 @@ using Pixels = std::vector<float>;
 PixelView viewOf(const Pixels& pixels, uint32_t scale) { return {pixels.data(), scale * kWidth, scale * kHeight}; }
 
 Pixels noise(uint32_t scale, float least, float most, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> numbers(least, most);
-  Pixels pixels(size_t{3} * scale * scale * kWidth * kHeight);
-  for (float& number : pixels) number = numbers(random);
-  return pixels;
+  return test::uniformNumbers(size_t{3} * scale * scale * kWidth * kHeight, least, most, seed);
 }
 
 Pixels boxMean(const Pixels& full) {

@@ -4,12 +4,12 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "app/frame.h"
 #include "app/network_denoiser.h"
 #include "app/upscale_frame.h"
 #include "tests/temporary_folder.h"
+#include "tests/uniform_numbers.h"
 
 namespace xrds {
 namespace {
@@ -22,11 +22,8 @@ std::filesystem::path golden(const std::string& name) {
 }
 
 Image noise(int scale, float least, float most, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> numbers(least, most);
-  Image image(scale * kWidth, scale * kHeight, 3);
-  for (float& number : image.pixels) number = numbers(random);
-  return image;
+  const int width = scale * kWidth, height = scale * kHeight;
+  return {width, height, 3, test::uniformNumbers(size_t{3} * width * height, least, most, seed)};
 }
 
 void write(const std::filesystem::path& path, const std::vector<std::pair<std::string, Image>>& layers) {
