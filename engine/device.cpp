@@ -52,7 +52,8 @@ void probe(Gpu::Handles& gpu) {
   vkGetPhysicalDeviceMemoryProperties(gpu.physicalDevice, &gpu.memory);
   gpu.limits = properties.properties.limits;
   gpu.maxAllocationBytes = version11.maxMemoryAllocationSize;
-  gpu.traits = traitsOf(gpu.physicalDevice, gpu.description, chosenFamily(gpu.description, gpu.options.kernelFamily));
+  gpu.traits = traitsOf(gpu.physicalDevice, gpu.description, chosenFamily(gpu.description, gpu.options.kernelFamily),
+                        gpu.choosesSubgroups);
   if (gpu.isShared) gpu.traits.bufferAddresses = false;  // the other program may not have enabled them
   gpu.pipelineCacheKey = hexadecimal(properties.properties.pipelineCacheUUID) + "-" +
                          hexadecimal(version11.driverUUID) + "-" + std::to_string(properties.properties.driverVersion);
@@ -71,7 +72,6 @@ void openDevice(Gpu::Handles& gpu) {
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
   features12.bufferDeviceAddress = gpu.traits.bufferAddresses;
   MatrixFeatures matrixFeatures;
-  gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
   matrixFeatures.enable(gpu.traits.matrixUnits, gpu.choosesSubgroups, features12);
   std::vector<const char*> extensions = extensionsOf(gpu.traits.matrixUnits, gpu.choosesSubgroups);
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
@@ -145,7 +145,9 @@ Gpu::Gpu(DeviceOptions options) : handles_(std::make_unique<Handles>()) {
   const FoundDevice& chosen = found[selectDevice(descriptions, gpu.options.select)];
   gpu.physicalDevice = chosen.physicalDevice;
   gpu.description = chosen.description;
+  checkDriver(gpu.description);
   chooseQueue(gpu);
+  gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
   probe(gpu);
   openDevice(gpu);
   makeCommandObjects(gpu);
@@ -159,10 +161,9 @@ Gpu::Gpu(DeviceOptions options, const HostDevice& host) : handles_(std::make_uni
   gpu.options = std::move(options);
   gpu.options.cacheFolder = writableCacheFolder(gpu.options.cacheFolder, gpu.notes);
   takeDevice(gpu, host);
+  gpu.choosesSubgroups = host.enabled.subgroupSizeControl && subgroupControl(gpu.physicalDevice).areChosen;
   probe(gpu);
   gpu.traits.shaderInt64 = gpu.traits.shaderInt64 && host.enabled.shaderInt64;
-  gpu.choosesSubgroups = host.enabled.subgroupSizeControl && subgroupControl(gpu.physicalDevice).areChosen;
-  if (!gpu.choosesSubgroups) gpu.traits.leastSubgroup = gpu.traits.mostSubgroup = 0;
   makeCommandObjects(gpu);
   loadPipelineCache(gpu);
   loadPace(*this);

@@ -77,6 +77,7 @@ struct DeviceTraits {
   uint64_t maxAllocationBytes = uint64_t{1} << 31;
   uint64_t memoryBytes = 0;  // of a GPU, for which frames are cut into large pieces; 0: a CPU device
   uint64_t secondCacheBytes = uint64_t{512} << 10;  // of a core of a CPU
+  uint32_t registers = 256;                         // of 32 bits, of an invocation in the smallest subgroups
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
   bool shaderInt64 = false;  // also in subgroup operations

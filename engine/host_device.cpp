@@ -74,10 +74,11 @@ HostFeatures usefulFeatures(const HostDevice& host) {
   const auto held = holdLoader();
   const auto instance = checkedInstance(host);
   const DeviceDescription description = describe(*instance, host.physicalDevice);
-  const DeviceTraits traits = traitsOf(host.physicalDevice, description, description.kernelFamily);
+  const bool areChosen = subgroupControl(host.physicalDevice).areChosen;
+  const DeviceTraits traits = traitsOf(host.physicalDevice, description, description.kernelFamily, areChosen);
   HostFeatures useful{.shaderInt64 = traits.shaderInt64};
   if (extensionsOf(traits.matrixUnits).empty()) return useful;
-  useful.subgroupSizeControl = subgroupControl(host.physicalDevice).areChosen;
+  useful.subgroupSizeControl = areChosen;
   useful.computeFullSubgroups = useful.shaderFloat16 = useful.vulkanMemoryModel = true;
   useful.cooperativeMatrixKhr = traits.matrixUnits == MatrixUnits::khr;
   useful.cooperativeMatrixNv = traits.matrixUnits == MatrixUnits::nv;
@@ -106,6 +107,7 @@ void takeDevice(Gpu::Handles& gpu, const HostDevice& host) {
   gpu.timestampValidBits = checkedQueue(host);
   gpu.physicalDevice = host.physicalDevice;
   gpu.description = describe(*gpu.instance, host.physicalDevice);
+  checkDriver(gpu.description);
   if (unitsOf(host.enabled) != gpu.description.matrixUnits) gpu.description.matrixUnits = MatrixUnits::none;
   gpu.description.kernelFamily = suitableFamily(gpu.description);
   gpu.queueFamily = host.queueFamily;

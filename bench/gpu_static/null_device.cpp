@@ -1,5 +1,6 @@
 #include "bench/gpu_static/null_device.h"
 
+#include "engine/drivers/matrix_offers.h"
 #include "engine/drivers/matrix_units.h"
 #include "engine/drivers/traits.h"
 #include "engine/drivers/vulkan_result.h"
@@ -20,13 +21,13 @@ struct CooperativeMatrixFeatures {
 struct CooperativeMatrixProperties {
   VkStructureType sType = kPropertiesType;
   void* pNext = nullptr;
-  uint32_t rows = 0, columns = 0, depth = 0;
+  uint32_t MSize = 0, NSize = 0, KSize = 0;
   uint32_t a = 0, b = 0, c = 0, result = 0;  // 0: halves, 1: floats
   VkBool32 saturating = VK_FALSE;
   uint32_t scope = 0;
 };
 
-// Products of 16 x 16 x 16 halves with sums in fp32, as findMatrixUnits() asks for.
+// Products of halves with sums in fp32, as findMatrixUnits() asks for.
 void findUnits(const Instance& instance, VkPhysicalDevice device, DeviceDescription& description) {
   using Query = VkResult(VKAPI_PTR*)(VkPhysicalDevice, uint32_t*, CooperativeMatrixProperties*);
   const auto query = reinterpret_cast<Query>(
@@ -36,15 +37,15 @@ void findUnits(const Instance& instance, VkPhysicalDevice device, DeviceDescript
   checkResult(query(device, &count, nullptr), "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR");
   std::vector<CooperativeMatrixProperties> offered(count);
   checkResult(query(device, &count, offered.data()), "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR");
-  const auto offers = [&](uint32_t sums) {
-    for (const CooperativeMatrixProperties& p : offered)
-      if (p.rows == 16 && p.columns == 16 && p.depth == 16 && p.a == 0 && p.b == 0 && p.c == sums && p.result == sums)
-        return true;
-    return false;
+  const auto fits = [](const CooperativeMatrixProperties& p, uint32_t sums) {
+    return p.a == 0 && p.b == 0 && p.c == sums && p.result == sums && p.scope == VK_SCOPE_SUBGROUP_NV;
   };
-  if (!offers(1)) return;
+  const auto size = largestOf(offered, fits, 1u, 0u);
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(device, &properties);
+  if (!size || !holdsFragments(subgroupControl(device), registersOf(properties.vendorID, description.kind))) return;
   description.matrixUnits = MatrixUnits::khr;
-  description.matrixSize = {16, 16, 16, offers(0)};
+  description.matrixSize = *size;
 }
 
 void open(Gpu::Handles& gpu) {
@@ -78,7 +79,7 @@ void open(Gpu::Handles& gpu) {
   info.ppEnabledExtensionNames = extensions.data();
   checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
   volkLoadDeviceTable(&gpu.vk, gpu.device);
-  gpu.choosesSubgroups = true;
+  gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
 }
 
 }  // namespace
@@ -104,7 +105,7 @@ bool NullDevice::runs(KernelFamily family) const {
 }
 
 DeviceTraits& NullDevice::take(KernelFamily family) {
-  handles_.traits = traitsOf(handles_.physicalDevice, handles_.description, family);
+  handles_.traits = traitsOf(handles_.physicalDevice, handles_.description, family, handles_.choosesSubgroups);
   return handles_.traits;
 }
 

@@ -8,6 +8,7 @@
 
 #include "engine/drivers/llvmpipe.h"
 #include "engine/drivers/matrix_units.h"
+#include "engine/drivers/traits.h"
 #include "engine/drivers/vulkan_result.h"
 #include "engine/kernel_family.h"
 #include "xrds/error.h"
@@ -106,7 +107,8 @@ DeviceDescription describe(const Instance& instance, VkPhysicalDevice device) {
     description.uuid += "0123456789abcdef"[byte & 15];
   }
   description.driver = std::string(version12.driverName).append(" ").append(version12.driverInfo);
-  if (llvmpipeMultiplies(description.driver, version11.subgroupSize))
+  if (llvmpipeMultiplies(description.driver, version11.subgroupSize) &&
+      holdsFragments(subgroupControl(device), registersOf(properties.properties.vendorID, description.kind)))
     std::tie(description.matrixUnits, description.matrixSize) = findMatrixUnits(instance, device);
   description.kernelFamily = suitableFamily(description);
   description.apiVersion = versionText(properties.properties.apiVersion);

@@ -1,8 +1,6 @@
 #include "engine/drivers/matrix_units.h"
 
-#include <algorithm>
-#include <optional>
-
+#include "engine/drivers/matrix_offers.h"
 #include "engine/drivers/vulkan_result.h"
 
 // Only where the compiler of the kernels knows the extension, too.
@@ -36,24 +34,6 @@ std::vector<Properties> propertiesOf(const Instance& instance, VkPhysicalDevice 
   std::vector<Properties> properties(count, empty);
   checkResult(ask(device, &count, properties.data()), query);
   return properties;
-}
-
-// The largest product among those that a kernel's fragments of 16 x 16 are made of. fits() says of an offer whether it
-// is one of halves with sums of that type.
-template <class Properties, class Fits>
-std::optional<MatrixSize> largestOf(const std::vector<Properties>& offered, const Fits& fits, auto floats,
-                                    auto halves) {
-  const auto divides = [](uint32_t side) { return side == 8 || side == 16; };
-  std::optional<MatrixSize> best;
-  for (const Properties& p : offered)
-    if (fits(p, floats) && divides(p.MSize) && divides(p.NSize) && divides(p.KSize) &&
-        (!best || p.MSize * p.NSize * p.KSize > best->rows * best->columns * best->depth))
-      best = {.rows = p.MSize, .columns = p.NSize, .depth = p.KSize};
-  if (best)
-    best->halfSums = std::any_of(offered.begin(), offered.end(), [&](const Properties& p) {
-      return fits(p, halves) && p.MSize == best->rows && p.NSize == best->columns && p.KSize == best->depth;
-    });
-  return best;
 }
 
 std::optional<MatrixSize> sizeOfNv(const Instance& instance, VkPhysicalDevice device) {
@@ -117,6 +97,11 @@ std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkP
     if (const auto size = sizeOfKhr(instance, device)) return {MatrixUnits::khr, *size};
 #endif
   return {};
+}
+
+bool holdsFragments(const SubgroupControl& subgroups, uint32_t registers) {
+  constexpr uint32_t kLeastBytes = 8192;  // the sums of two fragments of 16 x 16, and as much for each operand
+  return subgroups.least * registers * 4 >= kLeastBytes;
 }
 
 std::vector<const char*> extensionsOf(MatrixUnits units, bool choosesSubgroups) {

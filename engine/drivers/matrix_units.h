@@ -23,6 +23,11 @@ SubgroupControl subgroupControl(const VkPhysicalDeviceSubgroupSizeControlFeature
 /// made of.
 std::pair<MatrixUnits, MatrixSize> findMatrixUnits(const Instance& instance, VkPhysicalDevice device);
 
+/// Whether a subgroup of a device with so many registers an invocation (registersOf()) has room for the fragments of a
+/// kernel. The matrix kernels spill hundreds of registers on the first GPUs of Intel with matrix units (Alchemist),
+/// whose subgroups of 8 have 4 KiB.
+bool holdsFragments(const SubgroupControl& subgroups, uint32_t registers);
+
 /// The device extensions that the units need, "VK_NV_cooperative_matrix", say; and the control of subgroups, which
 /// pipelines may use without units, too.
 std::vector<const char*> extensionsOf(MatrixUnits units, bool choosesSubgroups = false);

@@ -37,5 +37,11 @@ TEST(SubgroupControl, IsNoneOfSizesThatTheDriverChooses) {
   EXPECT_FALSE(controlOf(false, true, 32, 32, VK_SHADER_STAGE_COMPUTE_BIT).areKnown);
 }
 
+TEST(MatrixUnits, NeedRegistersForTheirFragments) {
+  EXPECT_TRUE(holdsFragments({.least = 32, .most = 32}, 256)) << "NVIDIA";
+  EXPECT_TRUE(holdsFragments({.least = 16, .most = 32}, 128)) << "Intel, Battlemage";
+  EXPECT_FALSE(holdsFragments({.least = 8, .most = 32}, 128)) << "Intel, Alchemist";
+}
+
 }  // namespace
 }  // namespace xrds

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <sstream>
 
 #include "xrds/error.h"
@@ -71,6 +72,14 @@ size_t selectDevice(std::span<const DeviceDescription> devices, std::string_view
       partial.push_back(i);
   }
   return only(devices, exact.empty() ? partial : exact, select);
+}
+
+void checkDriver(const DeviceDescription& device) {
+  int major = 0, minor = 0;
+  if (std::sscanf(device.driver.c_str(), "MoltenVK %d.%d", &major, &minor) != 2) return;
+  if (major > 1 || (major == 1 && minor >= 3)) return;
+  throw Error(device.driver + " of " + device.name +
+              " computes kernels of the wrong size; install MoltenVK 1.3 or newer, or choose another device.");
 }
 
 }  // namespace xrds

@@ -12,4 +12,8 @@ namespace xrds {
 /// Throws Error that names the devices if none or more than one fits.
 size_t selectDevice(std::span<const DeviceDescription> devices, std::string_view select);
 
+/// Throws Error if the device's driver is known to make wrong programs of the kernels: MoltenVK before 1.3, which gives
+/// arrays the sizes that they have without specialization.
+void checkDriver(const DeviceDescription& device);
+
 }  // namespace xrds

@@ -8,6 +8,7 @@
 #endif
 
 #include "engine/drivers/llvmpipe.h"
+#include "engine/drivers/traits.h"
 #include "engine/kernel_family.h"
 #include "tests/harness.h"
 #include "xrds/error.h"
@@ -103,6 +104,32 @@ TEST(Device, TraitsAreWhatVulkanGuarantees) {
   if (const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH"); width && isCpu && !isUnderWine()) {
     EXPECT_EQ(traits.subgroupSize, std::stoul(width) / 32);
   }
+}
+
+TEST(Selection, RefusesADriverThatIsKnownToBeWrong) {
+  for (const char* driver : {"MoltenVK 1.3.0", "MoltenVK 1.4.2", "MoltenVK 2.0.0", "MoltenVK", "radv Mesa 22.3.6"})
+    EXPECT_NO_THROW(checkDriver({.name = "Apple M1", .driver = driver})) << driver;
+  for (const char* driver : {"MoltenVK 1.2.9", "MoltenVK 1.2.11", "MoltenVK 0.9"}) {
+    try {
+      checkDriver({.name = "Apple M1", .driver = driver});
+      ADD_FAILURE() << driver;
+    } catch (const Error& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find(std::string(driver) + " of Apple M1"), std::string::npos) << text;
+      EXPECT_NE(text.find("MoltenVK 1.3 or newer"), std::string::npos) << text;
+    }
+  }
+}
+
+TEST(Device, RegistersAreThoseOfItsMaker) {
+  EXPECT_EQ(registersOf(0x1002, DeviceKind::discrete), 256u) << "AMD";
+  EXPECT_EQ(registersOf(0x10DE, DeviceKind::discrete), 256u) << "NVIDIA";
+  EXPECT_EQ(registersOf(0x8086, DeviceKind::integrated), 128u) << "Intel";
+  EXPECT_EQ(registersOf(0x106B, DeviceKind::integrated), 128u) << "Apple";
+  EXPECT_EQ(registersOf(0x10005, DeviceKind::integrated), 128u) << "Apple, by Mesa";
+  EXPECT_EQ(registersOf(0x5143, DeviceKind::integrated), 128u) << "Qualcomm";
+  EXPECT_EQ(registersOf(0x13B5, DeviceKind::integrated), 64u) << "ARM";
+  EXPECT_GT(registersOf(0x8086, DeviceKind::cpu), 256u);
 }
 
 TEST(Llvmpipe, IsKnownByItsVersion) {

@@ -6,11 +6,12 @@
 #include "shaders/common/storage.glsl"
 #include "shaders/binned_exposure/binned_exposure.h"
 layout(local_size_x_id = 0) in;
+// The size of an array has a constant of its own: Metal's cannot come from gl_WorkGroupSize before SPIRV-Cross of August 2025.
+layout(constant_id = 1) const uint kGroup = 1;  // invocations of the workgroup
 layout(binding = 0) uniform samplerBuffer colour;
 layout(binding = 1, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { BinnedExposureParams p; };
 
-const uint kGroup = gl_WorkGroupSize.x;
 const float kKey = 0.18;
 shared vec2 partial[kGroup];  // sum of logarithms, count
 

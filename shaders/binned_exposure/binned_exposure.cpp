@@ -24,8 +24,9 @@ Dispatch dispatch(const BinnedExposure& op, const DeviceTraits& device) {
                                             .rows = bins(op.colour.height),
                                             .columns = bins(op.colour.width),
                                             .target = sliceOf(op.output).offset};
+  const uint32_t group = std::bit_floor(std::min(shader::kBinnedExposureGroup, device.maxGroupInvocations));
   return {.program = programName("binned_exposure", KernelFamily::plain, op.output.type),
-          .specialization = {std::bit_floor(std::min(shader::kBinnedExposureGroup, device.maxGroupInvocations))},
+          .specialization = {group, group},
           .bindings = {readTexels(op.colour), writeRows(op.output, {0, 1})},
           .pushConstants = pushBytes(params)};
 }

@@ -52,7 +52,16 @@ inline std::vector<uint32_t> matrixConstants(const MatrixShape& shape, MatrixSiz
 /// its outputs.
 struct MatrixStage {
   uint32_t leftTexels = 0, rightTexels = 0;
+  uint32_t mostOutputs = 4;  // columns of fragments of a workgroup
 };
+
+/// Whether the registers of a subgroup, of any size, hold the sums of two fragments and what is read for them, but not
+/// of eight.
+inline bool hasFewRegisters(const DeviceTraits& device) {
+  constexpr uint32_t kOfEightFragments = 16384;  // bytes
+  const uint32_t least = device.leastSubgroup > 0 ? device.leastSubgroup : device.subgroupSize;
+  return !inSoftware(device) && device.registers * 4 * least < kOfEightFragments;
+}
 
 /// For inputs and weights of halves alone: what is stored in fp32 stays exact.
 inline MatrixShape matrixShape(const DeviceTraits& device, MatrixStage stage, DataType inputType, DataType weightType,
@@ -64,7 +73,7 @@ inline MatrixShape matrixShape(const DeviceTraits& device, MatrixStage stage, Da
       device.maxGroupInvocations < kMostInvocations)
     return {};
   const uint32_t lanes = matrixLanes(device);
-  MatrixShape shape{.subgroups = std::min(kMostInvocations / lanes, kMostSubgroups), .outputs = 4};
+  MatrixShape shape{.subgroups = std::min(kMostInvocations / lanes, kMostSubgroups), .outputs = stage.mostOutputs};
   if (device.shape.outputs > 0) shape.outputs = std::min(shape.outputs, std::bit_floor(device.shape.outputs));
   const uint32_t fragments = ceilDivide(outputChannels, 16);
   while (3 * (ceilDivide(fragments, shape.outputs) * shape.outputs - fragments) > fragments) shape.outputs /= 2;

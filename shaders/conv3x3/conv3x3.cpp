@@ -73,15 +73,22 @@ LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
 
 // A workgroup of the tile kernel: columns * rows * strips invocations, each four outputs of a strip of pixels.
 struct TileShape {
-  uint32_t columns = 0, rows = 0, strips = 0, pixels = 8;  // 0 columns: the device takes the plain kernel
+  uint32_t columns = 0, rows = 0, strips = 0, pixels = 0;  // 0 columns: the device takes the plain kernel
 };
 
-// Fewer rows where a GPU would have too few workgroups. Four pixels, which tuning may ask for, take half the registers.
+// Pixels of an invocation of the tile kernel. Four take two thirds of the registers of eight.
+uint32_t usualPixels(const DeviceTraits& device) {
+  constexpr uint32_t kOfEight = 160;  // registers
+  return device.registers < kOfEight ? 4 : 8;
+}
+
+// Fewer rows where a GPU would have too few workgroups.
 TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
   constexpr uint32_t kLeastRows = 8, kEnoughGroups = 256;
   const uint32_t columns = tileColumns(kernelOutputs(op) / 4), strips = columns >= 8 ? 2 : 4;
-  TileShape tile{columns, std::min(kTileInvocations / columns / strips, 32u), strips};
-  if (device.family == KernelFamily::tile && device.shape.outputs == 4) tile.pixels = 4;
+  TileShape tile{columns, std::min(kTileInvocations / columns / strips, 32u), strips, usualPixels(device)};
+  const uint32_t asked = device.family == KernelFamily::tile ? device.shape.outputs : 0;
+  if (asked == 4 || asked == 8) tile.pixels = asked;
   const auto sharedBytes = [&] { return 16 * ((tile.pixels * strips + 2) * (tile.rows + 2) + 36 * columns); };
   if (device.shape.rows > 0) tile.rows = std::min(tile.rows, device.shape.rows);
   while (tile.rows > 1 && sharedBytes() > device.maxSharedBytes) tile.rows /= 2;
@@ -109,9 +116,10 @@ struct MatrixTile {
 MatrixTile matrixTile(const Conv3x3& op, const DeviceTraits& device) {
   constexpr uint32_t kFewOutputs = 2, kPixelTexels = shader::kConv3x3MatrixTexels + 1;  // in sixteens
   constexpr uint32_t kPixels = (shader::kMatrixRows + 2) * shader::kConv3x3MatrixStride;
+  const uint32_t mostOutputs = hasFewRegisters(device) ? 2 : 4;
   for (const uint32_t taps : {9u, 3u}) {
-    const MatrixTile tile{matrixShape(device, {kPixels * kPixelTexels, taps * 16 * kPixelTexels}, op.input.type,
-                                      op.weightType, kernelInputs(op), kernelOutputs(op)),
+    const MatrixStage stage{kPixels * kPixelTexels, taps * 16 * kPixelTexels, mostOutputs};
+    const MatrixTile tile{matrixShape(device, stage, op.input.type, op.weightType, kernelInputs(op), kernelOutputs(op)),
                           taps};
     const MatrixSize& unit = device.matrixSize;
     const bool arePiecesFew = unit.rows * unit.columns * unit.depth >= 16 * 8 * 16;
@@ -270,7 +278,8 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                          ceilDivide(rowCount, shader::kMatrixRows)};
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {
     launch.program = programName("conv3x3", KernelFamily::tile, op.output.type);
-    launch.specialization = {tile.columns, tile.rows, tile.strips, activation, hasResidual, tile.pixels};
+    launch.specialization = {tile.columns, tile.rows,    tile.strips, activation, hasResidual,
+                             tile.pixels,  tile.columns, tile.rows,   tile.strips};
     launch.groupCount = {ceilDivide(kernelOutputs(op), 4 * tile.columns),
                          ceilDivide(shape.width, tile.pixels * tile.strips), ceilDivide(rowCount, tile.rows)};
   } else {
@@ -283,7 +292,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
 }
 
 std::vector<KernelShape> shapesToTry(const Conv3x3&, const DeviceTraits& device) {
-  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.outputs = 4}};
+  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.outputs = 12 - usualPixels(device)}};
   if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
   if (device.family != KernelFamily::lane) return {};
   return {{8, 4}, {8, 2}, {16, 2}, {32, 2}};

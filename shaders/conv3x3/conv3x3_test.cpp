@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "engine/kernel_family.h"
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
@@ -130,8 +131,11 @@ INSTANTIATE_TEST_SUITE_P(Matrix, Conv3x3Cases,
                          testing::Combine(testing::ValuesIn(kCases), testing::Values(KernelFamily::matrix),
                                           testing::Values(DataType::f16)));
 
-TEST(Conv3x3, MatchesReferenceInTheShapesThatTuningTriesOnGpus) {
+class Conv3x3OnGpus : public testing::TestWithParam<uint32_t> {};
+
+TEST_P(Conv3x3OnGpus, MatchesReferenceInTheShapesThatTuningTries) {
   DeviceTraits traits = test::traitsOf(KernelFamily::tile);
+  traits.registers = GetParam();
   for (const Case& c : {Case{9, 37, 20, 24}, {10, 7, 20, 64, Layout::shuffled}, {5, 18, 64, 16, Layout::unshuffled}}) {
     const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs * 9, 1));
     const auto bias = halves(test::randomNumbers(c.outputs, 2));
@@ -147,6 +151,8 @@ TEST(Conv3x3, MatchesReferenceInTheShapesThatTuningTriesOnGpus) {
     EXPECT_EQ(kernels.size(), 3u);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Registers, Conv3x3OnGpus, testing::Values(128u, 256u));
 
 // Small integers, of which every order of the sums gives the same float.
 TEST(Conv3x3, IsExactOnMatrixUnits) {
@@ -210,6 +216,29 @@ TEST(Conv3x3, TakesTheTilesThatFitTheDevice) {
   EXPECT_EQ(launchOn(small, {640, 512, 4, 3}).groupCount, (std::array<uint32_t, 3>{1, 16, 40}));
   small.maxSharedBytes = 8192;
   EXPECT_EQ(launchOn(small, {40, 40, 64, 64}).program, "conv3x3_plain_f32");
+}
+
+TEST(Conv3x3, TakesLessAtOnceWhereRegistersAreFew) {
+  const std::vector<float> weight(64 * 64 * 9), bias(64);
+  const auto constantOn = [&](const DeviceTraits& device, size_t constant) {
+    Conv3x3 op = operatorOf({40, 40, 64, 64}, DataType::f16, weight, bias);
+    op.weightType = DataType::f16;
+    return dispatch(op, device).specialization.at(constant);
+  };
+  constexpr size_t kPixels = 5, kFragments = 1;
+  DeviceTraits device = usualTraits(KernelFamily::tile);
+  EXPECT_EQ(constantOn(device, kPixels), 8u);
+  device.registers = 128;
+  EXPECT_EQ(constantOn(device, kPixels), 4u);
+  device.shape.outputs = 8;
+  EXPECT_EQ(constantOn(device, kPixels), 8u);
+
+  device = usualTraits(KernelFamily::matrix);
+  EXPECT_EQ(constantOn(device, kFragments), 4u);
+  device.registers = 128;
+  EXPECT_EQ(constantOn(device, kFragments), 4u) << "16 KiB of a subgroup of 32";
+  device.leastSubgroup = 16;
+  EXPECT_EQ(constantOn(device, kFragments), 2u) << "of any subgroup where the smallest have 8 KiB";
 }
 
 // A kernel whose only weight is at the tap: the output is the input moved by one pixel, zero moving in.

@@ -13,13 +13,16 @@ layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
 layout(constant_id = 5) const uint kPixels = 8;
+// Sizes of arrays have constants of their own: Metal's cannot come from gl_WorkGroupSize before SPIRV-Cross of August 2025.
+layout(constant_id = 6) const uint kColumns = 1;  // of the workgroup, as are the next two
+layout(constant_id = 7) const uint kRows = 1;
+layout(constant_id = 8) const uint kStrips = 1;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 layout(binding = 3, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { Conv3x3Params p; };
 
-const uint kColumns = gl_WorkGroupSize.x, kRows = gl_WorkGroupSize.y, kStrips = gl_WorkGroupSize.z;
 const uint kInvocations = kColumns * kRows * kStrips;
 const uint kWidth = kPixels * kStrips, kStride = kWidth + 2;  // of the pixels, without and with the border
 const uint kPixelTexels = kStride * (kRows + 2), kWeightTexels = 36 * kColumns;

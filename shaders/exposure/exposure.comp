@@ -9,11 +9,12 @@
 #include "shaders/common/storage.glsl"
 #include "shaders/exposure/exposure.h"
 layout(local_size_x_id = 0) in;
+// The size of an array has a constant of its own: Metal's cannot come from gl_WorkGroupSize before SPIRV-Cross of August 2025.
+layout(constant_id = 1) const uint kGroup = 1;  // invocations of the workgroup
 layout(binding = 0) uniform samplerBuffer colour;
 layout(binding = 1, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { ExposureParams p; };
 
-const uint kGroup = gl_WorkGroupSize.x;
 shared vec2 partial[kGroup];  // sum of what is asked for, count
 
 // The sum of L^(1/8) or log(L) over the pixels with finite L > darkest, and their number, in partial[0]. The lanes leave

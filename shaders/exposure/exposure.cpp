@@ -30,7 +30,7 @@ Dispatch dispatch(const Exposure& op, const DeviceTraits& device) {
                                       .pixelCount = static_cast<uint32_t>(op.colour.pixelCount()),
                                       .target = sliceOf(op.output).offset};
   return {.program = programName("exposure", KernelFamily::plain, op.output.type),
-          .specialization = {groupOf(device)},
+          .specialization = {groupOf(device), groupOf(device)},
           .bindings = {readTexels(op.colour), writeRows(op.output, {0, 1})},
           .pushConstants = pushBytes(params)};
 }

@@ -9,12 +9,14 @@
 namespace xrds {
 namespace {
 
-// How many pixels of a column share the loads of their neighbours. Where subgroups take turns, longer code costs
-// nothing, and the pixels may be of several low-resolution ones.
+// How many pixels of a column share the loads of their neighbours; two, where the registers of four are not there.
+// Where subgroups take turns, longer code costs nothing, and the pixels may be of several low-resolution ones.
 uint32_t runLength(const JointBilateral& op, RowRange rows, const DeviceTraits& device) {
+  constexpr uint32_t kOfFour = 192;  // registers
+  const uint32_t most = device.registers < kOfFour ? 2 : 4;
   const bool inTurns = device.family == KernelFamily::lane && device.laneCode == LaneCode::shuffles;
   const uint32_t ofRows = (rows.begin | rows.end) & -(rows.begin | rows.end);
-  return std::min(4u, inTurns ? std::max(op.scale, ofRows) : op.scale);
+  return std::min(most, inTurns ? std::max(op.scale, ofRows) : op.scale);
 }
 
 void referencePixel(const JointBilateral& op, HostMemory& memory, uint32_t y, uint32_t x) {

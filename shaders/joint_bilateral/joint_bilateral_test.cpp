@@ -98,7 +98,20 @@ TEST(JointBilateral, MakesRunsOfSeveralLowResolutionPixels) {
   others.laneCode = LaneCode::broadcasts;
   EXPECT_EQ(runOn(others, 1, {0, 16}), 1u);
   EXPECT_EQ(runOn(others, 4, {0, 16}), 4u);
-  EXPECT_EQ(runOn(usualTraits(KernelFamily::tile), 2, {0, 16}), 2u);
+  DeviceTraits gpu = usualTraits(KernelFamily::tile);
+  EXPECT_EQ(runOn(gpu, 2, {0, 16}), 2u);
+  EXPECT_EQ(runOn(gpu, 4, {0, 16}), 4u);
+  gpu.registers = 128;
+  EXPECT_EQ(runOn(gpu, 4, {0, 16}), 2u);
+}
+
+TEST(JointBilateral, MatchesReferenceWhereRegistersAreFew) {
+  DeviceTraits traits = test::traitsOf(KernelFamily::tile);
+  traits.registers = 128;
+  for (const uint32_t scale : {4u, 8u}) {
+    const JointBilateral op = bilateralOf({5, 6, 8, 8, scale, 0, 3, true});
+    test::expectMatchesReference(op, traits, test::toleranceOf(DataType::f32), contentsOf(op));
+  }
 }
 
 TEST(JointBilateral, ReadsAndWritesSlices) {

@@ -41,7 +41,7 @@ Dispatch dispatch(const LayerNorm& op, const DeviceTraits& device) {
                   .pushConstants = pushBytes(params)};
   if (const uint32_t share = tileShare(op, device)) {
     launch.program = programName("layer_norm", KernelFamily::tile, op.output.type);
-    launch.specialization = {share, kTileInvocations / share, channels};
+    launch.specialization = {share, kTileInvocations / share, channels, share, kTileInvocations / share};
     launch.groupCount = foldedGroups(ceilDivide(tokens, kTileInvocations / share));
   } else {
     launch.program = programName("layer_norm", KernelFamily::plain, op.output.type);

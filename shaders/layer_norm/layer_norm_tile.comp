@@ -9,12 +9,14 @@
 #include "shaders/layer_norm/layer_norm.h"
 layout(local_size_x_id = 0, local_size_y_id = 1) in;
 layout(constant_id = 2) const uint kChannels = 4;
+// Sizes of arrays have constants of their own: Metal's cannot come from gl_WorkGroupSize before SPIRV-Cross of August 2025.
+layout(constant_id = 3) const uint kShare = 1;  // of the workgroup, as is the next
+layout(constant_id = 4) const uint kTokens = 1;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2, std430) writeonly buffer Target { STORED4 target[]; };
 layout(push_constant) uniform Push { LayerNormParams p; };
 
-const uint kShare = gl_WorkGroupSize.x, kTokens = gl_WorkGroupSize.y;
 const uint kQuads = kChannels / 4, kTexels = (kQuads + kShare - 1) / kShare;
 shared float means[kShare * kTokens], variances[kShare * kTokens];
 

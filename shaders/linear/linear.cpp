@@ -93,11 +93,12 @@ struct TileShape {
   uint32_t columns = 0, rows = 0, tokens = 0;  // 0: the device takes the plain kernel
 };
 
-// As many tokens as keep the products of a fetch many, unless that leaves a GPU without enough workgroups.
+// As many tokens as keep the products of a fetch many, unless that leaves a GPU without enough workgroups, or spills.
 TileShape tileShape(const Linear& op, const DeviceTraits& device) {
-  constexpr uint32_t kMostTokens = 256, kEnoughGroups = 256;
+  constexpr uint32_t kMostTokens = 256, kEnoughGroups = 256, kOfEightTokens = 128;  // registers
   const uint32_t outputQuads = outputChannels(op) / 4, columns = tileColumns(outputQuads);
-  TileShape tile{columns, kTileInvocations / columns, device.shape.rows ? std::min(device.shape.rows, 8u) : 8};
+  TileShape tile{columns, kTileInvocations / columns, device.registers < kOfEightTokens ? 4u : 8};
+  if (device.shape.rows > 0) tile.tokens = std::min(device.shape.rows, 8u);
   const auto sharedBytes = [&] { return 4 * shader::kLinearTileInputs * (tile.rows * tile.tokens + 4 * columns); };
   const auto groupRows = [&] { return ceilDivide(op.output.pixelCount(), uint64_t{tile.rows} * tile.tokens); };
   while (tile.tokens > 1 && (tile.rows * tile.tokens > kMostTokens || sharedBytes() > device.maxSharedBytes ||
@@ -186,7 +187,8 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
   } else if (const TileShape tile = tileShape(op, device); tile.columns && !normalized) {
     launch.program = programName("linear", KernelFamily::tile, op.output.type);
-    launch.specialization = {tile.columns, tile.rows, tile.tokens, activation, hasResidual, hasAppended};
+    launch.specialization = {tile.columns, tile.rows,   tile.tokens,  activation,
+                             hasResidual,  hasAppended, tile.columns, tile.rows};
     launch.groupCount = tileGroups(ceilDivide(params.outputChannels, 4 * tile.columns),
                                    ceilDivide(tokens, uint64_t{tile.rows} * tile.tokens));
   } else {

@@ -187,6 +187,9 @@ TEST(Linear, TakesTheTilesThatFitTheDevice) {
   EXPECT_EQ(launchOn(gpu, 256).groupCount, (std::array<uint32_t, 3>{1, 256 * 256 / 128, 1}));
   EXPECT_EQ(launchOn(gpu, 16).groupCount, (std::array<uint32_t, 3>{1, 16 * 256 / 32, 1}));  // smaller, but more of them
   DeviceTraits small = gpu;
+  small.registers = 64;
+  EXPECT_EQ(launchOn(small, 256).groupCount, (std::array<uint32_t, 3>{1, 256 * 256 / 64, 1}));
+  small = gpu;
   small.maxSharedBytes = 8192;
   EXPECT_EQ(launchOn(small, 256).groupCount, (std::array<uint32_t, 3>{1, 256 * 256 / 64, 1}));
   small.maxSharedBytes = 4096;

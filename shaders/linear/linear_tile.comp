@@ -14,6 +14,9 @@ layout(constant_id = 2) const uint kThreadTokens = 4;
 layout(constant_id = 3) const uint kActivation = kActivationNone;
 layout(constant_id = 4) const bool kHasResidual = false;
 layout(constant_id = 5) const bool kHasAppended = false;
+// Sizes of arrays have constants of their own: Metal's cannot come from gl_WorkGroupSize before SPIRV-Cross of August 2025.
+layout(constant_id = 6) const uint kColumns = 1;  // of the workgroup, as is the next
+layout(constant_id = 7) const uint kRows = 1;
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
@@ -22,8 +25,7 @@ layout(binding = 4) uniform samplerBuffer appended;
 layout(push_constant) uniform Push { LinearParams p; };
 #include "shaders/linear/token.glsl"
 
-const uint kColumns = gl_WorkGroupSize.x, kRows = gl_WorkGroupSize.y, kInvocations = kColumns * kRows;
-const uint kTokens = kThreadTokens * kRows;
+const uint kInvocations = kColumns * kRows, kTokens = kThreadTokens * kRows;
 const uint kQuads = kLinearTileInputs / 4;
 const uint kSourceTexels = kTokens * kQuads, kWeightTexels = kLinearTileInputs * kColumns;
 const uint kSourceFetches = (kSourceTexels + kInvocations - 1) / kInvocations;
