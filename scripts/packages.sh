@@ -4,7 +4,7 @@
 set -euo pipefail
 packages=(
   g++ cmake ninja-build ccache git
-  libvulkan-dev libvulkan-volk-dev glslang-tools mesa-vulkan-drivers vulkan-validationlayers spirv-tools
+  libvulkan-dev libvulkan-volk-dev glslang-tools mesa-vulkan-drivers vulkan-validationlayers spirv-tools spirv-cross
   libopenexr-dev libpng-dev nlohmann-json3-dev libcli11-dev libgtest-dev libbenchmark-dev libglfw3-dev libimgui-dev
   libassimp-dev libstb-dev libx11-dev pkg-config xvfb python3-dev python3-venv
 )
