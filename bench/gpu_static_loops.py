@@ -1,4 +1,4 @@
-"""Reads the machine code that the compilers of RADV and NVK print: which instructions a kernel, or its inner loop, has."""
+"""Reads the machine code that the compilers of RADV, NVK and ANV print: which instructions a kernel, or its inner loop, has."""
 import collections
 import re
 
@@ -87,6 +87,17 @@ NAK_KINDS = (
     ("stores", r"st\.global"),
     ("barriers", r"bar\."),
 )
+
+
+# Of Intel: "(+f0.0) mad(8)  g29<1>F ...".
+GEN_KINDS = (("products", r"dpas"), ("multiplyAdds", r"mad|mac"), ("barriers", r"barrier"))
+
+
+def whole_gen_program(assembly):
+    """The counts of all that ANV prints of a program; None if nothing is printed."""
+    operations = re.findall(r"^\s*(?:\([^)]*\)\s+)?([a-z]\w*(?:\.\w+)*)\s*\(\d+\)", assembly, re.M)
+    counts = collections.Counter(name for operation in operations for name, pattern in GEN_KINDS if re.match(pattern, operation))
+    return {**counts, "all": len(operations)} if operations else None
 
 
 def whole_program(assembly):

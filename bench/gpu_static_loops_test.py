@@ -32,6 +32,12 @@ NAK = """block.u 0 L2 [] -> {
       r4..8     = hmma.m16n8k16.f32 r0..4 r8..10 r4..8 // delay=1
 }
 """
+GEN = """START B1 (40 cycles)
+add(8)          g81.8<1>UW      g81<8,8,1>UW    0x0008UW        { align1 WE_all 1Q @1 compacted };
+(+f0.0) mad(16) g82<1>F         g79<8,8,1>F     g77<8,8,1>F     { align1 1H @1 };
+dpas.8x8(16)    g10<1>F         g10<1,1,0>F     g42<1,1,0>HF    g58<1,1,0>HF { align1 1H };
+                            sampler MsgDesc: ld_lz SIMD16 Surface = 1 Sampler = 0
+"""
 
 
 class Loops(unittest.TestCase):
@@ -67,6 +73,10 @@ class Loops(unittest.TestCase):
         for operation, gathers in {"ds_load_u16_d16_hi": True, "buffer_load_u16": True, "buffer_load_b128": False, "buffer_load_ushort": True,
                                    "ds_read_u16": True, "buffer_load_format_xyzw": False, "buffer_store_short": False}.items():
             self.assertEqual(gpu_static_loops.is_gather16(operation), gathers, operation)
+
+    def test_of_intel_the_whole_program_counts(self):
+        self.assertEqual(gpu_static_loops.whole_gen_program(GEN), {"products": 1, "multiplyAdds": 1, "all": 3})
+        self.assertIsNone(gpu_static_loops.whole_gen_program(""))
 
 
 if __name__ == "__main__":

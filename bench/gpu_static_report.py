@@ -6,13 +6,21 @@ import subprocess
 SHOWN_MODEL = "xrds-x4-compact"
 HEAD = """# The kernels under the compilers of GPUs
 
-Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}: RADV on its null device compiled every pipeline of every shipped model,
-and of the networks of others (docs/networks.md) in their published sizes with random weights, for GPUs of AMD that were not there, and NVK for those of NVIDIA
-(Turing, chip 164; Ampere, chip 174) on a kernel interface that does nothing (Debian's `mesa-drm-shim`).
-Nothing ran, so these are counts and a compiler's estimates, not times. ACO guesses how often a loop runs: its latency and inverse throughput compare variants of
-one kernel with the same loops, and nothing else. Of NVIDIA's, latency is NAK's count of cycles, waves are warps of a scheduler, and counts are of
-the whole program. On gfx1200 this Mesa offers no matrix units yet, and of Ada (chip 192) the shim knows too little. `bench/results/gpu_static.json` has every pipeline.
-Frames of {frame} x {frame} low-resolution pixels.
+Made by `python3 bench/gpu_static.py` with Mesa {mesa}, commit {commit}. Mesa's drivers compiled every pipeline of every shipped model,
+and of the networks of others (docs/networks.md) in their published sizes with random weights, for GPUs that were not there. Nothing ran, so these are counts and a
+compiler's estimates, not times. `bench/results/gpu_static.json` has every pipeline. Frames of {frame} x {frame} low-resolution pixels.
+
+| GPUs | driver | on | latency | waves | counts of instructions |
+|---|---|---|---|---|---|
+| vega10, navi10, navi21, navi31, gfx1150; gfx1201 | RADV of AMD | its null device; a shim | ACO's estimate | of a SIMD | of the inner loop |
+| turing (chip 164), ampere (174) | NVK of NVIDIA | a shim | NAK's cycles | warps of a scheduler | of the program |
+| tgl (Xe of 2020), dg2 (Arc A770M), bmg (Arc B580) | ANV of Intel | a shim | its cycles | registers do not decide | of the program |
+| m1 | Honeykrisp of Apple | a shim | arithmetic alone | of a scheduler | |
+| a740 | Turnip of Qualcomm (Adreno) | a shim | | of a core | of the program |
+
+A shim is a kernel interface that does nothing: Debian's `mesa-drm-shim`, for Intel made of Mesa's source. ACO and ANV guess how often a loop runs: their estimates compare
+variants of one kernel with the same loops, and nothing else. Of Ada (chip 192) the shim knows too little. Apple's own compiler, which MoltenVK uses, is not Honeykrisp's, and
+that of Intel on Windows not ANV's: they share the hardware, its registers above all.
 
 *Products* is the share of the inner loop's vector time that multiply-adds take, of which a product of matrix units counts as 16 vector instructions.
 *Filling* is the share of a frame's work in dispatches of at least two workgroups for each compute unit. *16-bit* are loads of single halves.
@@ -25,6 +33,12 @@ Window attention that takes four keys together in place of eight has 3 waves whe
 
 NVK leaves the loops of `conv3x3_plain` and `linear_plain` over their pixels and tokens as they are: their sums, 64 to 80 bytes, lie in local memory. No other
 family has any.
+
+Registers are what GPUs differ in most, and Vulkan does not tell how many there are. Intel's subgroups have 128 of 32 bits an invocation when they are smallest, with
+the sums of eight fragments in no place: `conv3x3_tile` of eight pixels an invocation spilled 32 to 59 values on every GPU of Intel, and the matrix kernels in subgroups of 32,
+which drivers prefer, 84 to 848. So makers with few registers (`registersOf()`) get four pixels, the smallest subgroups for matrices and at most two fragments of outputs a
+workgroup, and runs of two pixels of the joint bilateral filter, which spilled on Apple's and Qualcomm's as well. Alchemist (dg2), whose subgroups of 8 have 4 KiB, spilled
+12 to 220 even so: it takes the tile kernels. What is left on Intel is one or two values of window attention of 8 x 8 in `tile`, and up to 34 in `matrix`.
 
 Loads from shared memory in the fused layer of 96 channels once were 116 beside 24 products in the loop of a map. A head's loop, into which the map's is now
 unrolled, has 64 beside 57: 1.1 a product in place of 4.8; the map alone 24 beside 39.
@@ -69,9 +83,9 @@ def overview(report):
         for family in families(gpu):
             used = used_by(gpu, family)
             good = [(pipeline, share) for pipeline, share in used if "error" not in pipeline]
-            waves = [pipeline["waves"] for pipeline, share in good if share > 0.03]
+            waves = [pipeline["waves"] for pipeline, share in good if share > 0.03 and pipeline["waves"]]
             rows.append(f"| {gpu['gpu']} | `{family}` | {len(used)} | {len(used) - len(good)} | {sum(p['spills'] for p, _ in good)} | "
-                        f"{sum(p['scratch'] for p, _ in good)} | {min(waves)} |")
+                        f"{sum(p['scratch'] for p, _ in good)} | {min(waves, default='')} |")
     return rows
 
 
@@ -80,7 +94,7 @@ def kernel_lines(gpu, network):
     rows = [f"`{network['model']}` on {gpu['gpu']}, `{network['family']}`, {network['precision']}: {network['dispatches']} dispatches, filling "
             f"{100 * network['filling']:.0f} %, arena {network['arenaBytes'] / 1e6:.0f} MB", "",
             "| kernel | work % | subgroup | registers | shared KiB | waves | latency | inverse throughput | products % | products | shared loads | loads | "
-            "16-bit | vector | waits |", "|---|" + "--:|" * 14]
+            "16-bit | vector | waits | all |", "|---|" + "--:|" * 15]
     for index, share in sorted(network["shares"].items(), key=lambda item: -item[1]):
         pipeline = gpu["pipelines"][int(index)]
         if share < 0.01 or "error" in pipeline:
@@ -89,9 +103,9 @@ def kernel_lines(gpu, network):
         count = lambda *names: sum(loop.get(name, 0) for name in names)
         constants = ",".join(map(str, pipeline["specialization"][:5]))
         rows.append(f"| `{pipeline['program']}` {constants} | {100 * share:.1f} | {pipeline['subgroupSize']} | {pipeline['registers']} | "
-                    f"{pipeline['shared'] / 1024:.1f} | {pipeline['waves']} | {pipeline['latency']} | {pipeline['inverseThroughput']} | "
+                    f"{pipeline['shared'] / 1024:.1f} | {pipeline['waves'] or ''} | {pipeline['latency'] or ''} | {pipeline['inverseThroughput'] or ''} | "
                     f"{100 * loop.get('productShare', 0):.0f} | {count('products', 'multiplyAdds')} | {count('sharedLoads')} | {count('loads')} | "
-                    f"{count('gathers16')} | {count('vector')} | {count('waits')} |")
+                    f"{count('gathers16')} | {count('vector')} | {count('waits')} | {count('all')} |")
     return rows
 
 
@@ -116,8 +130,9 @@ def kernel_tables(report, name, wanted, models):
 
 def document(report):
     parts = [HEAD.format(**report), "## All pipelines", "", *overview(report), "", "## Dispatches of a frame", "", *dispatch_lines(report), "",
-             f"## Kernels of `{SHOWN_MODEL}`", "", "Those with at least 1 % of the work; counts are of the inner loop, on ampere of the whole program.", ""]
-    shown = (("navi31", ("matrix", "fused", "tile")), ("navi21", ("tile",)), ("vega10", ("tile",)), ("ampere", ("matrix", "fused", "tile")))
+             f"## Kernels of `{SHOWN_MODEL}`", "", "Those with at least 1 % of the work; counts are of the inner loop on GPUs of AMD, else of the whole program.", ""]
+    shown = (("navi31", ("matrix", "fused", "tile")), ("navi21", ("tile",)), ("vega10", ("tile",)), ("ampere", ("matrix", "fused", "tile")),
+             ("bmg", ("matrix", "tile")), ("tgl", ("tile",)), ("m1", ("tile",)), ("a740", ("tile",)))
     for name, wanted in shown:
         parts += kernel_tables(report, name, wanted, [SHOWN_MODEL])
     others = {network["model"] for gpu in report["gpus"] for network in gpu["networks"] if not network["model"].startswith("xrds-")}

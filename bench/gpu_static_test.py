@@ -1,7 +1,7 @@
 """Asserts what compilers of real GPUs make of the kernels: python3 bench/gpu_static_test.py PROGRAM [MODEL ...]
 
-Two models by default on all GPUs, and the networks of others on one of AMD and one of NVIDIA; bench/gpu_static.py has all. Where Mesa 25.0 is not in its folder it says so and ends with 77,
-which the suite takes for skipped; where Mesa 26 is not, the GPUs of NVIDIA alone are left out.
+Two models by default on all GPUs, and the networks of others on one of each maker; bench/gpu_static.py has all. Where Mesa 25.0 is not in its folder it says so and
+ends with 77, which the suite takes for skipped; where only the drivers of some GPUs are not there, these are left out.
 """
 import collections
 import pathlib
@@ -9,6 +9,7 @@ import sys
 import unittest
 
 import gpu_static
+from gpu_static_gpus import GPUS, INTEGRATED
 
 SKIPPED = 77
 LARGE = 0.03  # share of a network's work from which a kernel counts
@@ -17,10 +18,14 @@ LEAST_WAVES = 4  # a SIMD
 # Where they are fewer, the compiler's estimates must say that they are enough: latency / waves <= inverse throughput.
 KNOWN_WAVES = {("vega10", "window_attention_tile"): 2, ("vega10", "window_attention_plain"): 3, ("vega10", "linear_tile"): 3,
                ("vega10", "conv3x3_tile"): 2}
+# Of Intel: of window attention of 8 x 8 a value or two and their loads in `tile`; in `matrix` more, of which a row of scores with all its
+# registers in a subgroup of 16 is the cause.
+KNOWN_SPILLS = {"dg2": {"window_attention_tile": 14}, "bmg": {"window_attention_tile": 8, "window_attention_matrix": 104}}
 # Loads from shared memory for a product of the fused layer of 96 channels: a third of the 116 for 24 products that it had.
 SWIN_LOADS_A_PRODUCT = 116 / 24 / 3
 MODELS = ["xrds-x4-compact", "xrds-x4-full"]
-OTHERS_ON = ["navi31", "ampere"]  # the networks of others
+NEEDED = [name for name, gpu in GPUS.items() if gpu.driver == "radeon" and not gpu.shim]
+OTHERS_ON = ["navi31", "ampere", "tgl", "m1", "a740"]  # the networks of others
 SMALL = {"--shared-bytes": 16384, "--group-invocations": 128}
 
 
@@ -55,17 +60,17 @@ class GpuStatic(unittest.TestCase):
             with self.subTest(gpu=gpu["gpu"]):
                 self.assertEqual([pipeline for pipeline in gpu["pipelines"] if "error" in pipeline], [])
                 families = {network["family"] for network in gpu["networks"]}
-                # Mesa 25.0 has no matrix units on RDNA4 yet, and AMD's hardware before RDNA3 has none.
-                with_units = gpu["gpu"] in ("navi31", "gfx1150", *gpu_static.CHIPSETS)
-                self.assertEqual(families, {"plain", "tile", "matrix", "fused"} if with_units else {"plain", "tile"})
+                self.assertEqual(families, {"plain", "tile", "matrix", "fused"} if GPUS[gpu["gpu"]].has_units else {"plain", "tile"})
 
     def test_nothing_is_spilled(self):
         for gpu in self.gpus:
             with self.subTest(gpu=gpu["gpu"]):
-                self.assertEqual([p["program"] for p in gpu["pipelines"] if p["spills"]], [])
+                few = KNOWN_SPILLS.get(gpu["gpu"], {})
+                spilling = [p for p in gpu["pipelines"] if p["spills"] > few.get(stem(p["program"]), 0)]
+                self.assertEqual([(p["program"], p["specialization"], p["spills"]) for p in spilling], [])
                 # NVK leaves the loops over the pixels and tokens of `plain` as they are, and their sums in local memory.
-                known = lambda p: gpu["gpu"] in gpu_static.CHIPSETS and stem(p["program"]) in ("conv3x3_plain", "linear_plain")
-                self.assertEqual([p["program"] for p in gpu["pipelines"] if p["scratch"] and not known(p)], [])
+                known = lambda p: GPUS[gpu["gpu"]].driver == "nouveau" and stem(p["program"]) in ("conv3x3_plain", "linear_plain")
+                self.assertEqual([p["program"] for p in gpu["pipelines"] if p["scratch"] and not p["spills"] and not known(p)], [])
 
     def test_matrix_kernels_multiply_matrices(self):
         for gpu in self.gpus:
@@ -84,6 +89,8 @@ class GpuStatic(unittest.TestCase):
         for gpu in self.gpus:
             with self.subTest(gpu=gpu["gpu"]):
                 for pipeline in self.kernels(gpu, ("plain", "tile", "matrix", "fused"), LARGE):
+                    if pipeline["waves"] is None:
+                        continue
                     least = KNOWN_WAVES.get((gpu["gpu"], stem(pipeline["program"])), LEAST_WAVES)
                     self.assertGreaterEqual(pipeline["waves"], least, (pipeline["program"], pipeline["specialization"]))
                     if pipeline["waves"] < LEAST_WAVES:
@@ -98,15 +105,15 @@ class GpuStatic(unittest.TestCase):
                     self.assertEqual(programs, [], where)
                     self.assertGreaterEqual(network["filling"], 0.9, where)
                     # Nothing is made in bands. What is cut, for the watchdog, is cut at multiples of 16 rows.
-                    usual = 250 if gpu["gpu"] in gpu_static.MEMORY_BYTES else 200
+                    usual = 250 if GPUS[gpu["gpu"]].memory_bytes == INTEGRATED else 200
                     most = max(usual, network["operators"] + 1.25 * network["cuts"] + 10)
                     self.assertLessEqual(network["dispatches"], most, where)
                     self.assertLessEqual(network["largestGrid"], 65535, where)
 
     def test_most_of_the_inner_loops_time_is_products(self):
         for gpu in self.gpus:
-            if gpu["gpu"] in gpu_static.CHIPSETS:
-                continue  # the counts are not of loops
+            if GPUS[gpu["gpu"]].driver != "radeon":
+                continue  # there are no counts of loops
             with self.subTest(gpu=gpu["gpu"]):
                 for pipeline in self.kernels(gpu, ("matrix",), LARGE):
                     four_fragments = "_matrix_" in pipeline["program"] and pipeline["specialization"][1] == 4
@@ -116,8 +123,8 @@ class GpuStatic(unittest.TestCase):
     def test_shared_memory_is_read_in_whole_texels(self):
         """A third of what it was: 136 loads for linear, 204 for convolutions of 64 outputs."""
         for gpu in self.gpus:
-            if gpu["gpu"] in gpu_static.CHIPSETS:
-                continue  # the counts are not of loops
+            if GPUS[gpu["gpu"]].driver != "radeon":
+                continue  # there are no counts of loops
             with self.subTest(gpu=gpu["gpu"]):
                 for pipeline in self.kernels(gpu, ("matrix", "fused")):
                     if "_matrix_" not in pipeline["program"]:
@@ -139,17 +146,17 @@ class GpuStatic(unittest.TestCase):
 
 def main():
     program, models = sys.argv[1], sys.argv[2:] or MODELS
-    missing = [mesa.folder for mesa in (gpu_static.Mesa("mesa25"), gpu_static.Mesa("mesa26")) if not mesa.exists()]
-    for folder in missing:
-        print(f"Skipped: {folder} has no Mesa, which bench/gpu_static_mesa.sh brings.")
-    if gpu_static.Mesa("mesa25").folder in missing:
+    missing = [name for name, gpu in GPUS.items() if not gpu.exists()]
+    if missing:
+        print(f"Skipped: {', '.join(missing)}. No driver for them; bench/gpu_static_mesa.sh brings those it can.")
+    if set(missing) & set(NEEDED):
         sys.exit(SKIPPED)
     if not pathlib.Path(program).exists():
         sys.exit(f"There is no {program}.")
-    gpus = [gpu for gpu in gpu_static.COMPUTE_UNITS if gpu_static.mesa_of(gpu).exists()]
-    GpuStatic.gpus = gpu_static.measure_all(program, gpus, models)
+    names = [name for name in GPUS if name not in missing]
+    GpuStatic.gpus = gpu_static.measure_all(program, names, models)
     if models == MODELS:
-        GpuStatic.gpus += gpu_static.measure_all(program, [gpu for gpu in OTHERS_ON if gpu in gpus], gpu_static.others(program), "--precisions", "fp16")
+        GpuStatic.gpus += gpu_static.measure_all(program, [name for name in OTHERS_ON if name in names], gpu_static.others(program), "--precisions", "fp16")
     small = [str(word) for option in SMALL.items() for word in option]
     GpuStatic.small = gpu_static.measure_all(program, ["navi31"], models[:1], *small)[0]
     unittest.main(argv=sys.argv[:1])

@@ -127,14 +127,14 @@ class Report {
     const auto [place, isNew] = indices_.try_emplace(key, static_cast<int>(pipelines_.size()));
     if (!isNew) return place->second;
     const Compiled found = compiled(device_.handles(), key);
-    const std::string text = textOf(found, {"NIR Shader(s)", "NIR shader"});
+    const std::string text = textOf(found, {"NIR Shader(s)", "NIR shader", "Final NIR"});
     pipelines_.push_back({{"program", key.program},
                           {"specialization", key.specialization},
                           {"subgroupSize", found.subgroupSize},
                           {"statistics", found.statistics},
                           {"groupSize", numbersBehind(text, "workgroup_size")},
                           {"sharedBytes", numbersBehind(text, "shared_size")},
-                          {"assembly", textOf(found, {"Assembly", "NAK assembly"})}});
+                          {"assembly", textOf(found, {"Assembly", "NAK assembly", "GEN Assembly", "IR3 Assembly"})}});
     if (!found.error.empty()) pipelines_.back()["error"] = found.error;
     return place->second;
   }
