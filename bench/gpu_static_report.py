@@ -34,11 +34,11 @@ Window attention that takes four keys together in place of eight has 3 waves whe
 NVK leaves the loops of `conv3x3_plain` and `linear_plain` over their pixels and tokens as they are: their sums, 64 to 80 bytes, lie in local memory. No other
 family has any.
 
-Registers are what GPUs differ in most, and Vulkan does not tell how many there are. Intel's subgroups have 128 of 32 bits an invocation when they are smallest, with
-the sums of eight fragments in no place: `conv3x3_tile` of eight pixels an invocation spilled 32 to 59 values on every GPU of Intel, and the matrix kernels in subgroups of 32,
-which drivers prefer, 84 to 848. So makers with few registers (`registersOf()`) get four pixels, the smallest subgroups for matrices and at most two fragments of outputs a
-workgroup, and runs of two pixels of the joint bilateral filter, which spilled on Apple's and Qualcomm's as well. Alchemist (dg2), whose subgroups of 8 have 4 KiB, spilled
-12 to 220 even so: it takes the tile kernels. What is left on Intel is one or two values of window attention of 8 x 8 in `tile`, and up to 34 in `matrix`.
+GPUs differ in their registers, and Vulkan does not tell how many they have. On Intel's an invocation has 128 of 32 bits in the smallest subgroups, and fewer in larger ones.
+`conv3x3_tile` with eight pixels an invocation spilled 32 to 59 of them in every shape, and the matrix kernels, in the subgroups of 32 that the driver prefers, 9 to 848.
+So GPUs of makers with few registers (`registersOf()`) get four pixels, the smallest subgroups for matrices with at most two fragments of outputs a workgroup in `conv3x3`, and
+runs of two pixels in the joint bilateral filter, which spilled on Apple's and Qualcomm's, too. The matrix kernels spilled 12 to 226 even so on Alchemist (dg2), whose subgroups
+of 8 have 4 KiB: it takes the tile kernels. What is left on Intel are one or two values of window attention of 8 x 8 in `tile`, and up to 34 in `matrix`.
 
 Loads from shared memory in the fused layer of 96 channels once were 116 beside 24 products in the loop of a map. A head's loop, into which the map's is now
 unrolled, has 64 beside 57: 1.1 a product in place of 4.8; the map alone 24 beside 39.
