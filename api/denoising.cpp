@@ -77,6 +77,20 @@ bool runsSeparately(const Upscaler::Options& options) {
          options.tiles.wrap;
 }
 
+void checkRoomForEach(const Gpu& gpu, const NetworkConfig& upscaler, FrameShape frame, const DenoisingModels& models,
+                      const Upscaler::Options& options) {
+  Upscaler::Options alone{.fp16 = options.fp16};
+  alone.tiles = {.memoryBytes = options.tiles.memoryBytes, .exact = true};
+  const auto check = [&](const NetworkModel* network, FrameShape shape) {
+    if (network)
+      tilingIn(memoryOf(gpu, alone.tiles), gpu, *network, shape, alone, sessionOptions(gpu, *network, shape, alone));
+  };
+  const FrameShape full{upscaler.scale * frame.height, upscaler.scale * frame.width};
+  if (takes(upscaler, kAlbedo)) check(models.albedo, full);
+  if (takes(upscaler, kNormal)) check(models.normal, full);
+  check(models.colour, upscaler.radianceInputs().empty() ? frame : full);
+}
+
 DenoisedPlan planDenoised(Gpu& gpu, const NetworkModel& model, FrameShape frame, const DenoisingModels& denoising,
                           const Upscaler::Options& options, const SessionOptions& of, uint64_t memory) {
   const NetworkConfig& config = model.config();

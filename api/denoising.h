@@ -17,6 +17,10 @@ void checkDenoising(const NetworkConfig& upscaler, const DenoisingModels& models
 /// the other (SeparateDenoisers).
 bool runsSeparately(const Upscaler::Options& options);
 
+/// Throws Error if the memory that the options allow has no room for the smallest tiles of each network by itself.
+void checkRoomForEach(const Gpu& gpu, const NetworkConfig& upscaler, FrameShape frame, const DenoisingModels& models,
+                      const Upscaler::Options& options);
+
 /// A frame made ready with a denoiser in front.
 struct DenoisedPlan {
   std::unique_ptr<FrameRunner> runner;

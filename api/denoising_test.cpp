@@ -185,20 +185,26 @@ TEST_F(Denoising, NeedsLessRoomOneAfterTheOther) {
                                   {.denoisers = {&colourNetwork_, &albedoNetwork_, &normalNetwork_, true}});
   const PixelView views[] = {viewOf(albedo_, kScale), viewOf(normal_, kScale)};
   Pixels found(albedo_.size());
-  const auto denoisesAlone = [&](uint64_t bytes) {
-    Upscaler upscaler(device(), guided_, kWidth, kHeight,
-                      {.profile = true, .tiles = {.memoryBytes = bytes, .exact = true}, .denoisers = denoisers_});
+  const auto optionsIn = [&](uint64_t memory) {
+    return Upscaler::Options{.profile = true, .tiles = {.memoryBytes = memory, .exact = true}, .denoisers = denoisers_};
+  };
+  const auto denoisesAlone = [&](uint64_t memory) {
+    Upscaler upscaler(device(), guided_, kWidth, kHeight, optionsIn(memory));
     EXPECT_TRUE(upscaler.run(viewOf(colour_, 1), views, found));
     const auto rows = upscaler.profile();
     return std::none_of(rows.begin(), rows.end(), [](const auto& row) { return row.label == "add_excess"; });
   };
-  for (uint64_t bytes = 100000;; bytes += bytes / 8) {
+  uint64_t bytes = 100000;
+  const auto isRefused = [&] {
     try {
-      EXPECT_TRUE(denoisesAlone(bytes)) << bytes;
-      break;
+      Upscaler(device(), guided_, kWidth, kHeight, optionsIn(bytes));
+      return false;
     } catch (const OutOfMemory&) {
+      return true;
     }
-  }
+  };
+  while (isRefused()) bytes += bytes / 8;
+  EXPECT_TRUE(denoisesAlone(bytes)) << bytes;
   EXPECT_EQ(found, expected);
   EXPECT_FALSE(denoisesAlone(uint64_t{1} << 30));
 }

@@ -107,6 +107,7 @@ struct FrameUpscaler::State {
       runner = std::move(plan.runner);
       return;
     }
+    if (denoising) checkRoomForEach(gpu, config, frame, denoising, options);
     tiling = tilingIn(memory, gpu, model, frame, options, of, sharers);
     runner = runnerOf(gpu, model, frame, options, of, tiling);
   }
