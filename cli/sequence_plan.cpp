@@ -77,7 +77,13 @@ void makeFolder(const fs::path& folder, const std::string& output) {
   if (!folder.empty()) fs::create_directories(folder, failure);
   if (failure)
     throw Failure{ExitCode::output, "Cannot make the folder of '" + output + "': " + failure.message() + "."};
-  requireWritable((folder / ".xrds").string());
+  try {
+    requireWritable((folder / ".xrds").string());  // any name
+  } catch (const Failure&) {
+    throw Failure{ExitCode::output, "Cannot write '" + output +
+                                        "': its folder takes no new files; check the permissions or choose another "
+                                        "place."};
+  }
   removeAbandonedFiles(folder);
 }
 

@@ -285,6 +285,8 @@ TEST(CliSequence, WrongUseIsTold) {
   Arguments one = sequence.arguments();
   one[4] = (sequence.folder / "out.exr").string();
   EXPECT_TRUE(contains(error(one, 2), "one file for many frames"));
+  one[4] = "/proc/out.####.exr";  // not even for the superuser
+  EXPECT_TRUE(contains(error(one, 6), "Cannot write '/proc/out.####.exr': its folder takes no new files"));
   fs::create_directory_symlink(sequence.folder / "", sequence.folder / "link");
   const std::string name = fs::path(one[1]).filename().string();
   for (const fs::path& same : {fs::path(one[1]), sequence.folder / "." / name, sequence.folder / "link" / name}) {
