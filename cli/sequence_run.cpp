@@ -84,6 +84,9 @@ std::vector<std::string> workersOf(const UpscaleOptions& options) {
     for (std::string device; std::getline(list, device, ',');) {
       if (device.empty())
         throw Failure{ExitCode::usage, "--devices '" + options.devices + "' has an empty name between its commas."};
+      if (std::find(devices.begin(), devices.end(), device) != devices.end())
+        throw Failure{ExitCode::usage, "--devices '" + options.devices + "' names '" + device +
+                                           "' twice; --jobs-per-device lets frames share a device."};
       devices.push_back(device);
     }
   } else {

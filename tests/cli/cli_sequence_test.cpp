@@ -279,6 +279,7 @@ TEST(CliSequence, WrongUseIsTold) {
   EXPECT_TRUE(contains(error(sequence.arguments({"--frames", "1-"}), 2), "names no frames"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--frames", ""}), 2), "names no frames"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--devices", "0,,0"}), 2), "empty name between its commas"));
+  EXPECT_TRUE(contains(error(sequence.arguments({"--devices", "1,0,1"}), 2), "names '1' twice"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--json", "a.json"}), 2), "--log"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--keep-unchanged"}), 2), "--exposure"));
   EXPECT_TRUE(contains(error(sequence.arguments({"--frames", "8-9"}), 3), "No frame can be read"));
