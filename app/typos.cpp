@@ -51,18 +51,33 @@ std::string unknownCommand(const CLI::App& app, const std::string& command, cons
          " --help";
 }
 
+/// The command that was found last, and as it was typed.
+struct Found {
+  const CLI::App* verb;
+  std::string command;
+};
+Found foundIn(const CLI::App& app) {
+  Found found{&app, app.get_name()};
+  while (!found.verb->get_subcommands().empty()) {
+    found.verb = found.verb->get_subcommands().front();
+    found.command += " " + found.verb->get_name();
+  }
+  return found;
+}
+
+bool hasUnknownCommand(const CLI::App& verb) {
+  const std::vector<std::string> unknown = verb.remaining();
+  return !unknown.empty() && !unknown.front().starts_with("-") && !commandsOf(verb).empty();
+}
+
 }  // namespace
 
+bool namesUnknownCommand(const CLI::App& app) { return hasUnknownCommand(*foundIn(app).verb); }
+
 std::string usageSentence(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App* verb = &app;
-  std::string command = app.get_name();
-  while (!verb->get_subcommands().empty()) {
-    verb = verb->get_subcommands().front();
-    command += " " + verb->get_name();
-  }
+  const auto [verb, command] = foundIn(app);
   const std::vector<std::string> unknown = verb->remaining();
-  const bool isCommand = !unknown.empty() && !unknown.front().starts_with("-") && !commandsOf(*verb).empty();
-  if (isCommand) return unknownCommand(*verb, command, unknown.front());
+  if (hasUnknownCommand(*verb)) return unknownCommand(*verb, command, unknown.front());
   for (const std::string& word : unknown)
     if (word.starts_with("-")) return unknownOption(*verb, command, word.substr(0, word.find('=')));
   if (!unknown.empty())

@@ -13,4 +13,7 @@ namespace xrds {
 /// one that was probably meant, else what the parser says.
 std::string usageSentence(const CLI::App& app, const CLI::ParseError& error);
 
+/// Whether the command line names a command that does not exist, whose help nobody can have asked for.
+bool namesUnknownCommand(const CLI::App& app);
+
 }  // namespace xrds

@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return ended();
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) {  // --help and --version
+    if (error.get_exit_code() == 0 && !xrds::namesUnknownCommand(app)) {  // --help and --version
       app.exit(error);
       return ended();
     }
