@@ -16,6 +16,7 @@
 #include "app/typos.h"
 #include "viewer/headless.h"
 #include "viewer/script_verbs.h"
+#include "xrds/auxiliary_input.h"
 
 namespace {
 
@@ -27,6 +28,15 @@ int fail(xrds::ExitCode code, const std::string& message) {
 // A live view's number, or two of files.
 std::string validSamples(const std::string& text) {
   return text.find(',') == std::string::npos ? CLI::Range(1, 1 << 20)(text) : xrds::validPair(text);
+}
+
+// What is of files alone.
+void refuseBesideLive(CLI::App& app) {
+  CLI::Option* live = app.get_option("--live");
+  for (const char* ofFiles : {"FILES", "--watch", "--reference", "--color", "--aux-colour", "--clean-guides", "--fps"})
+    app.get_option(ofFiles)->excludes(live);
+  for (const xrds::AuxiliaryInput& input : xrds::kAuxiliaryInputs)
+    if (CLI::Option* const layer = app.get_option_no_throw("--" + std::string(input.name))) layer->excludes(live);
 }
 
 void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
@@ -100,8 +110,8 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
   CLI::Option* headless =
       app.add_flag("--headless", options.headless,
                    "Time the live loop without a window, the camera going round: needs --live and --frames");
-  for (const char* ofWindow : {"FILES", "--watch", "--reference", "--screenshot", "--script"})
-    app.get_option(ofWindow)->excludes(headless);
+  for (const char* ofWindow : {"--screenshot", "--script"}) app.get_option(ofWindow)->excludes(headless);
+  refuseBesideLive(app);
   app.add_flag("--validation", options.validation, "With Vulkan's validation layers; their first message is a failure");
   app.footer(
       std::string(

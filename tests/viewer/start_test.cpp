@@ -51,12 +51,17 @@ TEST(ViewerUsage, RefusesAScreenshotThatWouldNotBeWritten) {
   expectRefused(runXrds({"view", kColour, "--screenshot", "x.png"}), 2, "--screenshot requires --frames");
   expectRefused(runXrds({"view", kColour, "--screenshot", "x.png", "--frames", "0"}), 2, "--frames");
   const std::vector<std::string> live{"view", "--headless", "--live", "room", "--frames", "1"};
-  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
-           {"--screenshot", "x.png"}, {"--script", "x"}, {"--watch"}, {"--reference", "x"}, {"x.exr"}}) {
-    std::vector<std::string> arguments = live;
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    expectRefused(runXrds(arguments), 2, "excludes --headless");
-  }
+  const auto refuses = [&](std::vector<std::string> more, const std::string& why) {
+    more.insert(more.begin(), live.begin(), live.end());
+    expectRefused(runXrds(more), 2, why);
+  };
+  for (const char* option : {"--screenshot", "--script"}) refuses({option, "x.png"}, "excludes --headless");
+  refuses({"--watch"}, "--watch excludes --live");
+  refuses({"x.exr"}, "FILES excludes --live");
+  for (const std::string option : {"--reference", "--color", "--albedo", "--glossy", "--aux-colour"})
+    refuses({option, "x"}, "--live excludes " + option);
+  refuses({"--fps", "9"}, "--live excludes --fps");
+  refuses({"--denoise-first", "--clean-guides"}, "--live excludes --clean-guides");
 }
 
 TEST_F(ViewerDisplay, TellsOfAScreenshotThatCameToNothing) {
