@@ -15,19 +15,19 @@ constexpr uint64_t kMostBytes = uint64_t{1} << 30;
 
 /// What each network of the RT filter takes.
 struct Kind {
-  const char *name, *input, *guides, *clean;
+  const char *name, *input, *guides;
 };
 constexpr Kind kKinds[] = {
-    {"rt_hdr", "hdr", "", "0"},
-    {"rt_hdr_alb", "hdr", "albedo", "0"},
-    {"rt_hdr_alb_nrm", "hdr", "albedo,normal", "0"},
-    {"rt_hdr_calb_cnrm", "hdr", "albedo,normal", "1"},
-    {"rt_ldr", "ldr", "", "0"},
-    {"rt_ldr_alb", "ldr", "albedo", "0"},
-    {"rt_ldr_alb_nrm", "ldr", "albedo,normal", "0"},
-    {"rt_ldr_calb_cnrm", "ldr", "albedo,normal", "1"},
-    {"rt_alb", "albedo", "", "0"},
-    {"rt_nrm", "normal", "", "0"},
+    {"rt_hdr", "hdr", ""},
+    {"rt_hdr_alb", "hdr", "albedo"},
+    {"rt_hdr_alb_nrm", "hdr", "albedo,normal"},
+    {"rt_hdr_calb_cnrm", "hdr", "albedo,normal"},
+    {"rt_ldr", "ldr", ""},
+    {"rt_ldr_alb", "ldr", "albedo"},
+    {"rt_ldr_alb_nrm", "ldr", "albedo,normal"},
+    {"rt_ldr_calb_cnrm", "ldr", "albedo,normal"},
+    {"rt_alb", "albedo", ""},
+    {"rt_nrm", "normal", ""},
 };
 constexpr const char* kSizes[] = {"base", "small", "large"};
 
@@ -168,7 +168,6 @@ ImportedNetwork networkOfArchive(std::span<const std::byte> bytes, const std::st
           {"size", size},
           {"input", kind.input},
           {"aux_inputs", kind.guides},
-          {"clean_guides", kind.clean},
           {"license", "Apache-2.0"},
           {"source", "Open Image Denoise" + (version.empty() ? "" : " " + version) + ", " + archive}};
       NetworkModel::fromTensors(network.file, "The archive '" + archive + "'");
