@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/constant_input.h"
 #include "app/failing_with.h"
 #include "app/frame_files.h"
 #include "app/models.h"
@@ -108,38 +109,21 @@ void requireSkippable(const UpscaleOptions& options, const OpenedModel& opened) 
     throw Failure{ExitCode::model, "--skip is refused: model '" + opened.name() + "' " + why + "."};
 }
 
-bool isConstant(const Image& image) {
-  const auto channels = static_cast<size_t>(image.channels);
-  for (size_t i = channels; i < image.pixels.size(); ++i)
-    if (image.pixels[i] != image.pixels[i - channels]) return false;
-  return true;
-}
-
 // Another model, and the frame as that takes it.
 void reopen(const UpscaleOptions& options, const fs::path& file, OpenedModel& opened, Frame& frame) {
   opened = openModel(file);
   frame = openFrame(options, opened);
 }
 
-// Of albedo and normal the first that is the same everywhere; empty if neither is.
-std::string constantInput(const Frame& frame) {
-  for (const AuxiliaryInput& input : {kAlbedo, kNormal})
-    if (const Image* image = frame.imageOf(input.name); image && isConstant(*image)) return std::string(input.name);
-  return "";
-}
-
-// A layer that is the same everywhere tells nothing: the model that does without it is taken, where one is shipped.
+// The model that does without a constant input is taken, where one is shipped.
 void leaveConstantsOut(const UpscaleOptions& options, const std::function<bool(const OpenedModel&)>& isAlwaysSo,
                        OpenedModel& opened, Frame& frame) {
-  const auto scale = static_cast<int>(opened.model.scale());
-  const std::string input = constantInput(frame);
+  const std::string input = constantInput(frame.inputs(), frame.auxiliary());
   if (input.empty() || (isAlwaysSo && !isAlwaysSo(opened))) return;
-  std::vector<std::string> left;
-  if (input == "normal") left = {"albedo"};
-  const fs::path file = shippedVariant(scale, left);
+  const fs::path file = modelWithout(input, static_cast<int>(opened.model.scale()));
   if (file.empty()) return;
   reopen(options, file, opened, frame);
-  printWarnings({"The " + input + " is the same everywhere; taking model " + opened.name() + "."});
+  printWarnings({tellConstant(input, opened.name())});
 }
 
 // The colour of the full-resolution render may be of other light, and models that take it cannot skip windows: then one
@@ -193,7 +177,8 @@ void requireLayersPossible(const UpscaleOptions& options) {
 }
 
 bool hasConstants(const UpscaleOptions& options, const OpenedModel& opened) {
-  return !constantInput(openFrame(options, opened)).empty();
+  const Frame frame = openFrame(options, opened);
+  return !constantInput(frame.inputs(), frame.auxiliary()).empty();
 }
 
 UpscaleInput openInput(const UpscaleOptions& options, const std::function<bool(const OpenedModel&)>& isAlwaysSo) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/constant_input.h"
 #include "image/layers/aov.h"
 #include "image/repair.h"
 #include "sequence/file_pattern.h"
@@ -80,6 +81,7 @@ LoadedFrame loadedFrame(const FrameFiles& files, const Frame& frame) {
   }
   loaded.scale = frame.scale();
   loaded.samples = frame.lowSamples();
+  loaded.constant = constantInput(loaded.inputs, loaded.auxiliary);
   loaded.warnings = frame.warnings();
   if (frame.merged()) loaded.warnings.push_back(describe(*frame.merged()));
   if (!files.reference.empty()) addReference(loaded);
@@ -121,6 +123,32 @@ const FrameFiles* filesOf(const Sequence& sequence, int number) {
   const auto found = std::lower_bound(sequence.begin(), sequence.end(), number,
                                       [](const NumberedFiles& frame, int wanted) { return frame.number < wanted; });
   return found != sequence.end() && found->number == number ? &found->files : nullptr;
+}
+
+std::string constantInput(const Sequence& sequence, const AovRequest& layers) {
+  const auto constantOf = [&](const NumberedFiles& frame) {
+    const FrameFiles& files = frame.files;
+    std::vector<std::string> inputs = inputsOf(files, layers);
+    std::erase_if(inputs, [](const std::string& input) { return input != kAlbedo.name && input != kNormal.name; });
+    Frame read(files.colour, files.auxiliary, layers, inputs, {.never = true});
+    read.load();
+    return constantInput(read.inputs(), read.auxiliary());
+  };
+  const auto showsNothing = [&](const NumberedFiles& frame) {
+    try {
+      return !constantOf(frame).empty();
+    } catch (const Error&) {
+      return true;  // told when its turn comes
+    }
+  };
+  for (const NumberedFiles& frame : sequence) try {
+      const std::string input = constantOf(frame);
+      const bool isAlwaysSo =
+          !input.empty() && showsNothing(sequence[sequence.size() / 2]) && showsNothing(sequence.back());
+      return isAlwaysSo ? input : "";
+    } catch (const Error&) {
+    }
+  return "";
 }
 
 FrameFiles sortPatterns(const std::vector<fs::path>& patterns) {

@@ -24,6 +24,7 @@ struct LoadedFrame {
   std::vector<std::string> warnings;
   std::optional<double> samples;  // of a pixel of the colour, where they are known
   size_t merged = 1;              // frames of a sequence that it is made of
+  std::string constant;           // which input is the same everywhere (constantInput()), of a sequence in all frames
 };
 
 /// A frame with all that its files have of what models take, its pixels read. Throws Error if a file cannot be read or
@@ -52,6 +53,10 @@ using Sequence = std::vector<NumberedFiles>;
 
 /// The frame of that number; null if there is none.
 const FrameFiles* filesOf(const Sequence& sequence, int number);
+
+/// Which input is the same everywhere in the first frame that can be read (constantInput()), where one is so in the
+/// middle and the last frame, too: one that shows nothing does not speak for the others. Empty if none is.
+std::string constantInput(const Sequence& sequence, const AovRequest& layers);
 
 /// Tells the patterns of colour, auxiliary images and reference apart, in whichever order they are given, by the files
 /// of the first frame that can be read (sortFiles()). They stay in their order if these hold no auxiliary images.

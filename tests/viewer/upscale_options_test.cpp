@@ -64,6 +64,37 @@ TEST_F(ViewerUpscaleOptions, ChooseTheModelOfTheCommand) {
   EXPECT_EQ(occurrences(ended.output, "model=xrds-x4-live "), 1U) << ended.output;
 }
 
+// A layer that is the same everywhere is left out, of a sequence one that is so in other frames, too.
+TEST_F(ViewerUpscaleOptions, LeaveConstantGuidesOut) {
+  const auto constant = [](int, int, int c) { return c == 2 ? 0.5F : 0.25F; };
+  const auto guides = [&](const std::string& file, const Layer& albedo, const Layer& normal) {
+    writeParts(file, {{boxOf(320, 240), boxOf(320, 240), {albedo, normal}}});
+  };
+  const Layer albedo = albedoLayer("albedo", 320), normal = normalLayer("normal", 320);
+  const Layer noAlbedo{"albedo", "RGB", constant}, noNormal{"normal", "XYZ", constant};
+  const auto chosen = [&](const Layer& albedoThere, const Layer& normalThere) {
+    guides(full, albedoThere, normalThere);
+    const auto [upscaled, viewed] = pictures({"--exposure", "0.7"});
+    EXPECT_EQ(upscaled, viewed);
+    return run("wait\nprint\n", {colour, full}).output;
+  };
+  const std::string ofNormal = chosen(albedo, noNormal), ofAlbedo = chosen(noAlbedo, normal);
+  EXPECT_TRUE(has(ofNormal, "model=xrds-x4-compact-albedo ")) << ofNormal;
+  EXPECT_TRUE(has(ofNormal, "The normal is the same everywhere; taking model xrds-x4-compact-albedo.")) << ofNormal;
+  EXPECT_TRUE(has(ofAlbedo, "model=xrds-x4-compact-plain ")) << ofAlbedo;
+  const auto frame = [&](int number) { return (folder / ("full.000" + std::to_string(number) + ".exr")).string(); };
+  for (int number = 1; number <= 3; ++number) {
+    copy(colour, "colour.000" + std::to_string(number) + ".exr");
+    guides(frame(number), noAlbedo, normal);
+  }
+  const std::vector<std::string> sequence{(folder / "colour.####.exr").string(), (folder / "full.####.exr").string()};
+  const Ended empty = run("wait\nprint\n", sequence);
+  EXPECT_TRUE(has(empty.output, "model=xrds-x4-compact-plain ")) << empty.output;
+  guides(frame(3), albedo, normal);
+  const Ended shown = run("wait\nprint\nkey PageDown\nwait\nprint\n", sequence);
+  EXPECT_EQ(occurrences(shown.output, "model=xrds-x4-compact "), 2U) << shown.output;
+}
+
 TEST_F(ViewerUpscaleOptions, GoWithALiveView) {
   const auto shown = [&](const std::string& name, std::vector<std::string> more) {
     more.insert(more.end(), {"--live", "room", "--live-size", "32x32", "--samples", "4", "--model", "xrds-x4-nano"});

@@ -1,6 +1,7 @@
 // How a frame goes through the network and becomes pictures.
 #include <utility>
 
+#include "app/constant_input.h"
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "viewer/upscaling/upscaling.h"
@@ -31,6 +32,7 @@ const char* baseName(Slot slot) {
 std::string Upscaling::wantedModel(const Wanted& wanted) const {
   if (!wanted.model.empty()) return wanted.model;
   if (live_) return liveModelName();
+  if (std::string model = modelWithoutConstant(wanted); !model.empty()) return model;
   std::vector<std::string> inputs = size_.inputs;
   std::optional<double> samples = frame_->samples;
   if (wanted.skip.bound() > 0) {  // models of few samples, and those of a full-resolution colour, cannot skip
@@ -38,6 +40,12 @@ std::string Upscaling::wantedModel(const Wanted& wanted) const {
     samples.reset();
   }
   return failingWith(ExitCode::model, [&] { return defaultModel(size_.scale, inputs, samples); }).stem().string();
+}
+
+// Of a frame whose albedo or normal is the same everywhere; empty: none is shipped, or one was asked for.
+std::string Upscaling::modelWithoutConstant(const Wanted& wanted) const {
+  if (live_ || !wanted.model.empty() || frame_->constant.empty() || !size_.has(std::string(kAlbedo.name))) return "";
+  return modelWithout(frame_->constant, size_.scale).stem().string();
 }
 
 // Skipping needs the frame on the host; without it nothing leaves the device. What stays as it was is looked for where
@@ -134,6 +142,7 @@ bool Upscaling::showProgress(double share) {
 
 void Upscaling::upscale(const Wanted& wanted) {
   keepPace();
+  const std::string without = modelWithoutConstant(wanted);
   const auto begin = [&](Report& report) {
     report.width = size_.width;
     report.height = size_.height;
@@ -141,6 +150,7 @@ void Upscaling::upscale(const Wanted& wanted) {
     report.hasReference = frame_ && frame_->reference;
     report.files = live_ ? "live" : frame_->files.colour.filename().string();
     report.warnings = live_ ? std::vector<std::string>{} : frame_->warnings;
+    if (!without.empty()) report.warnings.push_back(tellConstant(frame_->constant, without));
     report.error.clear();
     report.failure = ExitCode::ok;
     report.waiting.clear();

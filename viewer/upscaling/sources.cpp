@@ -73,8 +73,16 @@ bool Upscaling::loadWanted(const Wanted& wanted) {
     return false;
   }
   if (!frame_) tell([&](Report& report) { report.waiting = "Reading " + files.colour.filename().string() + " ..."; });
-  if (wanted.reload != served_.reload) moving_.reset();
+  if (wanted.reload != served_.reload) {
+    moving_.reset();
+    constantOf_.reset();
+  }
   LoadedFrame loaded = loadFrameOf(wanted, files);
+  if (wanted.sequence && wanted.model.empty()) {
+    if (std::exchange(constantOf_, wanted.sequence) != wanted.sequence)
+      constant_ = constantInput(*wanted.sequence, wanted.layers);
+    loaded.constant = constant_;
+  }
   served_ = wanted;
   clock_.end("read files");
   takeFrame(std::move(loaded));

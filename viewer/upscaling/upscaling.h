@@ -72,6 +72,7 @@ class Upscaling {
   bool stopping() const;
   bool outdated() const;
   std::string wantedModel(const Wanted& wanted) const;
+  std::string modelWithoutConstant(const Wanted& wanted) const;
 
   VulkanDevice& vulkan_;
   Device& device_;
@@ -95,6 +96,8 @@ class Upscaling {
   std::unique_ptr<LiveScene> live_;
   bool refining_ = false;  // the live view is not finished
   std::unique_ptr<MovingSequence> moving_;
+  std::shared_ptr<const Sequence> constantOf_;  // whose constant input is known
+  std::string constant_;
   std::unique_ptr<Flicker> flicker_;
   bool temporal_ = false;          // of what was served last
   FrameSize size_;                 // of the frame or the live view
