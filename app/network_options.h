@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
@@ -39,6 +40,26 @@ inline void addExposure(CLI::App& verb, std::string& exposure,
 /// What --exposure was given; nothing: auto.
 inline std::optional<float> parseExposure(const std::string& text) {
   return text == "auto" ? std::nullopt : std::optional(std::strtof(text.c_str(), nullptr));
+}
+
+/// Declares --tiles, of frames that are cut into them.
+inline void addTiles(CLI::App& verb, std::string& tiles) {
+  verb.add_option("--tiles", tiles,
+                  "exact: the picture is that of the whole frame bit for bit; bounded: a smaller halo, less work")
+      ->check(CLI::IsMember({"exact", "bounded"}))
+      ->capture_default_str();
+}
+
+/// Declares --temporal-radius and --motion, of frames that are merged with those around them; returns both.
+inline std::array<CLI::Option*, 2> addTemporal(CLI::App& verb, std::optional<uint32_t>& radius, std::string& motion) {
+  return {verb.add_option("--temporal-radius", radius,
+                          "With --temporal: frames before and after that are used (default: 5; 10 while\nhalf of the "
+                          "picture stands still)")
+              ->check(CLI::Range(1, 16)),
+          verb.add_option("--motion", motion,
+                          "With --temporal: another layer of motion; of two channels: x to the right and y down from "
+                          "the frame\nto the previous one, in pixels, which uses frames before alone")
+              ->type_name("LAYER")};
 }
 
 /// Declares --wrap, of panoramas.

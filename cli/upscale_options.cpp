@@ -71,10 +71,7 @@ void addParts(CLI::App& verb, UpscaleOptions& options) {
           "Device memory to use at most, such as 256M or 2G (default: three quarters of what the device has); a "
           "frame that needs more is cut into tiles")
       ->check(CLI::Validator(validBytes, "BYTES"));
-  verb.add_option("--tiles", options.tiles,
-                  "exact: the picture is that of the whole frame bit for bit; bounded: a smaller halo, less work")
-      ->check(CLI::IsMember({"exact", "bounded"}))
-      ->capture_default_str();
+  addTiles(verb, options.tiles);
   verb.add_option("--skip", options.skip,
                   "Interpolate windows without the network where that changes them by at most N, root mean square of\n"
                   "log(1 + exposure radiance): background, clear sky, even surfaces; safe: N = 0.005, off: none")
@@ -127,17 +124,7 @@ void addSequenceOptions(CLI::App& verb, UpscaleOptions& options) {
       "--temporal", options.temporal,
       "Merge each frame with those around it, along the motion that Cycles' pass Vector tells: less flicker,\n"
       "less noise");
-  verb.add_option("--temporal-radius", options.temporalRadius,
-                  "With --temporal: frames before and after that are used (default: 5; 10 while\nhalf of the picture "
-                  "stands still)")
-      ->check(CLI::Range(1, 16))
-      ->needs("--temporal");
-  verb.add_option(
-          "--motion", options.motion,
-          "With --temporal: another layer of motion; of two channels: x to the right and y down from the frame\n"
-          "to the previous one, in pixels, which uses frames before alone")
-      ->type_name("LAYER")
-      ->needs("--temporal");
+  for (CLI::Option* option : addTemporal(verb, options.temporalRadius, options.motion)) option->needs("--temporal");
   verb.add_option("--devices", options.devices, "Devices that share the frames: all, or numbers with commas")
       ->check([](const std::string& text) { return std::string(text.empty() ? "'' names no device" : ""); })
       ->type_name("all|N,N")

@@ -33,7 +33,8 @@ std::string validSamples(const std::string& text) {
 // What is of files alone.
 void refuseBesideLive(CLI::App& app) {
   CLI::Option* live = app.get_option("--live");
-  for (const char* ofFiles : {"FILES", "--watch", "--reference", "--color", "--aux-colour", "--clean-guides", "--fps"})
+  for (const char* ofFiles : {"FILES", "--watch", "--reference", "--color", "--aux-colour", "--clean-guides", "--fps",
+                              "--temporal-radius", "--motion"})
     app.get_option(ofFiles)->excludes(live);
   for (const xrds::AuxiliaryInput& input : xrds::kAuxiliaryInputs)
     if (CLI::Option* const layer = app.get_option_no_throw("--" + std::string(input.name))) layer->excludes(live);
@@ -77,6 +78,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
                  "Device memory to use at most, such as 256M or 2G (default: three quarters of what the device has); a "
                  "frame that needs more is shown tile by tile")
       ->check(CLI::Validator(xrds::validBytes, "BYTES"));
+  xrds::addTiles(app, options.tiles);
   app.add_option("--tune", options.tune, "Find the fastest kernels first: never, auto or now, as in xrds upscale")
       ->check(CLI::IsMember({"never", "auto", "now"}))
       ->capture_default_str();
@@ -89,6 +91,7 @@ void addOptions(CLI::App& app, xrds::ViewerOptions& options) {
          "it has shown: on, off, or auto, live views alone")
       ->check(CLI::IsMember({"on", "off", "auto"}))
       ->capture_default_str();
+  xrds::addTemporal(app, options.temporalRadius, options.motion);
   xrds::addDevice(app, options.device);
   xrds::addLayerOptions(app, options.layers);
   app.add_option(

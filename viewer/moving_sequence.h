@@ -26,6 +26,8 @@ class MovingSequence {
   std::shared_ptr<const Sequence> sequence_;
   AovRequest layers_;
   MergeRequest merge_;
+  std::optional<uint32_t> radius_;
+  std::string motion_;
   SharedReads<MovingFrame> shared_;
   std::optional<GroupMerger> merger_;  // of the frames' scale
 };

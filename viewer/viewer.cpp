@@ -73,6 +73,9 @@ Wanted wantedOf(const ViewerOptions& options) {
   wanted.wrap = options.wrap;
   requirePanorama(wanted.wrap, wanted.ensemble, wanted.skip.bound());
   wanted.memoryBytes = parseBytes(options.memory);
+  wanted.exactTiles = options.tiles == "exact";
+  wanted.temporalRadius = options.temporalRadius;
+  wanted.motion = options.motion;
   if (options.tune != "auto") wanted.tune = options.tune == "now" ? Upscaler::Tune::now : Upscaler::Tune::never;
   const auto [width, height] = sizeOf(options.liveSize, "--live-size");
   wanted.live.width = width;

@@ -21,8 +21,10 @@ struct ViewerOptions {
   std::string scene;                 // live: built-in or a file; with a scene there are no files
   std::string liveSize = "128x128";  // of its colour
   std::string samples;               // "N", the most of a pixel of it, or "LOW,HIGH" of two renders
-  std::string model, device, precision = kFp32, skip = "off", memory, tune = "auto", temporal = "auto",
-                             exposure = "auto";
+  std::string model, device, precision = kFp32, skip = "off", memory, tiles = "bounded", tune = "auto",
+                             temporal = "auto", exposure = "auto";
+  std::string motion;                      // a layer; empty: as xrds upscale finds it
+  std::optional<uint32_t> temporalRadius;  // none: what suits a frame
   uint32_t ensemble = 1;
   bool watch = false, wrap = false, denoiseFirst = false, cleanGuides = false;  // as Wanted has them
   double framesPerSecond = 24;

@@ -58,9 +58,9 @@ TEST(ViewerUsage, RefusesAScreenshotThatWouldNotBeWritten) {
   for (const char* option : {"--screenshot", "--script"}) refuses({option, "x.png"}, "excludes --headless");
   refuses({"--watch"}, "--watch excludes --live");
   refuses({"x.exr"}, "FILES excludes --live");
-  for (const std::string option : {"--reference", "--color", "--albedo", "--glossy", "--aux-colour"})
+  for (const std::string option : {"--reference", "--color", "--albedo", "--glossy", "--aux-colour", "--motion"})
     refuses({option, "x"}, "--live excludes " + option);
-  refuses({"--fps", "9"}, "--live excludes --fps");
+  for (const std::string option : {"--fps", "--temporal-radius"}) refuses({option, "9"}, "--live excludes " + option);
   refuses({"--denoise-first", "--clean-guides"}, "--live excludes --clean-guides");
 }
 

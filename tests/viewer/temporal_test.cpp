@@ -42,6 +42,33 @@ TEST_F(ViewerDisplay, PlaysASequenceWithAndWithoutItsNeighbours) {
   }
 }
 
+TEST_F(ViewerDisplay, TakesTheRadiusAndTheMotionThatAreNamed) {
+  const MovingSequence sequence({.layer = "speed"});
+  const Ended ended = run("key PageDown\nkey PageDown\nkey A\nwait\nprint\nsave merged.exr\nwait\n",
+                          shown(sequence, {"--temporal-radius", "1", "--motion", "speed"}));
+  EXPECT_EQ(valuesOf(ended.output, "merged"), std::vector<double>{3}) << ended.output;
+  const std::string merged = (folder / "out.####.exr").string();
+  std::vector<std::string> arguments{"upscale",
+                                     (sequence.folder / "colour.####.exr").string(),
+                                     (sequence.folder / "aux.####.exr").string(),
+                                     "-o",
+                                     merged,
+                                     "--frames",
+                                     "3",
+                                     "--model",
+                                     "xrds-x4-nano",
+                                     "--quiet",
+                                     "--temporal",
+                                     "--temporal-radius",
+                                     "1",
+                                     "--motion",
+                                     "speed"};
+  ASSERT_EQ(runXrds(arguments).exitCode, 0);
+  const Ended compared =
+      runXrds({"compare", (folder / "merged.exr").string(), (folder / "out.0003.exr").string(), "--min-psnr", "80"});
+  EXPECT_EQ(compared.exitCode, 0) << compared.output;
+}
+
 TEST_F(ViewerDisplay, PlaysASequenceUntilItsPicturesAreMade) {
   const MovingSequence sequence;
   std::vector<std::string> arguments =

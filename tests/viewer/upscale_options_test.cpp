@@ -51,6 +51,8 @@ TEST_F(ViewerUpscaleOptions, MakeThePictureOfTheCommand) {
   const Image mean = samePicture(with({"--ensemble", "8"}));
   EXPECT_NE(mean, plain);
   EXPECT_NE(samePicture(with({"--ensemble", "4", "--wrap", "--memory", "24M"})), mean);
+  EXPECT_EQ(samePicture(with({"--memory", "11M", "--tiles", "exact"})), plain);
+  EXPECT_NE(samePicture(with({"--memory", "11M"})), plain);
 }
 
 TEST_F(ViewerUpscaleOptions, ChooseTheModelOfTheCommand) {

@@ -22,16 +22,17 @@ Model checked(Model model, const std::string& name, const FrameSize& frame) {
 
 Upscaler::Options upscalerOptions(const Device& device, const Model& model, const FrameSize& frame,
                                   const NetworkOptions& options) {
-  Upscaler::Options asked{.fp16 = options.fp16,
-                          .exposure = options.exposure,
-                          .profile = true,
-                          .ensemble = options.ensemble,
-                          .tiles = {.memoryBytes = options.memoryBytes, .wrap = options.wrap},
-                          .skip = options.skip,
-                          .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
-                          .tune = options.tune,
-                          .denoisers = options.denoisers,
-                          .onTuning = options.onTuning};
+  Upscaler::Options asked{
+      .fp16 = options.fp16,
+      .exposure = options.exposure,
+      .profile = true,
+      .ensemble = options.ensemble,
+      .tiles = {.memoryBytes = options.memoryBytes, .exact = options.exactTiles, .wrap = options.wrap},
+      .skip = options.skip,
+      .multiplyAddsPerSubmission = options.multiplyAddsAtOnce,
+      .tune = options.tune,
+      .denoisers = options.denoisers,
+      .onTuning = options.onTuning};
   // Of a device of its own an upscaler decides that itself.
   if (asked.tune == Upscaler::Tune::automatic &&
       Upscaler::paysToTune(device, model, frame.width, frame.height, options.fp16))
@@ -82,7 +83,7 @@ uint32_t planeCount(const Model& model) { return static_cast<uint32_t>(model.aux
 bool operator==(const NetworkOptions& a, const NetworkOptions& b) {
   const auto all = [](const NetworkOptions& o) {
     return std::tuple(o.fp16, o.exposure, o.ensemble, o.wrap, o.skip.bound, o.skip.keepUnchanged, o.denoisers.colour,
-                      o.denoisers.albedo, o.denoisers.normal, o.memoryBytes);
+                      o.denoisers.albedo, o.denoisers.normal, o.exactTiles, o.memoryBytes);
   };
   return all(a) == all(b);
 }

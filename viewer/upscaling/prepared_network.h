@@ -25,6 +25,7 @@ struct NetworkOptions {
   bool wrap = false;                // as TileOptions has it
   SkipOptions skip{};
   Upscaler::Denoisers denoisers{};  // of all images before the network; they must outlive what they are given to
+  bool exactTiles = false;          // as TileOptions has it
   uint64_t memoryBytes = 0;         // of the device; 0: most of it. What does not fit is computed in tiles.
   Upscaler::Tune tune = Upscaler::Tune::automatic;
   std::function<bool(double)> onTuning{};  // as Upscaler::Options has it

@@ -55,6 +55,7 @@ NetworkOptions Upscaling::optionsFor(const Wanted& wanted, const Model& model) {
                          .exposure = wanted.exposure,
                          .ensemble = wanted.ensemble,
                          .wrap = wanted.wrap,
+                         .exactTiles = wanted.exactTiles,
                          .memoryBytes = wanted.memoryBytes,
                          .tune = wanted.tune,
                          .multiplyAddsAtOnce = pace_};

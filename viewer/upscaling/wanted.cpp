@@ -18,7 +18,8 @@ bool Wanted::operator==(const Wanted& other) const {
          merge.never == other.merge.never && live == other.live && model == other.model && fp16 == other.fp16 &&
          denoiseFirst == other.denoiseFirst && cleanGuides == other.cleanGuides && skip.bound() == other.skip.bound() &&
          exposure == other.exposure && ensemble == other.ensemble && wrap == other.wrap &&
-         memoryBytes == other.memoryBytes && slots == other.slots && metrics == other.metrics && reload == other.reload;
+         memoryBytes == other.memoryBytes && exactTiles == other.exactTiles && temporalRadius == other.temporalRadius &&
+         motion == other.motion && slots == other.slots && metrics == other.metrics && reload == other.reload;
 }
 
 }  // namespace xrds

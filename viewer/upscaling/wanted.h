@@ -27,6 +27,8 @@ struct Wanted {
   std::shared_ptr<const Sequence> sequence;  // that the files are of, if any
   int number = 0;                            // of the frame in it
   bool temporal = false;                     // merge frames with those around them, a live view with what it has shown
+  std::optional<uint32_t> temporalRadius{};  // of files; empty: what suits a frame
+  std::string motion{};                      // the layer of files; empty: as `xrds upscale` finds it
   std::filesystem::path folder;              // watched for new files; empty: `files` are meant
   AovRequest layers;
   MergeRequest merge;
@@ -40,6 +42,7 @@ struct Wanted {
   uint32_t ensemble = 1;          // passes whose mean is taken
   bool wrap = false;              // a panorama
   uint64_t memoryBytes = 0;       // of the device; 0: most of it
+  bool exactTiles = false;        // with the bits of the whole frame
   Upscaler::Tune tune = Upscaler::Tune::automatic;
   std::array<bool, kSlotCount> slots{};  // pictures besides input and output that are looked at
   bool metrics = true;
