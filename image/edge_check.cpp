@@ -132,7 +132,7 @@ std::vector<std::string> checkEdges(const Image& color, const std::vector<NamedL
   }
   return {"The auxiliary layers " + names + " have no edges where the colour has them (" + std::to_string(int(shared)) +
           " of " + std::to_string(int(edgeCount)) + " strong edges shared): check that they belong to the same frame " +
-          "and camera and are not blank."};
+          "and camera and are not blank. Where the colour's only edges are shadows, all is well."};
 }
 
 }  // namespace xrds
