@@ -1,15 +1,26 @@
 # Installs the licences of what is compiled into xrds beside its own, as these ask for in binaries that are given away:
-# where Debian's packages brought the sources, whose files they are. scripts/wheel_licenses.sh does it for wheels.
+# where Debian's packages brought the sources, whose files they are.
 include(GNUInstallDirs)
+set(licences ${CMAKE_INSTALL_DOCDIR}/licenses)
 
 function(xrds_licences component)
   foreach(package IN LISTS ARGN)
     set(file /usr/share/doc/${package}/copyright)
     if(EXISTS ${file})
-      install(FILES ${file} DESTINATION ${CMAKE_INSTALL_DOCDIR}/licenses RENAME ${package}.txt COMPONENT ${component})
+      install(FILES ${file} DESTINATION ${licences} RENAME ${package}.txt COMPONENT ${component})
     endif()
   endforeach()
 endfunction()
+
+if(SKBUILD)  # scripts/wheel_licenses.sh adds those of the libraries that go beside it
+  set(licences ${SKBUILD_METADATA_DIR}/licenses)
+  xrds_licences(python nlohmann-json3-dev libvulkan-volk-dev libcli11-dev)
+  execute_process(
+    COMMAND ${Python_EXECUTABLE} -c "import importlib.metadata as m; print(next(f.locate() for f in m.files('nanobind') if f.name == 'LICENSE'))"
+    OUTPUT_VARIABLE nanobind_licence OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  install(FILES ${nanobind_licence} DESTINATION ${licences} RENAME nanobind.txt COMPONENT python)
+  return()
+endif()
 
 xrds_licences(library nlohmann-json3-dev libvulkan-volk-dev)
 if(MINGW)

