@@ -15,11 +15,18 @@ template <class A, class B>
 
 }  // namespace xrds
 
-#define XRDS_CHECK_RELATION(a, op, b)                                                              \
-  do {                                                                                             \
-    const auto xrdsA = (a);                                                                        \
-    const auto xrdsB = (b);                                                                        \
-    if (!(xrdsA op xrdsB)) ::xrds::failCheck(#a " " #op " " #b, xrdsA, xrdsB, __FILE__, __LINE__); \
+// Its name alone: a package tells nothing of the folders that it was built in.
+#ifdef __FILE_NAME__
+#define XRDS_FILE __FILE_NAME__
+#else
+#define XRDS_FILE __FILE__
+#endif
+
+#define XRDS_CHECK_RELATION(a, op, b)                                                               \
+  do {                                                                                              \
+    const auto xrdsA = (a);                                                                         \
+    const auto xrdsB = (b);                                                                         \
+    if (!(xrdsA op xrdsB)) ::xrds::failCheck(#a " " #op " " #b, xrdsA, xrdsB, XRDS_FILE, __LINE__); \
   } while (false)
 #define XRDS_CHECK_EQ(a, b) XRDS_CHECK_RELATION(a, ==, b)
 #define XRDS_CHECK_LE(a, b) XRDS_CHECK_RELATION(a, <=, b)
