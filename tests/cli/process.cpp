@@ -9,10 +9,29 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 
 namespace xrds::test {
 namespace {
+
+namespace fs = std::filesystem;
+
+// The tests have caches of their own, but for Mesa's of machine code, which depends on the program and the driver
+// alone: what the library's tests and a build before have compiled, which lies in the user's, is not compiled again.
+void shareShaderCache() {
+  const char *caches = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
+  const fs::path users =
+      caches && fs::path(caches).is_absolute() ? fs::path(caches) : fs::path(home ? home : "") / ".cache";
+  std::error_code failed;  // then the tests compile for themselves
+  for (const char* name : {"mesa_shader_cache", "xrds/mesa-w128", "xrds/mesa-w256", "xrds/mesa-w512"}) {
+    const fs::path link = fs::path(XRDS_TEST_CACHE) / name;
+    if (users.is_relative() || fs::symlink_status(link, failed).type() != fs::file_type::not_found) continue;
+    fs::create_directories(link.parent_path(), failed);
+    if (fs::create_directories(users / name, failed); fs::is_directory(users / name, failed))
+      fs::create_directory_symlink(users / name, link, failed);
+  }
+}
 
 [[noreturn]] void becomeXrds(const std::vector<std::string>& arguments, const StartOptions& options) {
   setenv("XDG_CACHE_HOME", XRDS_TEST_CACHE, 1);
@@ -50,6 +69,7 @@ bool append(int file, std::string& text) {
 Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& options) {
   int output[2], error[2];
   if (pipe2(output, O_CLOEXEC) != 0 || pipe2(error, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+  shareShaderCache();
   const pid_t child = fork();
   if (child == 0) {
     dup2(output[1], STDOUT_FILENO);
@@ -74,6 +94,7 @@ Ended runXrds(const std::vector<std::string>& arguments, const StartOptions& opt
 
 Ended killXrds(const std::vector<std::string>& arguments, const std::function<bool()>& due, const StartOptions& options,
                int signal) {
+  shareShaderCache();
   const pid_t child = fork();
   if (child == 0) becomeXrds(arguments, options);
   int status = 0;
@@ -85,6 +106,7 @@ Ended killXrds(const std::vector<std::string>& arguments, const std::function<bo
 Ended runOnTerminal(const std::vector<std::string>& arguments, const std::string& awaited, const std::string& keys,
                     const StartOptions& options) {
   int terminal = -1;
+  shareShaderCache();
   const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
   if (child == 0) becomeXrds(arguments, options);
   Ended ended;
