@@ -12,6 +12,7 @@ for room in "${rooms[@]}"; do
   [ -d "$room" ] || { echo "There is no room '$room': scripts/tidy.sh [ROOM ...]" >&2; exit 2; }
 done
 pattern=$(IFS='|'; echo "${rooms[*]}")
+cmake -DXRDS_UNITY_BUILD=OFF "$build" >/dev/null  # each file by itself
 # Its compiler's precompiled headers are none of clang's.
 mkdir -p "$build/tidy"
 sed -E 's# -Winvalid-pch -include [^ ]*cmake_pch\.hxx##' "$build/compile_commands.json" > "$build/tidy/compile_commands.json"
