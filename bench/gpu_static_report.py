@@ -38,7 +38,7 @@ GPUs differ in their registers, and Vulkan does not tell how many they have. On 
 `conv3x3_tile` with eight pixels an invocation spilled 32 to 59 of them in every shape, and the matrix kernels, in the subgroups of 32 that the driver prefers, 9 to 848.
 So GPUs of makers with few registers (`registersOf()`) get four pixels, the smallest subgroups for matrices with at most two fragments of outputs a workgroup in `conv3x3`, and
 runs of two pixels in the joint bilateral filter, which spilled on Apple's and Qualcomm's, too. The matrix kernels spilled 12 to 226 even so on Alchemist (dg2), whose subgroups
-of 8 have 4 KiB: it takes the tile kernels. What is left on Intel are one or two values of window attention of 8 x 8 in `tile`, and up to 34 in `matrix`.
+of 8 have 4 KiB: it takes the tile kernels. Window attention reads a row of scores twice in subgroups of 16, where it spilled 34. What is left on Intel are one or two values of it in `tile`.
 
 Loads from shared memory in the fused layer of 96 channels once were 116 beside 24 products in the loop of a map. A head's loop, into which the map's is now
 unrolled, has 64 beside 57: 1.1 a product in place of 4.8; the map alone 24 beside 39.

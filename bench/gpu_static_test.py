@@ -18,9 +18,8 @@ LEAST_WAVES = 4  # a SIMD
 # Where they are fewer, the compiler's estimates must say that they are enough: latency / waves <= inverse throughput.
 KNOWN_WAVES = {("vega10", "window_attention_tile"): 2, ("vega10", "window_attention_plain"): 3, ("vega10", "linear_tile"): 3,
                ("vega10", "conv3x3_tile"): 2}
-# Of Intel: of window attention of 8 x 8 a value or two and their loads in `tile`; in `matrix` more, of which a row of scores with all its
-# registers in a subgroup of 16 is the cause.
-KNOWN_SPILLS = {"dg2": {"window_attention_tile": 14}, "bmg": {"window_attention_tile": 8, "window_attention_matrix": 104}}
+# Of Intel: of window attention of 8 x 8 a value or two and their loads.
+KNOWN_SPILLS = {"dg2": {"window_attention_tile": 14}, "bmg": {"window_attention_tile": 8}}
 # Loads from shared memory for a product of the fused layer of 96 channels: a third of the 116 for 24 products that it had.
 SWIN_LOADS_A_PRODUCT = 116 / 24 / 3
 MODELS = ["xrds-x4-compact", "xrds-x4-full"]

@@ -76,19 +76,42 @@ void score() {
     STORE_SUM(sums[c][0], pool, subgroupIndex() * kRows * kScoreStride + 4 * c, kScoreStride);
 }
 
-// Scores to weights, of which the largest of a row is 1, and the sums of these.
+// Four scores of a row, with their biases and what does not see each other hidden.
+vec4 scoresOf(uint row, uint key) {
+  const uint bias = firstBias(inWindow(row)) - biasesBehind(inWindow(key));
+  vec4 scores = uintBitsToFloat(pool[row * kScoreStride + key / 4]) * (inversesqrt(float(kHeadChannels)) * kLog2E) +
+                vec4(biases[bias], biases[bias - 1], biases[bias - 2], biases[bias - 3]);
+  if (kShifted)
+    [[unroll]] for (uint j = 0; j < 4; j++)
+      if (regions[key + j] != regions[row]) scores[j] = kHidden;
+  return scores;
+}
+
+float highestOf(vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
+
+// Scores to weights, of which the largest of a row is 1, and the sums of these. A lane that has a row for itself reads it
+// twice: small subgroups have few registers.
 void takeSoftmax() {
   const uint row = rowOf(), part = lane() % kParts, at = row * kScoreStride;
-  vec4 weights[kPartQuads];
   float highest = kLowest, total = 0;
+  if (kParts == 1) {
+    for (uint i = 0; i < kPartQuads; i++) {
+      const vec4 scores = scoresOf(row, 4 * i);
+      pool[at + i] = floatBitsToUint(scores);
+      highest = max(highest, highestOf(scores));
+    }
+    for (uint i = 0; i < kPartQuads; i += 2) {
+      const vec4 a = exp2(uintBitsToFloat(pool[at + i]) - highest), b = exp2(uintBitsToFloat(pool[at + i + 1]) - highest);
+      total += a.x + a.y + a.z + a.w + b.x + b.y + b.z + b.w;
+      pool[at + i / 2] = roundedHalves(a, b);
+    }
+    totals[subgroupIndex() * kLanes + lane()] = total;
+    return;
+  }
+  vec4 weights[kPartQuads];
   [[unroll]] for (uint i = 0; i < kPartQuads; i++) {
-    const uint key = 4 * (part * kPartQuads + i), bias = firstBias(inWindow(row)) - biasesBehind(inWindow(key));
-    weights[i] = uintBitsToFloat(pool[at + key / 4]) * (inversesqrt(float(kHeadChannels)) * kLog2E) +
-                 vec4(biases[bias], biases[bias - 1], biases[bias - 2], biases[bias - 3]);
-    if (kShifted)
-      [[unroll]] for (uint j = 0; j < 4; j++)
-        if (regions[key + j] != regions[row]) weights[i][j] = kHidden;
-    highest = max(highest, max(max(weights[i].x, weights[i].y), max(weights[i].z, weights[i].w)));
+    weights[i] = scoresOf(row, 4 * (part * kPartQuads + i));
+    highest = max(highest, highestOf(weights[i]));
   }
   highests[subgroupIndex() * kLanes + lane()] = highest;
   SUBGROUP_BARRIER;
