@@ -14,7 +14,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SPIRV_MAGIC = 0x07230203
-NOT_FOR_METAL = re.compile(r"_lane4?_|_matrix_nv_")  # for CPU devices; an extension that NVIDIA alone has
+NOT_FOR_METAL = re.compile(r"_lane4?_|_matrix_")  # for CPU devices; matrix units, for which MoltenVK has no extension
 
 
 def spirv_of(header):
@@ -40,7 +40,10 @@ def sizes_of_function_constants(source):
     for name, value in definitions:  # each stands behind what it needs
         if late & set(re.findall(r"\w+", value)):
             late.add(name)
-    return sorted(late & set(re.findall(r"spvUnsafeArray<[\w ]+, (\w+)>", source)))
+    sizes = set(re.findall(r", (\w+)>", source))  # spvUnsafeArray<float4, 3>, or <spvUnsafeArray<float4, 3>, 6>
+    for declared in re.findall(r"^\s*threadgroup \w+ \w+((?:\[\w+\])+);", source, re.M):
+        sizes |= set(re.findall(r"\w+", declared))
+    return sorted(late & sizes)
 
 
 def main():
