@@ -51,23 +51,23 @@ std::string unknownCommand(const CLI::App& app, const std::string& command, cons
          " --help";
 }
 
-/// The command that was found last, and as it was typed.
+bool hasUnknownCommand(const CLI::App& verb) {
+  const std::vector<std::string> unknown = verb.remaining();
+  return !unknown.empty() && !unknown.front().starts_with("-") && !commandsOf(verb).empty();
+}
+
+/// The command that was found last, or the one before an unknown command, and as it was typed.
 struct Found {
   const CLI::App* verb;
   std::string command;
 };
 Found foundIn(const CLI::App& app) {
   Found found{&app, app.get_name()};
-  while (!found.verb->get_subcommands().empty()) {
+  while (!found.verb->get_subcommands().empty() && !hasUnknownCommand(*found.verb)) {
     found.verb = found.verb->get_subcommands().front();
     found.command += " " + found.verb->get_name();
   }
   return found;
-}
-
-bool hasUnknownCommand(const CLI::App& verb) {
-  const std::vector<std::string> unknown = verb.remaining();
-  return !unknown.empty() && !unknown.front().starts_with("-") && !commandsOf(verb).empty();
 }
 
 }  // namespace
