@@ -18,7 +18,7 @@ KernelFamily chosenFamily(const DeviceDescription& device, const std::string& as
     throw Error("The kernel family 'lane' is for CPU devices, and " + device.name + " is none; choose plain or tile.");
   if (usesMatrixUnits(family) && device.matrixUnits == MatrixUnits::none)
     throw Error("The kernel family '" + wanted + "' needs matrix units that multiply 16-bit floats, and " +
-                device.name + " offers none to Vulkan; choose plain or tile.");
+                device.name + " offers none to Vulkan, or has too few registers for them; choose plain or tile.");
   if (family == KernelFamily::fused && !device.matrixSize.halfSums)
     throw Error("The kernel family 'fused' needs matrix units that add up in 16 bits, too, and those of " +
                 device.name + " do not; choose matrix, plain or tile.");
