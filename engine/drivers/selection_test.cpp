@@ -129,6 +129,7 @@ TEST(Device, RegistersAreThoseOfItsMaker) {
   EXPECT_EQ(registersOf(0x10005, DeviceKind::integrated), 128u) << "Apple, by Mesa";
   EXPECT_EQ(registersOf(0x5143, DeviceKind::integrated), 128u) << "Qualcomm";
   EXPECT_EQ(registersOf(0x13B5, DeviceKind::integrated), 64u) << "ARM";
+  EXPECT_EQ(registersOf(0x14E4, DeviceKind::integrated), 64u) << "Broadcom, of the Raspberry Pi";
   EXPECT_GT(registersOf(0x8086, DeviceKind::cpu), 256u);
 }
 

@@ -7,10 +7,10 @@
 namespace xrds {
 
 uint32_t registersOf(uint32_t vendorId, DeviceKind kind) {
-  constexpr uint32_t kIntel = 0x8086, kApple = 0x106B, kQualcomm = 0x5143, kArm = 0x13B5;
+  constexpr uint32_t kIntel = 0x8086, kApple = 0x106B, kQualcomm = 0x5143, kArm = 0x13B5, kBroadcom = 0x14E4;
   constexpr uint32_t kMesa = 0x10005;  // what its driver of Apple's GPUs gives
   if (kind == DeviceKind::cpu) return 4096;
-  if (vendorId == kArm) return 64;
+  if (vendorId == kArm || vendorId == kBroadcom) return 64;
   const bool areFew = vendorId == kIntel || vendorId == kApple || vendorId == kMesa || vendorId == kQualcomm;
   return areFew ? 128 : 256;
 }
