@@ -1,6 +1,5 @@
 #include "app/pixel_size.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "app/exit_code.h"
@@ -18,8 +17,9 @@ TEST(PixelSize, IsTwoNumbersWithinItsLimits) {
       ADD_FAILURE() << text;
     } catch (const Failure& failure) {
       EXPECT_EQ(failure.code, ExitCode::usage);
-      EXPECT_THAT(failure.message, testing::HasSubstr("--live-size takes WIDTHxHEIGHT"));
-      EXPECT_THAT(failure.message, testing::HasSubstr("of 8 to 16384 pixels each, found '" + std::string(text) + "'."));
+      EXPECT_PRED_FORMAT2(testing::IsSubstring, "--live-size takes WIDTHxHEIGHT", failure.message);
+      EXPECT_PRED_FORMAT2(testing::IsSubstring, "of 8 to 16384 pixels each, found '" + std::string(text) + "'.",
+                          failure.message);
     }
 }
 

@@ -1,5 +1,4 @@
 // Layers of black and white, whose one channel Y stands for red, green and blue.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "image/layers/aov.h"
@@ -63,11 +62,11 @@ TEST_F(GreyLayers, StandBehindColours) {
 }
 
 TEST_F(GreyLayers, AreNoPartsOfOtherLayers) {
-  EXPECT_THAT(refusal({"uv.X", "uv.Y"}, AovRole::kColor), testing::HasSubstr("found none"));
-  EXPECT_THAT(refusal({"mask.Y"}, AovRole::kColor), testing::HasSubstr("--color LAYER"));
-  EXPECT_THAT(refusal({"normal.Y"}, AovRole::kNormal), testing::HasSubstr("found none"));
-  EXPECT_THAT(refusal({"Y", "RY", "BY"}, AovRole::kColor),
-              testing::HasSubstr("found luminance and chroma, Y with RY and BY; save it as RGB."));
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "found none", refusal({"uv.X", "uv.Y"}, AovRole::kColor));
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "--color LAYER", refusal({"mask.Y"}, AovRole::kColor));
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "found none", refusal({"normal.Y"}, AovRole::kNormal));
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "found luminance and chroma, Y with RY and BY; save it as RGB.",
+                      refusal({"Y", "RY", "BY"}, AovRole::kColor));
 }
 
 }  // namespace

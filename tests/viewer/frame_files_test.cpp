@@ -1,6 +1,5 @@
 #include "viewer/frame_files.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "image/test_files.h"
@@ -52,10 +51,10 @@ TEST(FrameFiles, NameTheSizeThatAReferenceMustHave) {
     }
     return "";
   };
-  EXPECT_THAT(refusalOf({kOutdoor.colour, kOutdoor.auxiliary, kOutdoor.colour}),
-              testing::HasSubstr("has 80 x 60 pixels, not 320 x 240 as the result has."));
-  EXPECT_THAT(refusalOf({kOutdoor.colour, {}, kSamples / "glossy_gt.exr"}),
-              testing::HasSubstr("not a multiple of the colour's 80 x 60."));
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "has 80 x 60 pixels, not 320 x 240 as the result has.",
+                      refusalOf({kOutdoor.colour, kOutdoor.auxiliary, kOutdoor.colour}));
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "not a multiple of the colour's 80 x 60.",
+                      refusalOf({kOutdoor.colour, {}, kSamples / "glossy_gt.exr"}));
 }
 
 TEST(FrameFiles, OfAFolderAreTheNewest) {
