@@ -1,6 +1,5 @@
 #include "api/model_folders.h"
 
-#include <cstdlib>
 #if defined(_WIN32)
 #include <windows.h>
 #else
@@ -45,11 +44,7 @@ fs::path ownFolder() {
 
 std::vector<fs::path> foldersOfModels() {
   std::vector<fs::path> folders;
-#if defined(_WIN32)  // getenv() would give what has no letter in the code page as '?'
-  if (const wchar_t* folder = _wgetenv(L"XRDS_MODELS")) folders.emplace_back(folder);
-#else
-  if (std::string folder = environmentVariable("XRDS_MODELS"); !folder.empty()) folders.emplace_back(std::move(folder));
-#endif
+  if (fs::path folder = environmentPath("XRDS_MODELS"); !folder.empty()) folders.push_back(std::move(folder));
   if (const fs::path own = ownFolder(); !own.empty())
     for (const char* up : {".", "..", "../.."}) folders.push_back((own / up / "share/xrds/models").lexically_normal());
 #ifdef XRDS_MODEL_FOLDER

@@ -21,12 +21,12 @@ std::vector<fs::path> writeOidnModels(const fs::path& library, const fs::path& f
 }
 
 fs::path folderOfDenoisers() {
-  if (fs::path own = environmentVariable("XRDS_DENOISERS"); !own.empty()) return own;
+  if (fs::path own = environmentPath("XRDS_DENOISERS"); !own.empty()) return own;
 #if defined(_WIN32)
-  const fs::path data = environmentVariable("LOCALAPPDATA");
+  const fs::path data = environmentPath("LOCALAPPDATA");
 #else
   fs::path data = userFolder("XDG_DATA_HOME");
-  if (const fs::path home = environmentVariable("HOME"); data.empty() && !home.empty()) data = home / ".local/share";
+  if (const fs::path home = environmentPath("HOME"); data.empty() && !home.empty()) data = home / ".local/share";
 #endif
   return data.empty() ? data : data / "xrds" / "denoisers";
 }

@@ -26,10 +26,11 @@ namespace {
 // The C library lets nobody read the environment while another thread changes it.
 std::mutex access;
 
-void setVariable(const char* name, const std::string& text) {
+// The text is one of ASCII, or a path.
+void setVariable(const char* name, const std::filesystem::path& text) {
   const std::lock_guard lock(access);
 #ifdef _WIN32
-  _putenv_s(name, text.c_str());
+  _wputenv_s(std::filesystem::path(name).c_str(), text.c_str());
 #else
   setenv(name, text.c_str(), 1);
 #endif
@@ -83,9 +84,10 @@ constexpr const char* kShaderCache = "MESA_SHADER_CACHE_DIR";
 constexpr const char* kNoShaderCache = "MESA_SHADER_CACHE_DISABLE";
 
 // What this process has set itself; a value that differs from it is the user's.
-std::string ourWidth, ourShaderCache;
+std::string ourWidth;
+std::filesystem::path ourShaderCache;
 bool shadersAreUnkept = false;
-std::string usersShaderCache;  // in which ours lies; empty: in the engine's cache folder
+std::filesystem::path usersShaderCache;  // in which ours lies; empty: in the engine's cache folder
 
 // Whether Mesa keeps what it compiles. What the user has set stays.
 void keepShaders(bool kept) {
@@ -102,8 +104,18 @@ std::string environmentVariable(const char* name) {
   return text ? text : "";
 }
 
+std::filesystem::path environmentPath(const char* name) {
+#ifdef _WIN32  // getenv() would give what has no letter in the code page as '?', and paths do not read the code page
+  const std::lock_guard lock(access);
+  const wchar_t* text = _wgetenv(std::filesystem::path(name).c_str());
+  return text ? text : L"";
+#else
+  return environmentVariable(name);
+#endif
+}
+
 std::filesystem::path userFolder(const char* name) {
-  std::filesystem::path folder = environmentVariable(name);
+  std::filesystem::path folder = environmentPath(name);
   return folder.is_absolute() ? folder : std::filesystem::path();
 }
 
@@ -121,11 +133,9 @@ uint64_t secondCacheBytes() {
 std::filesystem::path defaultCacheFolder() {
   if (const std::filesystem::path folder = userFolder("XDG_CACHE_HOME"); !folder.empty()) return folder / "xrds";
 #ifdef _WIN32
-  if (const auto folder = environmentVariable("LOCALAPPDATA"); !folder.empty())
-    return std::filesystem::path(folder) / "xrds";
+  if (const auto folder = environmentPath("LOCALAPPDATA"); !folder.empty()) return folder / "xrds";
 #endif
-  if (const auto home = environmentVariable("HOME"); !home.empty())
-    return std::filesystem::path(home) / ".cache" / "xrds";
+  if (const auto home = environmentPath("HOME"); !home.empty()) return home / ".cache" / "xrds";
   return temporaryCacheFolder();
 }
 
@@ -144,13 +154,13 @@ std::filesystem::path temporaryCacheFolder() {
 }
 
 std::filesystem::path usersShaderCacheFolder() {
-  const std::string present = environmentVariable(kShaderCache);
+  const std::filesystem::path present = environmentPath(kShaderCache);
   return present == ourShaderCache ? usersShaderCache : present;
 }
 
 void placeShaderCache(const std::filesystem::path& folder) {
   usersShaderCache.clear();
-  ourShaderCache = folder.string();
+  ourShaderCache = folder;
   setVariable(kShaderCache, ourShaderCache);
 }
 
@@ -164,19 +174,20 @@ void widenCpuVectors() {
 }
 
 void separateShaderCache(const std::filesystem::path& cacheFolder) {
-  const std::string width = environmentVariable(kWidth), present = environmentVariable(kShaderCache);
+  const std::string width = environmentVariable(kWidth);
+  const std::filesystem::path present = environmentPath(kShaderCache);
   if (present != ourShaderCache) usersShaderCache = present;
   // A user who chose both knows; a user who chose the folder alone did not expect another width in it.
   if (width.empty() || (!usersShaderCache.empty() && width != ourWidth)) return;
   // Without a folder that can be written Mesa keeps nothing; it must not read what it kept for another width either.
   const auto ours = cacheFolder.empty() ? defaultCacheFolder() : cacheFolder;
-  const auto folder = (usersShaderCache.empty() ? ours : std::filesystem::path(usersShaderCache)) / ("mesa-w" + width);
+  const auto folder = (usersShaderCache.empty() ? ours : usersShaderCache) / ("mesa-w" + width);
   std::error_code failed;
   // Of a full disk it reads what is there. Where it would begin anew it maps a file that has no room: a bus error.
   const bool reads = std::filesystem::exists(folder, failed) && !std::filesystem::is_empty(folder, failed);
   keepShaders(!cacheFolder.empty() || !usersShaderCache.empty() || reads);
   if (!shadersAreUnkept) std::filesystem::create_directories(folder, failed);
-  ourShaderCache = folder.string();
+  ourShaderCache = folder;
   if (ourShaderCache != present) setVariable(kShaderCache, ourShaderCache);
 }
 

@@ -10,6 +10,9 @@ namespace xrds {
 /// one.
 std::string environmentVariable(const char* name);
 
+/// The file or folder that a variable names, whatever its letters; empty if it is not set.
+std::filesystem::path environmentPath(const char* name);
+
 /// The folder that a variable such as XDG_CACHE_HOME names; empty if it is not set, or relative: the XDG Base Directory
 /// Specification has such paths ignored.
 std::filesystem::path userFolder(const char* name);
