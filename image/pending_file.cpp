@@ -36,6 +36,16 @@ fs::path behindLinks(const fs::path& path) {
   throw Error("Cannot write '" + path.string() + "': its symbolic links go in circles; choose another name.");
 }
 
+// Windows tells of names that no file can have that they are free.
+bool mayBeName([[maybe_unused]] const fs::path& name) {
+#ifdef _WIN32
+  constexpr size_t kLongest = 255;
+  return name.native().size() <= kLongest && name.native().find_first_of(L"<>:\"|?*") == std::wstring::npos;
+#else
+  return true;
+#endif
+}
+
 }  // namespace
 
 PendingFile::PendingFile(const fs::path& path) {
@@ -45,6 +55,9 @@ PendingFile::PendingFile(const fs::path& path) {
   if (path_.filename().empty() || !fs::is_directory(folder, failure)) {
     throw Error("Cannot write '" + path.string() + "': expected an existing folder, found none at '" + folder.string() +
                 "'; create it or choose another place.");
+  }
+  if (!mayBeName(path_.filename())) {
+    throw Error("Cannot write '" + path.string() + "': no file can have this name; choose another one.");
   }
   const fs::file_status status = fs::status(path_, failure);
   if (status.type() == fs::file_type::none) {

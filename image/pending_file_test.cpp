@@ -31,6 +31,9 @@ TEST(PendingFile, WhatKilledProcessesLeftIsRemovedWhenItIsOld) {
 TEST(PendingFile, NamesThatNoFileCanHaveAreRefusedAtOnce) {
   const TemporaryFolder folder;
   EXPECT_THROW(PendingFile(folder / (std::string(300, 'a') + ".exr")), Error);
+#ifdef _WIN32
+  for (const char* name : {"a<b.exr", "a?.exr", "a.exr:b.exr"}) EXPECT_THROW(PendingFile(folder / name), Error);
+#endif
 }
 
 }  // namespace

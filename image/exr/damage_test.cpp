@@ -77,8 +77,8 @@ std::string refusalOf(const std::filesystem::path& path) {
 TEST(ExrDamage, WhatIsMissingAndWhatIsClosedAreToldApart) {
   const TemporaryFolder folder;
   EXPECT_NE(refusalOf(folder / "none.exr").find("there is no such file"), std::string::npos);
+#ifndef _WIN32  // to which a name that is too long is that of no file
   EXPECT_EQ(refusalOf(folder / std::string(5000, 'x')).find("there is no such file"), std::string::npos);
-#ifndef _WIN32
   if (geteuid() == 0) return;  // who may read everything
   const auto closed = folder / "closed.exr";
   writeFixture(closed, damageFixtures().front());
