@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
       "Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"
       "full-resolution picture out, on any Vulkan device.",
       "xrds");
+  app.allow_windows_style_options(false);  // there, too, /renders/a.exr is a file
   app.formatter(std::make_shared<xrds::HelpFormat>());
   app.set_version_flag("--version", "xrds " XRDS_VERSION);
   app.require_subcommand(1);
