@@ -28,7 +28,7 @@ endif()
 
 xrds_licences(library nlohmann-json3-dev libvulkan-volk-dev)
 if(MINGW)
-  xrds_licences(library gcc-mingw-w64-x86-64-posix-runtime)
+  xrds_licences(library gcc-mingw-w64-x86-64-posix-runtime mingw-w64-x86-64-dev)  # the latter's is libwinpthread-1.dll
 endif()
 if(XRDS_COMMAND)
   xrds_licences(command nlohmann-json3-dev libvulkan-volk-dev libcli11-dev)
