@@ -120,7 +120,11 @@ def main():
     if options.shape != "0,0" and not options.print:
         sys.exit("--shape goes with --print: the table is of the fixed choice.")
     names = options.gpus.split(",")
+    if not options.print and names != list(GPUS):
+        sys.exit("--gpus goes with --print: the table is of all.")
     for name in names:
+        if name not in GPUS:
+            sys.exit(f"There is no GPU '{name}': choose of {', '.join(GPUS)}.")
         if not GPUS[name].exists():
             sys.exit(f"{GPUS[name].mesa.folder} has no driver for {name}: run bench/gpu_static_mesa.sh.")
     models = options.models.split(",") if options.models else [*MODELS, *others(options.program)]
