@@ -89,17 +89,6 @@ NAK_KINDS = (
 )
 
 
-# Of Intel: "(+f0.0) mad(8)  g29<1>F ...".
-GEN_KINDS = (("products", r"dpas"), ("multiplyAdds", r"mad|mac"), ("barriers", r"barrier"))
-
-
-def whole_gen_program(assembly):
-    """The counts of all that ANV prints of a program; None if nothing is printed."""
-    operations = re.findall(r"^\s*(?:\([^)]*\)\s+)?([a-z]\w*(?:\.\w+)*)\s*\(\d+\)", assembly, re.M)
-    counts = collections.Counter(name for operation in operations for name, pattern in GEN_KINDS if re.match(pattern, operation))
-    return {**counts, "all": len(operations)} if operations else None
-
-
 def whole_program(assembly):
     """The counts of all that NAK prints of a program, with `gathers16` as above; None if nothing is printed."""
     counts, gathers, every = collections.Counter(), 0, 0
@@ -113,3 +102,14 @@ def whole_program(assembly):
         gathers += re.match(r"ld\.(shared|global).*\.[usb]16", instruction[1]) is not None
     del counts[None]
     return {**counts, "all": every, "gathers16": gathers} if every else None
+
+
+# Of Intel: "(+f0.0) mad(8)  g29<1>F ...".
+GEN_KINDS = (("products", r"dpas"), ("multiplyAdds", r"mad|mac"), ("barriers", r"barrier"))
+
+
+def whole_gen_program(assembly):
+    """The counts of all that ANV prints of a program; None if nothing is printed."""
+    operations = re.findall(r"^\s*(?:\([^)]*\)\s+)?([a-z]\w*(?:\.\w+)*)\s*\(\d+\)", assembly, re.M)
+    counts = collections.Counter(name for operation in operations for name, pattern in GEN_KINDS if re.match(pattern, operation))
+    return {**counts, "all": len(operations)} if operations else None

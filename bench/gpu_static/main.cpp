@@ -134,7 +134,7 @@ class Report {
                           {"statistics", found.statistics},
                           {"groupSize", numbersBehind(text, "workgroup_size")},
                           {"sharedBytes", numbersBehind(text, "shared_size")},
-                          {"assembly", textOf(found, {"Assembly", "NAK assembly", "GEN Assembly", "IR3 Assembly"})}});
+                          {"assembly", textOf(found, {"Assembly", "NAK assembly", "GEN Assembly"})}});
     if (!found.error.empty()) pipelines_.back()["error"] = found.error;
     return place->second;
   }
