@@ -292,7 +292,8 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
 }
 
 std::vector<KernelShape> shapesToTry(const Conv3x3&, const DeviceTraits& device) {
-  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.outputs = 12 - usualPixels(device)}};
+  const uint32_t otherPixels = usualPixels(device) == 8 ? 4 : 8;
+  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.outputs = otherPixels}};
   if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
   if (device.family != KernelFamily::lane) return {};
   return {{8, 4}, {8, 2}, {16, 2}, {32, 2}};
