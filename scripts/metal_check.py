@@ -1,8 +1,9 @@
 """Converts the kernels to Metal's shading language, as MoltenVK does, as far as that goes without a Mac: python3 scripts/metal_check.py [--build FOLDER] [--keep FOLDER]
 
 Needs spirv-cross (Debian: spirv-cross; $XRDS_SPIRV_CROSS names another) and a build, whose SPIR-V is read.
-Nothing is compiled or run. Names each kernel that cannot be converted, and each that has an array whose size Metal does not
-take: a function constant, or what is computed of one. Ends with 1 if there are any."""
+Nothing is compiled or run. Names each kernel that cannot be converted, each that has an array whose size Metal does not
+take: a function constant, or what is computed of one; and each that asks whether a number is finite other than by its bits
+(shaders/common/finite.glsl), as Metal's fast-math takes all numbers for finite. Ends with 1 if there are any."""
 import argparse
 import os
 import pathlib
@@ -46,6 +47,11 @@ def sizes_of_function_constants(source):
     return sorted(late & sizes)
 
 
+def tests_of_finiteness(source):
+    """Functions that are called to learn whether a number is finite."""
+    return sorted(set(re.findall(r"\b(is(?:nan|inf|finite|normal))\(", source)))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
@@ -63,8 +69,12 @@ def main():
             place = folder / f"{name}.metal"
             if problem := converted(spirv, place):
                 faults.append(f"{name}: {problem}")
-            elif sizes := sizes_of_function_constants(place.read_text()):
+                continue
+            source = place.read_text()
+            if sizes := sizes_of_function_constants(source):
                 faults.append(f"{name}: arrays of size {', '.join(sizes)}")
+            if tests := tests_of_finiteness(source):
+                faults.append(f"{name}: {', '.join(tests)}, which fast-math takes for known")
     print("\n".join([*faults, f"{len(kernels)} kernels, {len(faults)} with faults"]))
     sys.exit(1 if faults else 0)
 

@@ -31,6 +31,10 @@ class MetalCheck(unittest.TestCase):
             self.assertEqual(metal_check.sizes_of_function_constants(FUNCTION_CONSTANT + array), sizes, array)
             self.assertEqual(metal_check.sizes_of_function_constants(MACRO + array), [], array)
 
+    def test_numbers_are_not_asked_whether_they_are_finite(self):
+        self.assertEqual(metal_check.tests_of_finiteness("bool lost = any(isnan(x)) || any(isinf(x)) || isnan(y);"), ["isinf", "isnan"])
+        self.assertEqual(metal_check.tests_of_finiteness("bool lost = spvisnan_(x) < as_type<uint3>(x);  // no isnan"), [])
+
     def test_kernels_that_no_mac_runs_are_left_out(self):
         for name in ("linear_lane_f32", "conv3x3_lane4_f32", "linear_matrix_nv_f16", "linear_matrix_khr_f16"):
             self.assertTrue(metal_check.NOT_FOR_METAL.search(name), name)

@@ -1,9 +1,8 @@
 // The curves of frame_curve.h on three channels; `curve` is a specialization constant.
 #ifndef XRDS_SHADERS_COMMON_FRAME_CURVE_GLSL
 #define XRDS_SHADERS_COMMON_FRAME_CURVE_GLSL
+#include "shaders/common/finite.glsl"
 #include "shaders/common/frame_curve.h"
-
-vec3 withoutNan(vec3 x) { return mix(x, vec3(0), isnan(x)); }
 
 vec3 curved(uint curve, vec3 y) {
   if (curve == kFrameNormal) return clamp(withoutNan(y), -1.0, 1.0) * 0.5 + 0.5;

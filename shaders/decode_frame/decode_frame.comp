@@ -3,6 +3,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shaders/common/finite.glsl"
 #include "shaders/common/frame_curve.glsl"
 #include "shaders/decode_frame/decode_frame.h"
 layout(constant_id = 0) const uint kCurve = 0;
@@ -18,7 +19,7 @@ void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   vec3 value = texelFetch(source, texelAt(p.source, at)).rgb;
-  const bool lost = any(isnan(value)) || any(isinf(value));
+  const bool lost = !isFinite(value);
   value = uncurved(kCurve, lost ? vec3(0) : value);
   if (kCurve == kFrameHdr) value = min(value * texelFetch(exposure, p.exposure).y, vec3(kFrameMax));
   storePixel(0, 0, vec4(value, lost ? 1 : 0));

@@ -6,6 +6,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shaders/common/finite.glsl"
 #include "shaders/common/transfer.glsl"
 #include "shaders/decode_radiance/decode_radiance.h"
 layout(constant_id = 0) const uint kTransfer = 0;
@@ -32,7 +33,7 @@ void main() {
   const ivec2 at = firstPixel();
   if (isOutside(at)) return;
   vec3 value = kHasNetwork ? texelFetch(network, texelAt(p.network, at)).rgb : vec3(0);
-  const bool lost = any(isnan(value)) || any(isinf(value));
+  const bool lost = !isFinite(value);
   value = lost ? vec3(0) : value;
   if (kHasBase) {
     const vec3 start = texelFetch(base, texelAt(p.base, at)).rgb;
