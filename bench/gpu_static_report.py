@@ -40,6 +40,11 @@ So GPUs of makers with few registers (`registersOf()`) get four pixels, the smal
 runs of two pixels in the joint bilateral filter, which spilled on Apple's and Qualcomm's, too. The matrix kernels spilled 12 to 226 even so on Alchemist (dg2), whose subgroups
 of 8 have 4 KiB: it takes the tile kernels. Window attention reads a row of scores twice in subgroups of 16, where it spilled 34. What is left on Intel are one or two values of it in `tile`.
 
+The family `half` adds up 8 products of `linear` and 12 of `conv3x3` as halves, two an instruction: by ACO's estimate (inverse throughput) it takes 0.64 to 0.70 of the time of `tile`
+on RDNA, 0.71 to 0.78 on vega10, and NAK counts 0.6 of the cycles of `linear` on Turing, 0.94 of those of `conv3x3`. Sums of 16 products in `linear` would take 0.62 on RDNA, but
+some outputs then are beyond the tolerance of an operator. On Intel's GPUs `linear` so spilled 79 registers, Qualcomm's had 2 subgroups beside each other in place of 4 to 6, and Apple's compute with halves no faster:
+they do not take it. Window attention with values added up as halves took 0.94 on RDNA and 1.28 on vega10: not kept.
+
 Loads from shared memory in the fused layer of 96 channels once were 116 beside 24 products in the loop of a map. A head's loop, into which the map's is now
 unrolled, has 64 beside 57: 1.1 a product in place of 4.8; the map alone 24 beside 39.
 """
@@ -131,7 +136,7 @@ def kernel_tables(report, name, wanted, models):
 def document(report):
     parts = [HEAD.format(**report), "## All pipelines", "", *overview(report), "", "## Dispatches of a frame", "", *dispatch_lines(report), "",
              f"## Kernels of `{SHOWN_MODEL}`", "", "Those with at least 1 % of the work; counts are of the inner loop on GPUs of AMD, else of the whole program.", ""]
-    shown = (("navi31", ("matrix", "fused", "tile")), ("navi21", ("tile",)), ("vega10", ("tile",)), ("ampere", ("matrix", "fused", "tile")),
+    shown = (("navi31", ("matrix", "fused", "tile")), ("navi21", ("half", "tile")), ("vega10", ("half", "tile")), ("ampere", ("matrix", "fused", "tile")),
              ("bmg", ("matrix", "tile")), ("tgl", ("tile",)), ("m1", ("tile",)), ("a740", ("tile",)))
     for name, wanted in shown:
         parts += kernel_tables(report, name, wanted, [SHOWN_MODEL])

@@ -101,6 +101,7 @@ NullDevice::NullDevice(ProgramSource programs) {
 }
 
 bool NullDevice::runs(KernelFamily family) const {
+  if (family == KernelFamily::half) return description().addsHalves;
   return !usesMatrixUnits(family) || description().matrixUnits != MatrixUnits::none;
 }
 

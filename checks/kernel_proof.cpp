@@ -1,4 +1,4 @@
-#include "checks/matrix_proof.h"
+#include "checks/kernel_proof.h"
 
 #include <random>
 
@@ -20,7 +20,7 @@ std::vector<float> halves(size_t count) {
 
 bool isRight(Gpu& gpu, const Operator& op) {
   Graph graph;
-  graph.nodes.push_back({"matrix_proof", op});
+  graph.nodes.push_back({"kernel_proof", op});
   const TensorShape shape = outputOf(graph.nodes.front()).shape();
   for (const char* name : {"input", "output"}) graph.create(name, DataType::f16, shape);
   const PlacedOperator placed(gpu, graph);
@@ -95,9 +95,9 @@ bool holds(bool (*areKernelsRight)(Gpu&), Gpu& gpu) {
 
 }  // namespace
 
-bool proveMatrixKernels(Gpu& gpu) {
+bool proveKernels(Gpu& gpu) {
   DeviceTraits traits = gpu.traits();
-  if (!usesMatrixUnits(traits.family)) return true;
+  if (!multipliesHalves(traits.family)) return true;
   if (!holds(areRight, gpu)) {
     traits.family = KernelFamily::tile;
     traits.matrixUnits = MatrixUnits::none;
@@ -111,7 +111,7 @@ bool proveMatrixKernels(Gpu& gpu) {
 }
 
 void proveAskedKernels(Gpu& gpu, const std::string& asked) {
-  proveMatrixKernels(gpu);
+  proveKernels(gpu);
   const KernelFamily family = gpu.traits().family;
   if (asked.empty() || family == kernelFamilyOf(asked)) return;
   throw Error("The " + asked + " kernels do not run or give wrong results on " + gpu.description().name + "; choose " +

@@ -1,4 +1,4 @@
-#include "checks/matrix_proof.h"
+#include "checks/kernel_proof.h"
 
 #include <gtest/gtest.h>
 
@@ -8,31 +8,45 @@
 namespace xrds {
 namespace {
 
-TEST(MatrixProof, KeepsKernelsThatAreRight) {
+TEST(KernelProof, KeepsKernelsThatAreRight) {
   Gpu gpu(test::gpuOptions());
   gpu.setTraits(test::traitsOf(KernelFamily::matrix));
-  EXPECT_TRUE(proveMatrixKernels(gpu));
+  EXPECT_TRUE(proveKernels(gpu));
   EXPECT_EQ(gpu.traits().family, KernelFamily::matrix);
 }
 
-TEST(MatrixProof, GivesUpKernelsThatAreWrong) {
+TEST(KernelProof, GivesUpKernelsThatAreWrong) {
   DeviceOptions options = test::gpuOptions();
   options.programs = [right = options.programs](std::string_view name) {
     return right(name.starts_with("conv3x3_matrix") ? "writes_nothing" : name);
   };
   Gpu gpu(options);
   gpu.setTraits(test::traitsOf(KernelFamily::matrix));
-  EXPECT_FALSE(proveMatrixKernels(gpu));
+  EXPECT_FALSE(proveKernels(gpu));
   EXPECT_EQ(gpu.traits().family, KernelFamily::tile);
   EXPECT_EQ(gpu.traits().matrixUnits, MatrixUnits::none);
-  EXPECT_TRUE(proveMatrixKernels(gpu));  // of those in use
+  EXPECT_TRUE(proveKernels(gpu));  // of those in use
 }
 
-TEST(MatrixProof, GivesUpAFusedLayerThatIsWrongAlone) {
+TEST(KernelProof, KeepsOrGivesUpSumsInHalves) {
+  if (!test::gpu().traits().addsHalves) GTEST_SKIP() << "The device computes with no halves.";
+  for (const bool isRight : {true, false}) {
+    DeviceOptions options = test::gpuOptions();
+    options.programs = [all = options.programs, isRight](std::string_view name) {
+      return all(!isRight && name.starts_with("linear_half") ? "writes_nothing" : name);
+    };
+    Gpu gpu(options);
+    gpu.setTraits(test::traitsOf(KernelFamily::half));
+    EXPECT_EQ(proveKernels(gpu), isRight);
+    EXPECT_EQ(gpu.traits().family, isRight ? KernelFamily::half : KernelFamily::tile);
+  }
+}
+
+TEST(KernelProof, GivesUpAFusedLayerThatIsWrongAlone) {
   DeviceOptions options = test::gpuOptions();
   Gpu right(options);
   right.setTraits(test::traitsOf(KernelFamily::fused));
-  EXPECT_TRUE(proveMatrixKernels(right));
+  EXPECT_TRUE(proveKernels(right));
   EXPECT_EQ(right.traits().family, KernelFamily::fused);
 
   options.programs = [all = options.programs](std::string_view name) {
@@ -40,7 +54,7 @@ TEST(MatrixProof, GivesUpAFusedLayerThatIsWrongAlone) {
   };
   Gpu wrong(options);
   wrong.setTraits(test::traitsOf(KernelFamily::fused));
-  EXPECT_FALSE(proveMatrixKernels(wrong));
+  EXPECT_FALSE(proveKernels(wrong));
   EXPECT_EQ(wrong.traits().family, KernelFamily::matrix);
   EXPECT_NE(wrong.traits().matrixUnits, MatrixUnits::none);
 }
@@ -56,7 +70,7 @@ Gpu gpuWithout(const char* spoilt, KernelFamily family) {
   return gpu;
 }
 
-TEST(MatrixProof, RefusesAFamilyThatWasAskedForAndIsWrong) {
+TEST(KernelProof, RefusesAFamilyThatWasAskedForAndIsWrong) {
   const auto messageOf = [](const char* spoilt, const char* asked) -> std::string {
     Gpu gpu = gpuWithout(spoilt, kernelFamilyOf(asked));
     try {
@@ -80,7 +94,7 @@ TEST(MatrixProof, RefusesAFamilyThatWasAskedForAndIsWrong) {
   EXPECT_EQ(unasked.traits().family, KernelFamily::tile);
 }
 
-TEST(MatrixProof, RefusesAskedLayersThatDoNotFitTheDevice) {
+TEST(KernelProof, RefusesAskedLayersThatDoNotFitTheDevice) {
   Gpu gpu(test::gpuOptions());
   DeviceTraits traits = test::traitsOf(KernelFamily::fused);
   traits.maxSharedBytes = 16384;
@@ -88,10 +102,10 @@ TEST(MatrixProof, RefusesAskedLayersThatDoNotFitTheDevice) {
   EXPECT_THROW(proveAskedKernels(gpu, "fused"), Error);
 }
 
-TEST(MatrixProof, HasNothingToProveElsewhere) {
+TEST(KernelProof, HasNothingToProveElsewhere) {
   Gpu gpu(test::gpuOptions());
   const KernelFamily family = gpu.traits().family;
-  EXPECT_TRUE(proveMatrixKernels(gpu));
+  EXPECT_TRUE(proveKernels(gpu));
   EXPECT_EQ(gpu.traits().family, family);
 }
 
