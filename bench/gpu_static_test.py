@@ -65,7 +65,7 @@ class GpuStatic(unittest.TestCase):
                 self.assertEqual(families, {"plain", "tile"} | halves | units)
 
     def test_halves_are_added_in_pairs(self):
-        """Where AMD's have no matrix units, by the compiler's estimate: at most 0.82 of the time of the same kernel with sums in fp32."""
+        """Where AMD's have no matrix units, by the compiler's estimate: at most 0.86 of the time of the same kernel with sums in fp32."""
         for gpu in self.gpus:
             if GPUS[gpu["gpu"]].driver != "radeon" or GPUS[gpu["gpu"]].has_units:
                 continue  # there are no estimates; RDNA3 takes two floats an instruction, too
@@ -75,7 +75,7 @@ class GpuStatic(unittest.TestCase):
                 self.assertGreater(len(halves), 2)
                 for pipeline in halves:
                     of_floats = tile[(pipeline["program"].replace("half", "tile"), *pipeline["specialization"])]
-                    self.assertLessEqual(pipeline["inverseThroughput"], 0.82 * of_floats["inverseThroughput"], (pipeline["program"], pipeline["specialization"]))
+                    self.assertLessEqual(pipeline["inverseThroughput"], 0.86 * of_floats["inverseThroughput"], (pipeline["program"], pipeline["specialization"]))
 
     def test_nothing_is_spilled(self):
         for gpu in self.gpus:

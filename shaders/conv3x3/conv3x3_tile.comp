@@ -3,7 +3,7 @@
 // outputs of kPixels side by side. One input quad a step lies in shared memory: the pixels with their border, and the weights
 // of all taps. The next step's texels are on their way to registers while this one is multiplied. Weights as in
 // conv3x3.comp. Any subgroup size; every output is summed in the same order wherever it lies. fp32; in the family
-// `half` the 12 products of a step and a row of taps are added up as halves.
+// `half` the 12 products of a step and a row of taps are added up as halves, four by four.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -86,18 +86,23 @@ void main() {
         FACTOR4 line[kPixels + 2];
 #ifdef XRDS_HALF
         FACTOR4 part[kPixels];
-        [[unroll]] for (uint i = 0; i < kPixels; i++) part[i] = FACTOR4(0);
-#define PART part
-#else
-#define PART sum
 #endif
         [[unroll]] for (uint i = 0; i < kPixels + 2; i++)
           line[i] = x[(row + ky) * kStride + stripBegin + i];
         [[unroll]] for (uint kx = 0; kx < 3; kx++) {
-          [[unroll]] for (uint c = 0; c < 4; c++) {
-            const FACTOR4 ofChannel = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
-            [[unroll]] for (uint i = 0; i < kPixels; i++) PART[i] += ofChannel * line[i + kx][c];
+#ifdef XRDS_HALF
+          FACTOR4 ofTap[4];
+          [[unroll]] for (uint c = 0; c < 4; c++) ofTap[c] = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
+          [[unroll]] for (uint i = 0; i < kPixels; i++) {
+            const FACTOR4 four = sumOfFour(ofTap, line[i + kx]);
+            part[i] = kx == 0 ? four : part[i] + four;
           }
+#else
+          [[unroll]] for (uint c = 0; c < 4; c++) {
+            const vec4 ofChannel = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
+            [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i] += ofChannel * line[i + kx][c];
+          }
+#endif
         }
 #ifdef XRDS_HALF
         [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i] += vec4(part[i]);

@@ -3,7 +3,7 @@
 // the tokens row, row + kRows, ... Steps of 16 input channels lie in shared memory: texels of the next step are on their
 // way to registers while this one is multiplied. What is read behind the last token, input or output counts for nothing.
 // Weights: [K][N], then bias[N]. Any subgroup size; every output is summed in the same order wherever it lies. fp32;
-// in the family `half` eight products are added up as halves.
+// in the family `half` eight products are added up as halves, twice four.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -76,26 +76,22 @@ void main() {
     }
     if (first > 0) {
 #ifdef XRDS_HALF
-      FACTOR4 part[kThreadTokens];  // sums of 8 products
-#define PART part
-#else
-#define PART sum
+      FACTOR4 first4[kThreadTokens];  // of eight products
 #endif
       [[unroll]] for (uint q = 0; q < kQuads; q++) {
-#ifdef XRDS_HALF
-        if (q % 2 == 0)
-          [[unroll]] for (uint t = 0; t < kThreadTokens; t++) part[t] = FACTOR4(0);
-#endif
         FACTOR4 columns[4];  // the weights of input channel 4 q + i
         [[unroll]] for (uint i = 0; i < 4; i++) columns[i] = w[(4 * q + i) * kColumns + column];
         [[unroll]] for (uint t = 0; t < kThreadTokens; t++) {
           const FACTOR4 inputs = x[(t * kRows + row) * kQuads + q];
-          [[unroll]] for (uint i = 0; i < 4; i++) PART[t] += columns[i] * inputs[i];
-        }
 #ifdef XRDS_HALF
-        if (q % 2 == 1)
-          [[unroll]] for (uint t = 0; t < kThreadTokens; t++) sum[t] += vec4(part[t]);
+          if (q % 2 == 0)
+            first4[t] = sumOfFour(columns, inputs);
+          else
+            sum[t] += vec4(first4[t] + sumOfFour(columns, inputs));
+#else
+          [[unroll]] for (uint i = 0; i < 4; i++) sum[t] += columns[i] * inputs[i];
 #endif
+        }
       }
     }
   }
