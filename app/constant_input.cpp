@@ -1,7 +1,9 @@
 #include "app/constant_input.h"
 
+#include "app/exit_code.h"
 #include "app/frame.h"
 #include "app/models.h"
+#include "xrds/error.h"
 
 namespace xrds {
 namespace {
@@ -20,6 +22,18 @@ std::string constantInput(const std::vector<std::string>& inputs, const std::vec
     if (const Image* image = imageOf(inputs, images, input.name); image && isConstant(*image))
       return std::string(input.name);
   return "";
+}
+
+bool staysConstant(size_t frameCount, const std::function<bool(size_t)>& hasConstant) {
+  const auto isSo = [&](size_t frame) {
+    try {
+      return hasConstant(frame);
+    } catch (const Failure&) {
+    } catch (const Error&) {
+    }
+    return true;
+  };
+  return isSo(frameCount / 2) && isSo(frameCount - 1);
 }
 
 std::filesystem::path modelWithout(const std::string& constantInput, int scale) {

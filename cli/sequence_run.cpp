@@ -5,6 +5,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/constant_input.h"
 #include "app/failing_with.h"
 #include "cli/device_choice.h"
 #include "cli/output_file.h"
@@ -131,16 +132,9 @@ std::optional<SequencePlan> planMissing(const UpscaleOptions& options) {
 }
 
 UpscaleInput openFirst(const UpscaleOptions& options, const SequencePlan& plan) {
-  // A frame that shows nothing, as before things come into view, does not speak for the others.
   const auto isAlwaysSo = [&](const OpenedModel& opened) {
-    const auto showsNothing = [&](const SequenceFrame& frame) {
-      try {
-        return hasConstants(frame.alone(options), opened);
-      } catch (const Failure&) {
-        return true;  // told where its turn comes
-      }
-    };
-    return showsNothing(plan.frames[plan.frames.size() / 2]) && showsNothing(plan.frames.back());
+    return staysConstant(plan.frames.size(),
+                         [&](size_t frame) { return hasConstants(plan.frames[frame].alone(options), opened); });
   };
   std::optional<Failure> first;
   for (const SequenceFrame& frame : plan.frames) try {

@@ -134,18 +134,10 @@ std::string constantInput(const Sequence& sequence, const AovRequest& layers) {
     read.load();
     return constantInput(read.inputs(), read.auxiliary());
   };
-  const auto showsNothing = [&](const NumberedFiles& frame) {
-    try {
-      return !constantOf(frame).empty();
-    } catch (const Error&) {
-      return true;  // told when its turn comes
-    }
-  };
   for (const NumberedFiles& frame : sequence) try {
       const std::string input = constantOf(frame);
-      const bool isAlwaysSo =
-          !input.empty() && showsNothing(sequence[sequence.size() / 2]) && showsNothing(sequence.back());
-      return isAlwaysSo ? input : "";
+      const auto hasConstant = [&](size_t i) { return !constantOf(sequence[i]).empty(); };
+      return !input.empty() && staysConstant(sequence.size(), hasConstant) ? input : "";
     } catch (const Error&) {
     }
   return "";
