@@ -2,6 +2,8 @@
 # where Debian's packages brought the sources, whose files they are.
 include(GNUInstallDirs)
 set(licences ${CMAKE_INSTALL_DOCDIR}/licenses)
+set(of_library nlohmann-json3-dev libvulkan-volk-dev)
+set(of_command ${of_library} libcli11-dev)
 
 function(xrds_licences component)
   foreach(package IN LISTS ARGN)
@@ -14,7 +16,7 @@ endfunction()
 
 if(SKBUILD)  # scripts/wheel_licenses.sh adds those of the libraries that go beside it
   set(licences ${SKBUILD_METADATA_DIR}/licenses)
-  xrds_licences(python nlohmann-json3-dev libvulkan-volk-dev libcli11-dev)
+  xrds_licences(python ${of_command})
   execute_process(
     COMMAND ${Python_EXECUTABLE} -c "import importlib.metadata as m; print(next(f.locate() for f in m.files('nanobind') if f.name == 'LICENSE'))"
     OUTPUT_VARIABLE nanobind_licence OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
@@ -26,12 +28,12 @@ if(SKBUILD)  # scripts/wheel_licenses.sh adds those of the libraries that go bes
   return()
 endif()
 
-xrds_licences(library nlohmann-json3-dev libvulkan-volk-dev)
+xrds_licences(library ${of_library})
 if(MINGW)
   xrds_licences(library gcc-mingw-w64-x86-64-posix-runtime mingw-w64-x86-64-dev)  # the latter's is libwinpthread-1.dll
 endif()
 if(XRDS_COMMAND)
-  xrds_licences(command nlohmann-json3-dev libvulkan-volk-dev libcli11-dev)
+  xrds_licences(command ${of_command})
   if(MINGW)  # scripts/windows.sh links them statically
     xrds_licences(command libopenexr-dev libimath-dev libpng-dev libz-mingw-w64-dev)
   endif()
