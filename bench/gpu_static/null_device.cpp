@@ -29,14 +29,9 @@ struct CooperativeMatrixProperties {
 
 // Products of halves with sums in fp32, as findMatrixUnits() asks for.
 void findUnits(const Instance& instance, VkPhysicalDevice device, DeviceDescription& description) {
-  using Query = VkResult(VKAPI_PTR*)(VkPhysicalDevice, uint32_t*, CooperativeMatrixProperties*);
-  const auto query = reinterpret_cast<Query>(
-      vkGetInstanceProcAddr(instance.instance, "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR"));
-  if (!query || !hasDeviceExtension(device, kExtension)) return;
-  uint32_t count = 0;
-  checkResult(query(device, &count, nullptr), "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR");
-  std::vector<CooperativeMatrixProperties> offered(count);
-  checkResult(query(device, &count, offered.data()), "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR");
+  if (!hasDeviceExtension(device, kExtension)) return;
+  const auto offered = offersOf<CooperativeMatrixProperties>(
+      instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR", kPropertiesType);
   const auto fits = [](const CooperativeMatrixProperties& p, uint32_t sums) {
     return p.a == 0 && p.b == 0 && p.c == sums && p.result == sums && p.scope == VK_SCOPE_SUBGROUP_NV;
   };

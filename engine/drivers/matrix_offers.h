@@ -5,8 +5,26 @@
 #include <vector>
 
 #include "engine/device_traits.h"
+#include "engine/drivers/instance.h"
+#include "engine/drivers/vulkan_result.h"
 
 namespace xrds {
+
+/// The sizes and types of matrices that an extension's query gives of a device; none where there is no such query.
+template <class Properties>
+std::vector<Properties> offersOf(const Instance& instance, VkPhysicalDevice device, const char* query,
+                                 VkStructureType type) {
+  using Query = VkResult(VKAPI_PTR*)(VkPhysicalDevice, uint32_t*, Properties*);
+  const auto ask = reinterpret_cast<Query>(vkGetInstanceProcAddr(instance.instance, query));
+  uint32_t count = 0;
+  if (!ask) return {};
+  checkResult(ask(device, &count, nullptr), query);
+  Properties empty{};
+  empty.sType = type;
+  std::vector<Properties> offers(count, empty);
+  checkResult(ask(device, &count, offers.data()), query);
+  return offers;
+}
 
 /// The largest product among those that a kernel's fragments of 16 x 16 are made of. fits() says of an offer whether it
 /// is one of halves with sums of that type.

@@ -1,7 +1,6 @@
 #include "engine/drivers/matrix_units.h"
 
 #include "engine/drivers/matrix_offers.h"
-#include "engine/drivers/vulkan_result.h"
 
 // Only where the compiler of the kernels knows the extension, too.
 #if defined(XRDS_MATRIX_KHR) && defined(VK_KHR_cooperative_matrix)
@@ -20,26 +19,10 @@ bool hasFeatures(VkPhysicalDevice device, Features wanted) {
   return wanted.cooperativeMatrix && features12.shaderFloat16 && features12.vulkanMemoryModel;
 }
 
-// The sizes and types that the extension's query gives.
-template <class Properties>
-std::vector<Properties> propertiesOf(const Instance& instance, VkPhysicalDevice device, const char* query,
-                                     VkStructureType type) {
-  using Query = VkResult(VKAPI_PTR*)(VkPhysicalDevice, uint32_t*, Properties*);
-  const auto ask = reinterpret_cast<Query>(vkGetInstanceProcAddr(instance.instance, query));
-  uint32_t count = 0;
-  if (!ask) return {};
-  checkResult(ask(device, &count, nullptr), query);
-  Properties empty{};
-  empty.sType = type;
-  std::vector<Properties> properties(count, empty);
-  checkResult(ask(device, &count, properties.data()), query);
-  return properties;
-}
-
 std::optional<MatrixSize> sizeOfNv(const Instance& instance, VkPhysicalDevice device) {
-  const auto offered = propertiesOf<VkCooperativeMatrixPropertiesNV>(
-      instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesNV",
-      VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_NV);
+  const auto offered =
+      offersOf<VkCooperativeMatrixPropertiesNV>(instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesNV",
+                                                VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_NV);
   const auto fits = [](const VkCooperativeMatrixPropertiesNV& p, VkComponentTypeNV sums) {
     return p.AType == VK_COMPONENT_TYPE_FLOAT16_NV && p.BType == VK_COMPONENT_TYPE_FLOAT16_NV && p.CType == sums &&
            p.DType == sums && p.scope == VK_SCOPE_SUBGROUP_NV;
@@ -49,9 +32,9 @@ std::optional<MatrixSize> sizeOfNv(const Instance& instance, VkPhysicalDevice de
 
 #ifdef XRDS_USES_KHR
 std::optional<MatrixSize> sizeOfKhr(const Instance& instance, VkPhysicalDevice device) {
-  const auto offered = propertiesOf<VkCooperativeMatrixPropertiesKHR>(
-      instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR",
-      VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_KHR);
+  const auto offered =
+      offersOf<VkCooperativeMatrixPropertiesKHR>(instance, device, "vkGetPhysicalDeviceCooperativeMatrixPropertiesKHR",
+                                                 VK_STRUCTURE_TYPE_COOPERATIVE_MATRIX_PROPERTIES_KHR);
   const auto fits = [](const VkCooperativeMatrixPropertiesKHR& p, VkComponentTypeKHR sums) {
     return p.AType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.BType == VK_COMPONENT_TYPE_FLOAT16_KHR && p.CType == sums &&
            p.ResultType == sums && p.scope == VK_SCOPE_SUBGROUP_KHR;
