@@ -62,11 +62,6 @@ void probe(Gpu::Handles& gpu) {
 }
 
 void openDevice(Gpu::Handles& gpu) {
-  const float priority = 1;
-  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-  queue.queueFamilyIndex = gpu.queueFamily;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
   VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
@@ -78,13 +73,7 @@ void openDevice(Gpu::Handles& gpu) {
   // A layered implementation (MoltenVK) that lists this extension demands that it is enabled.
   const char* portability = "VK_KHR_portability_subset";
   if (hasDeviceExtension(gpu.physicalDevice, portability)) extensions.push_back(portability);
-  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
-  info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
-  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
-  info.ppEnabledExtensionNames = extensions.data();
-  checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
-  volkLoadDeviceTable(&gpu.vk, gpu.device);
+  createDevice(gpu, features, extensions);
   gpu.vk.vkGetDeviceQueue(gpu.device, gpu.queueFamily, 0, &gpu.queue);
 }
 
@@ -112,6 +101,22 @@ void loadPipelineCache(Gpu::Handles& gpu) {
 }
 
 }  // namespace
+
+void createDevice(Gpu::Handles& gpu, const VkPhysicalDeviceFeatures2& features,
+                  std::span<const char* const> extensions) {
+  const float priority = 1;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = gpu.queueFamily;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
+  volkLoadDeviceTable(&gpu.vk, gpu.device);
+}
 
 std::vector<DeviceDescription> listDevices() {
   const auto held = holdLoader();

@@ -84,6 +84,10 @@ struct Buffer::Handles {
   uint64_t address = 0;         // for kernels, with DeviceTraits::bufferAddresses
 };
 
+/// Makes a device of the physical one, with one queue of its family.
+void createDevice(Gpu::Handles& gpu, const VkPhysicalDeviceFeatures2& features,
+                  std::span<const char* const> extensions);
+
 /// Makes a program's device the one of these handles. Throws InvalidArgument if what was given does not belong
 /// together.
 void takeDevice(Gpu::Handles& gpu, const HostDevice& host);

@@ -44,10 +44,6 @@ void findUnits(const Instance& instance, VkPhysicalDevice device, DeviceDescript
 }
 
 void open(Gpu::Handles& gpu) {
-  const float priority = 1;
-  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
   VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = VK_TRUE;
@@ -67,13 +63,7 @@ void open(Gpu::Handles& gpu) {
     subgroups.pNext = &units;
     extensions.push_back(kExtension);
   }
-  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
-  info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
-  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
-  info.ppEnabledExtensionNames = extensions.data();
-  checkResult(vkCreateDevice(gpu.physicalDevice, &info, nullptr, &gpu.device), "vkCreateDevice");
-  volkLoadDeviceTable(&gpu.vk, gpu.device);
+  createDevice(gpu, features, extensions);
   gpu.choosesSubgroups = subgroupControl(gpu.physicalDevice).areChosen;
 }
 
