@@ -83,14 +83,14 @@ def test_the_result_has_the_type_of_the_colour():
 def test_alpha_comes_along():
     colour, images = frame()
     rgba = numpy.dstack([colour, numpy.ones(colour.shape[:2], numpy.float32)])
-    rgba[:, :16, 3] = 0
+    rgba[:, :8, 3] = 0
     found = xrds.upscale(rgba, model=MODEL, **images)
-    assert found.shape == (96, 128, 4)
+    assert found.shape == (48, 64, 4)
     numpy.testing.assert_array_equal(found[..., :3], xrds.upscale(colour, model=MODEL, **images))
     assert (found[:, 0, 3] == 0).all() and (found[:, -1, 3] == 1).all()
 
 
-@pytest.mark.parametrize("height, width", [(1, 1), (5, 3), (13, 31)])
+@pytest.mark.parametrize("height, width", [(1, 1), (5, 3), (13, 19)])
 def test_odd_sizes(height, width):
     colour, images = frame(height, width)
     found = xrds.upscale(colour, model=MODEL, **images)
@@ -115,7 +115,7 @@ def test_tensors_of_torch():
     found = xrds.upscale(torch.from_numpy(colour), model=MODEL, **tensors)
     assert isinstance(found, numpy.ndarray)
     numpy.testing.assert_array_equal(found, wanted)
-    out = torch.full((3, 96, 128), -1.0).permute(1, 2, 0)
+    out = torch.full((3, 48, 64), -1.0).permute(1, 2, 0)
     assert xrds.upscale(torch.from_numpy(colour), model=MODEL, out=out, **tensors) is out
     numpy.testing.assert_array_equal(out.numpy(), wanted)
     with pytest.raises(TypeError, match="float16 or float32"):

@@ -26,7 +26,7 @@ def large():
 
 def test_progress_is_heard():
     heard = []
-    with xrds.Upscaler(32, 24, MODEL, progress=lambda *step: heard.append(step)) as upscaler:
+    with xrds.Upscaler(16, 12, MODEL, progress=lambda *step: heard.append(step)) as upscaler:
         upscaler(COLOUR, progress=lambda *step: heard.append(step), **IMAGES)
     stages = {stage for stage, _ in heard}
     assert {"loading", "upscaling"} <= stages <= {"loading", "compiling", "upscaling"}
@@ -60,7 +60,7 @@ def test_a_call_within_the_progress_is_refused(large):
 
 def test_the_progress_may_ask_what_is_known():
     known = []
-    with xrds.Upscaler(32, 24, MODEL) as upscaler:
+    with xrds.Upscaler(16, 12, MODEL) as upscaler:
         for colour in (COLOUR, 2 * COLOUR):
             before = upscaler.exposure
             upscaler(colour, progress=lambda stage, share: known.append((upscaler.exposure, upscaler.device_bytes)), **IMAGES)
@@ -148,7 +148,7 @@ def test_threads_wait_for_each_other(large):
         for _ in range(2):
             if not (xrds.upscale(COLOUR, model=MODEL, **IMAGES) == wanted).all():
                 wrong.append("upscale")
-            with xrds.Upscaler(32, 24, MODEL, device=large.device) as own:
+            with xrds.Upscaler(16, 12, MODEL, device=large.device) as own:
                 if not (own(COLOUR, **IMAGES) == wanted).all():
                     wrong.append("own")
 

@@ -30,10 +30,11 @@ def files(tmp_path, colour, **images):
     return tmp_path / "low.exr", tmp_path / "full.exr"
 
 
-def corner(name):
-    """The upper left of a sample, which is quick."""
-    colour, albedo, normal = sample(name)
-    return colour[:24, :40], {"albedo": albedo[:96, :160], "normal": normal[:96, :160]}
+def piece(row):
+    """Of a sample, from there on, which is quick: sky at first, then all kinds of things."""
+    colour, albedo, normal = sample("outdoor")
+    full = slice(4 * row, 4 * row + 48)
+    return colour[row:row + 12, :20], {"albedo": albedo[full, :80], "normal": normal[full, :80]}
 
 
 def same(found, wanted):
@@ -62,13 +63,13 @@ def test_a_sample(tmp_path):
 
 
 def test_the_model_that_suits_is_chosen(tmp_path):
-    colour, images = corner("outdoor")
+    colour, images = piece(36)
     same(xrds.upscale(colour, **images), picture(tmp_path, *files(tmp_path, colour, **images)))
 
 
 @pytest.mark.parametrize("constant", ["albedo", "normal"])
 def test_an_image_that_tells_nothing_is_left_out(tmp_path, constant):
-    colour, images = frame(12, 16)
+    colour, images = frame()
     images[constant][:] = 0, 0.5, 1
     with pytest.warns(UserWarning, match=f"The {constant} is the same everywhere; taking model xrds-x4-compact-"):
         found = xrds.upscale(colour, **images)
@@ -76,7 +77,7 @@ def test_an_image_that_tells_nothing_is_left_out(tmp_path, constant):
 
 
 def test_broken_pixels_are_repaired_alike(tmp_path):
-    colour, images = frame(12, 16)
+    colour, images = frame()
     full = numpy.repeat(numpy.repeat(colour, 4, 0), 4, 1)
     colour[3, 4], colour[5, 6, 1], colour[7, 7], colour[3, 5] = numpy.nan, -2, (-1, numpy.inf, 1), -1
     images["normal"][5, 5], images["normal"][5, 6] = numpy.nan, -1
@@ -102,7 +103,7 @@ def test_broken_pixels_are_repaired_alike(tmp_path):
     (["--wrap"], {"wrap": True}),
 ])
 def test_options_are_those_of_the_command(tmp_path, words, options):
-    colour, images = corner("studio")
+    colour, images = piece(0)
     found = xrds.upscale(colour, model=MODEL, **images, **options)
     same(found, picture(tmp_path, *files(tmp_path, colour, **images), "--model", MODEL, *words))
 
@@ -117,7 +118,7 @@ def test_exact_tiles_have_the_bits_of_the_whole():
 
 @pytest.mark.parametrize("samples", [None, (64, 4)])
 def test_the_colour_of_the_full_render_is_merged(tmp_path, samples):
-    low, images = frame(12, 16)
+    low, images = frame()
     full = (numpy.repeat(numpy.repeat(low, 4, 0), 4, 1) * (0.5 + noise(48, 64, seed=4))).astype(numpy.float32)
     words = ["--samples", "64,4"] if samples else []
     wanted = picture(tmp_path, *files(tmp_path, low, beauty=full, **images), *words)
@@ -127,7 +128,7 @@ def test_the_colour_of_the_full_render_is_merged(tmp_path, samples):
 
 
 def test_skipping_takes_a_model_that_can_skip(tmp_path):
-    low, images = frame(12, 16)
+    low, images = frame()
     full = numpy.repeat(numpy.repeat(low, 4, 0), 4, 1)
     wanted = picture(tmp_path, *files(tmp_path, low, beauty=full, **images), "--samples", "2,1", "--skip", "safe")
     same(xrds.upscale(low, full_colour=full, samples=(2, 1), skip="safe", **images), wanted)
@@ -135,7 +136,7 @@ def test_skipping_takes_a_model_that_can_skip(tmp_path):
 
 
 def test_a_colour_of_other_light_is_left_out(tmp_path):
-    low, images = frame(12, 16)
+    low, images = frame()
     full = numpy.repeat(numpy.repeat(3 * low, 4, 0), 4, 1)
     with pytest.warns(UserWarning, match="other light"):
         found = xrds.upscale(low, full_colour=full, **images)

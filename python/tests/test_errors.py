@@ -11,16 +11,16 @@ ALBEDO, NORMAL = IMAGES["albedo"], IMAGES["normal"]
 
 
 @pytest.mark.parametrize("change, words", [
-    ({"colour": COLOUR[0]}, r"colour has the shape \[32, 3\]"),
-    ({"colour": COLOUR[..., :2]}, r"colour has the shape \[24, 32, 2\], expected \[height, width, 3\]"),
-    ({"colour": COLOUR[:0]}, r"colour has the shape \[0, 32, 3\]"),
-    ({"albedo": ALBEDO[:-1]}, "albedo is 128 x 95 pixels, expected a whole multiple of the colour's 32 x 24"),
-    ({"albedo": ALBEDO[:, :16]}, "albedo is 16 x 96 pixels"),
-    ({"normal": NORMAL[::2, ::2]}, "normal is 64 x 48 pixels and the albedo 128 x 96"),
+    ({"colour": COLOUR[0]}, r"colour has the shape \[16, 3\]"),
+    ({"colour": COLOUR[..., :2]}, r"colour has the shape \[12, 16, 2\], expected \[height, width, 3\]"),
+    ({"colour": COLOUR[:0]}, r"colour has the shape \[0, 16, 3\]"),
+    ({"albedo": ALBEDO[:-1]}, "albedo is 64 x 47 pixels, expected a whole multiple of the colour's 16 x 12"),
+    ({"albedo": ALBEDO[:, :8]}, "albedo is 8 x 48 pixels"),
+    ({"normal": NORMAL[::2, ::2]}, "normal is 32 x 24 pixels and the albedo 64 x 48"),
     ({"normal": None}, "takes albedo and normal, but no normal was given"),
     ({"depth": ALBEDO[..., 0]}, "takes albedo and normal, and no depth"),
-    ({"model": "xrds-x2-compact"}, "128 x 96"),
-    ({"out": noise(5, 5)}, "output image is 5 x 5 pixels, expected 128 x 96"),
+    ({"model": "xrds-x2-compact"}, "64 x 48"),
+    ({"out": noise(5, 5)}, "output image is 5 x 5 pixels, expected 64 x 48"),
     ({"out": ALBEDO}, "shares memory with the albedo"),
     ({"ensemble": 3}, "ensemble is 3, expected 1, 2, 4 or 8"),
     ({"ensemble": 0}, "ensemble is 0"),
@@ -50,7 +50,7 @@ def test_arguments_that_cannot_be(change, words):
     ({"colour": None}, "colour is None"),
     ({"colour": COLOUR.astype(numpy.float64)}, "colour has numbers of another type, expected float16 or float32"),
     ({"albedo": ALBEDO.astype(numpy.int32)}, "albedo has numbers of another type"),
-    ({"out": numpy.broadcast_to(numpy.float32(0), (96, 128, 3))}, "out is of type ndarray, expected an array that can"),
+    ({"out": numpy.broadcast_to(numpy.float32(0), (48, 64, 3))}, "out is of type ndarray, expected an array that can"),
     ({"out": "out.exr"}, "out is of type str"),
 ])
 def test_what_is_no_array(change, words):
@@ -88,11 +88,11 @@ def test_nothing_is_lost():
 
 def test_a_scale_without_a_model():
     with pytest.raises(xrds.Error, match=r"^No model is shipped that upscales by 3 .*\.$"):
-        xrds.upscale(COLOUR, albedo=noise(72, 96), normal=noise(72, 96))
+        xrds.upscale(COLOUR, albedo=noise(36, 48), normal=noise(36, 48))
 
 
 def test_a_closed_upscaler_is_refused():
-    with xrds.Upscaler(32, 24, MODEL) as upscaler:
+    with xrds.Upscaler(16, 12, MODEL) as upscaler:
         upscaler(COLOUR, **IMAGES)
         assert upscaler.device_bytes > 0 and upscaler.exposure > 0
     with pytest.raises(xrds.ArgumentError, match="upscaler was closed"):
@@ -101,7 +101,7 @@ def test_a_closed_upscaler_is_refused():
     device = xrds.Device()
     device.close()
     with pytest.raises(xrds.ArgumentError, match="device was closed"):
-        xrds.Upscaler(32, 24, MODEL, device=device)
+        xrds.Upscaler(16, 12, MODEL, device=device)
 
 
 def test_numbers_as_the_command_takes_them():
@@ -110,8 +110,8 @@ def test_numbers_as_the_command_takes_them():
 
 
 def test_frames_of_another_size_are_refused():
-    with xrds.Upscaler(16, 24, MODEL) as upscaler, pytest.raises(ValueError, match="32 x 24 pixels, expected 16 x 24"):
+    with xrds.Upscaler(8, 12, MODEL) as upscaler, pytest.raises(ValueError, match="16 x 12 pixels, expected 8 x 12"):
         upscaler(COLOUR, **IMAGES)
     for size in (0, -1, 2**32):
         with pytest.raises(ValueError, match="pixels, expected 1 to 4294967295"):
-            xrds.Upscaler(size, 24, MODEL)
+            xrds.Upscaler(size, 12, MODEL)

@@ -8,9 +8,9 @@ from test_command import command
 
 import xrds
 
-COLOUR, IMAGES = frame(24, 32)
-LIGHT = {"DiffDir": noise(24, 32, seed=5), "DiffInd": noise(24, 32, seed=6) / 4, "Emit": noise(24, 32, seed=7) / 4}
-LOW, FULL = noise(24, 32, seed=8), noise(96, 128, seed=9)
+COLOUR, IMAGES = frame()
+LIGHT = {"DiffDir": noise(12, 16, seed=5), "DiffInd": noise(12, 16, seed=6) / 4, "Emit": noise(12, 16, seed=7) / 4}
+LOW, FULL = noise(12, 16, seed=8), noise(48, 64, seed=9)
 LAYERS = {**LIGHT, "DiffCol": (LOW, FULL)}
 SUM = (LIGHT["DiffDir"] + LIGHT["DiffInd"]) * LOW + LIGHT["Emit"]
 
@@ -22,7 +22,7 @@ def total(found, dot=""):
 def test_add_up_to_the_picture():
     picture, found = xrds.upscale(SUM, model=MODEL, layers=LAYERS, **IMAGES)
     assert list(sorted(found)) == sorted(LAYERS)
-    assert all(image.shape == (96, 128, 3) and image.dtype == numpy.float32 and image.min() >= 0 for image in found.values())
+    assert all(image.shape == (48, 64, 3) and image.dtype == numpy.float32 and image.min() >= 0 for image in found.values())
     numpy.testing.assert_allclose(total(found), picture, rtol=1e-5)
     assert (found["DiffCol"] == FULL).all()
     assert (picture == xrds.upscale(SUM, model=MODEL, **IMAGES)).all()
@@ -30,8 +30,8 @@ def test_add_up_to_the_picture():
 
 def test_with_view_layer_merged_and_halves():
     layers = {"ViewLayer." + name: array for name, array in LAYERS.items()}
-    with xrds.Upscaler(32, 24, MODEL) as upscaler:
-        full = noise(96, 128, seed=10)
+    with xrds.Upscaler(16, 12, MODEL) as upscaler:
+        full = noise(48, 64, seed=10)
         picture, found = upscaler(SUM, layers=layers, full_colour=full, samples=(64, 16), **IMAGES)
         numpy.testing.assert_allclose(total(found, "ViewLayer."), picture, rtol=1e-5)
 
@@ -56,7 +56,7 @@ def test_too_much_light_is_told():
         ({"DiffCol": (LOW, FULL)}, "no light"),
         ({"DiffDir": COLOUR, "DiffCol": LOW}, "expected .low, full."),
         ({"Emit": (LOW, FULL)}, "is a pair"),
-        ({"Emit": noise(24, 31)}, "31 x 24"),
+        ({"Emit": noise(12, 15)}, "15 x 12"),
         ({"DiffDir": COLOUR, "DiffCol": (LOW, LOW)}, "full-resolution colour pass"),
     ],
 )
@@ -89,7 +89,7 @@ def test_denoised_first_they_are_those_of_the_command(networks, tmp_path, words,
     write(tmp_path / "full.exr", DiffCol=FULL, **IMAGES)
     command("upscale", tmp_path / "low.exr", tmp_path / "full.exr", "-o", tmp_path / "out.exr", "--model", MODEL, "--denoise-first", "--denoisers", networks, "--layers", "all", *words)
     wanted = layers_of(tmp_path / "out.exr")
-    with xrds.Upscaler(32, 24, MODEL, denoise_first=networks, **options) as upscaler:
+    with xrds.Upscaler(16, 12, MODEL, denoise_first=networks, **options) as upscaler:
         alone = upscaler(SUM, **IMAGES)
         picture, found = upscaler(SUM, layers={**LAYERS, **GROUPS}, **IMAGES)
         assert upscaler.exposure > 0 and upscaler.device_bytes > 0
@@ -127,7 +127,7 @@ def test_broken_pixels_are_repaired_as_by_the_command(networks, tmp_path, words,
 
 @pytest.mark.parametrize("guides", ["prefilter", "clean"])
 def test_of_a_denoised_render_they_are_those_of_the_command(networks, tmp_path, guides):
-    images = {"albedo": noise(24, 32, seed=2), "normal": noise(24, 32, seed=3)}
+    images = {"albedo": noise(12, 16, seed=2), "normal": noise(12, 16, seed=3)}
     given = {**LIGHT, **GROUPS, "DiffCol": LOW}
     write(tmp_path / "render.exr", colour=SUM, **images, **given)
     command("denoise", tmp_path / "render.exr", "-o", tmp_path / "out.exr", "--denoisers", networks, "--guides", guides, "--layers", "all")
@@ -142,7 +142,7 @@ def test_of_a_denoised_render_they_are_those_of_the_command(networks, tmp_path, 
 
 @pytest.mark.parametrize(
     "layers, words",
-    [({}, "no light"), ({"DiffDir": COLOUR, "DiffCol": (LOW, LOW)}, "there is one render"), ({"Emit": noise(24, 31)}, "31 x 24 pixels, expected 32 x 24")],
+    [({}, "no light"), ({"DiffDir": COLOUR, "DiffCol": (LOW, LOW)}, "there is one render"), ({"Emit": noise(12, 15)}, "15 x 12 pixels, expected 16 x 12")],
 )
 def test_refusals_of_a_denoiser(networks, layers, words):
     with pytest.raises(xrds.ArgumentError, match=words):
@@ -151,11 +151,11 @@ def test_refusals_of_a_denoiser(networks, layers, words):
 
 @pytest.mark.parametrize("layers", [{"Emit": SUM / 2}, {"Combined_key": SUM / 3}, {"DiffDir": LIGHT["DiffDir"], "DiffCol": LOW}])
 def test_a_part_of_the_light_is_denoised_as_a_part(networks, layers):
-    images = {"albedo": noise(24, 32, seed=2), "normal": noise(24, 32, seed=3)}
+    images = {"albedo": noise(12, 16, seed=2), "normal": noise(12, 16, seed=3)}
     picture, found = xrds.denoise(SUM, layers=layers, denoisers=networks, **images)
     radiance = found.get("Emit", found.get("Combined_key")) if "DiffDir" not in found else found["DiffDir"] * found["DiffCol"]
     assert 0.05 < radiance.sum() / numpy.maximum(picture, 0).sum() < 0.95
     assert (radiance <= numpy.maximum(picture, 0) * 1.00001).all()
-    upscaled = {name: (both, noise(96, 128, seed=9)) if name.endswith("Col") else both for name, both in layers.items()}
+    upscaled = {name: (both, noise(48, 64, seed=9)) if name.endswith("Col") else both for name, both in layers.items()}
     picture, found = xrds.upscale(SUM, model=MODEL, layers=upscaled, denoise_first=networks, **IMAGES)
     assert all(numpy.isfinite(image).all() for image in found.values())

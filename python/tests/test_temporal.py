@@ -2,7 +2,7 @@
 
 import numpy
 import pytest
-from frames import MODEL, noise
+from frames import MODEL, frame, noise
 
 import xrds
 
@@ -101,13 +101,13 @@ def test_cycles_motion():
 
 def test_a_merged_frame_is_upscaled():
     """What upscale() merges by itself is the same as merged before, with layers that add up to the picture."""
-    colour, full = noise(HEIGHT, WIDTH, seed=1), noise(*FULL, seed=2)
-    images = {"albedo": ALBEDO, "normal": NORMAL, "full_colour": full, "model": MODEL}
-    both = xrds.merge_colour(colour, full, samples=(64, 16))
+    colour, guides = frame()
+    images = {**guides, "full_colour": noise(48, 64, seed=4), "model": MODEL}
+    both = xrds.merge_colour(colour, images["full_colour"], samples=(64, 16))
     picture = xrds.upscale(both, merged=True, **images)
     assert (picture == xrds.upscale(colour, samples=(64, 16), **images)).all()
-    with xrds.Upscaler(WIDTH, HEIGHT, MODEL) as upscaler:
-        assert (picture == upscaler(both, albedo=ALBEDO, normal=NORMAL, full_colour=full, merged=True)).all()
+    with xrds.Upscaler(16, 12, MODEL) as upscaler:
+        assert (picture == upscaler(both, full_colour=images["full_colour"], merged=True, **guides)).all()
     lights = {"Emit": colour / 4, "Env": 3 * colour / 4, "Combined": colour}
     shared, found = xrds.upscale(both, merged=True, layers=lights, **images)
     assert (shared == picture).all() and sorted(found) == ["Emit", "Env"]
