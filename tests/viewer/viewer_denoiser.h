@@ -10,16 +10,17 @@ namespace xrds::test {
 struct ViewerDenoiser : ViewerDisplay {
   std::map<std::string, std::string> environment{{"XRDS_DENOISERS", (folder / "networks").string()}};
 
-  // 80 x 60 pixels, and four times that with a colour of its own.
+  // A render, and one four times as large with a colour of its own.
   std::string colour = (folder / "colour.exr").string(), full = (folder / "full.exr").string(),
               reference = (folder / "reference.exr").string();
 
-  ViewerDenoiser() {
-    writeParts(colour, {{boxOf(80, 60), boxOf(80, 60), {colourLayer("", 80)}}});
-    writeParts(full, {{boxOf(320, 240),
-                       boxOf(320, 240),
-                       {colourLayer("", 320), albedoLayer("albedo", 320), normalLayer("normal", 320)}}});
-    writeParts(reference, {{boxOf(320, 240), boxOf(320, 240), {colourLayer("", 320)}}});
+  ViewerDenoiser() { write(80, 60); }
+  void write(int width, int height) const {
+    const Box low = boxOf(width, height), high = boxOf(4 * width, 4 * height);
+    const Layer light = colourLayer("", 4 * width);
+    writeParts(colour, {{low, low, {colourLayer("", width)}}});
+    writeParts(full, {{high, high, {light, albedoLayer("albedo", 4 * width), normalLayer("normal", 4 * width)}}});
+    writeParts(reference, {{high, high, {light}}});
   }
   void importNetworks() const {
     std::filesystem::create_directory(folder / "networks");
