@@ -62,17 +62,13 @@ class DispatchGrid : public testing::TestWithParam<KernelFamily> {
   static DeviceTraits device() { return usualTraits(GetParam()); }
 };
 
-TEST_P(DispatchGrid, OfEveryOperatorFitsAnyDevice) {
+// Each operator's, and those that it is lowered to.
+TEST_P(DispatchGrid, FitsAnyDevice) {
   forEachGraph([](const Graph& graph) {
     for (const Node& node : graph.nodes) {
       const Dispatch launch = std::visit([](const auto& op) { return dispatch(op, device()); }, node.op);
       EXPECT_TRUE(isGrid(launch)) << gridText(launch) << " for " << node.name;
     }
-  });
-}
-
-TEST_P(DispatchGrid, OfEveryLoweredDispatchFitsAnyDevice) {
-  forEachGraph([](const Graph& graph) {
     for (const LoweredDispatch& lowered : lower(graph, device()))
       EXPECT_TRUE(isGrid(lowered.dispatch)) << gridText(lowered.dispatch) << " for " << lowered.dispatch.label;
   });
