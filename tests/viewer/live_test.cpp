@@ -119,9 +119,9 @@ TEST_F(ViewerDisplay, AnswersWhileItComputes) {
 TEST(Headless, TimesTheLoopWithoutADisplay) {
   const StartOptions nowhere{.environment = {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}};
   const Ended ended =
-      runXrds({"view", "--headless", "--live", "spheres", "--live-size", "32x24", "--frames", "2"}, nowhere);
+      runXrds({"view", "--headless", "--live", "spheres", "--live-size", "16x12", "--frames", "2"}, nowhere);
   EXPECT_EQ(ended.exitCode, 0) << ended.error;
-  EXPECT_TRUE(has(ended.output, "32 x 24 to 128 x 96")) << ended.output;
+  EXPECT_TRUE(has(ended.output, "16 x 12 to 64 x 48")) << ended.output;
   EXPECT_TRUE(has(ended.output, "pictures 2 in ")) << ended.output;
   EXPECT_EQ(runXrds({"view", "--headless", "--live", "spheres"}, nowhere).exitCode, 2);
 }
