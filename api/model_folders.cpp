@@ -7,6 +7,7 @@
 #endif
 
 #include "engine/environment.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -56,7 +57,7 @@ std::vector<fs::path> foldersOfModels() {
 fs::path modelFile(const std::string& name) {
   std::error_code ignored;
   for (const fs::path& folder : foldersOfModels())
-    if (fs::path file = folder / (name + ".safetensors"); fs::exists(file, ignored)) return file;
+    if (fs::path file = folder / pathOf(name + ".safetensors"); fs::exists(file, ignored)) return file;
   return {};
 }
 

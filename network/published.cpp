@@ -3,6 +3,7 @@
 #include "network/architecture.h"
 #include "network/fields.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -37,7 +38,7 @@ Metadata publishedFields(const std::string& name) {
 }
 
 NetworkModel readOrPublished(const std::string& pathOrName) {
-  if (pathOrName.ends_with(".safetensors")) return NetworkModel::read(pathOrName);
+  if (pathOrName.ends_with(".safetensors")) return NetworkModel::read(pathOf(pathOrName));
   return NetworkModel::random(parseConfig(publishedFields(pathOrName)), 1);
 }
 

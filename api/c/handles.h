@@ -104,7 +104,7 @@ Upscaler::Options optionsOf(const XrdsUpscalerOptions* given);
 XrdsDenoisers denoisersOf(const XrdsUpscalerOptions* given);
 /// Text and paths of the C API, which are UTF-8.
 inline std::string textOf(const char* words) { return words ? words : ""; }
-inline std::filesystem::path pathOf(const char* words) { return call::path(textOf(words)); }
+inline std::filesystem::path pathOf(const char* words) { return xrds::pathOf(textOf(words)); }
 
 using Devices = Handles<XrdsDevice>;
 using Models = Handles<XrdsModel>;

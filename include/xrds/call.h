@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 #include "xrds/xrds.h"
 
 /// How the classes call the C API, which is all that the library exports.
@@ -88,12 +89,11 @@ struct Close {
 template <class Handle>
 using Owned = std::unique_ptr<Handle, Close>;
 
-/// Paths as the C API has them.
+/// A path as the C API has it; pathOf() is the inverse.
 inline std::string text(const std::filesystem::path& path) {
   const std::u8string text = path.u8string();
   return {text.begin(), text.end()};
 }
-inline std::filesystem::path path(const std::string& text) { return std::u8string(text.begin(), text.end()); }
 
 /// An empty structure of this version.
 template <class Structure>

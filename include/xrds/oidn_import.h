@@ -16,7 +16,7 @@ namespace xrds {
 inline std::vector<std::filesystem::path> importOidn(const std::filesystem::path& library,
                                                      const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
-  const auto add = [&](const char* file) { files.push_back(call::path(file)); };
+  const auto add = [&](const char* file) { files.push_back(pathOf(file)); };
   call::Heard heard(add);
   heard.finish(xrdsImportOidn(call::text(library).c_str(), call::text(folder).c_str(),
                               decltype(heard)::template listen<const char*>, heard.user()));
@@ -25,6 +25,6 @@ inline std::vector<std::filesystem::path> importOidn(const std::filesystem::path
 
 /// Where `xrds import` puts them and `xrds denoise` looks for them: $XRDS_DENOISERS; $XDG_DATA_HOME/xrds/denoisers,
 /// else ~/.local/share/xrds/denoisers; %LOCALAPPDATA%\xrds\denoisers on Windows. Empty if the environment names none.
-inline std::filesystem::path denoiserFolder() { return call::path(xrdsGetDenoiserFolder()); }
+inline std::filesystem::path denoiserFolder() { return pathOf(xrdsGetDenoiserFolder()); }
 
 }  // namespace xrds

@@ -22,7 +22,7 @@ namespace xrds {
 inline std::vector<std::filesystem::path> modelFolders() {
   std::vector<std::filesystem::path> folders;
   while (const char* folder = xrdsGetModelFolder(static_cast<uint32_t>(folders.size())))
-    folders.push_back(call::path(folder));
+    folders.push_back(pathOf(folder));
   return folders;
 }
 
@@ -30,7 +30,7 @@ inline std::vector<std::filesystem::path> modelFolders() {
 inline std::filesystem::path findModel(const std::string& name) {
   std::error_code ignored;
   for (const std::filesystem::path& folder : modelFolders())
-    if (std::filesystem::path file = folder / (name + ".safetensors"); std::filesystem::exists(file, ignored))
+    if (std::filesystem::path file = folder / pathOf(name + ".safetensors"); std::filesystem::exists(file, ignored))
       return file;
   return {};
 }
