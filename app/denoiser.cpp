@@ -14,13 +14,14 @@
 
 #include "app/cut_library.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
 
 #ifdef _WIN32
 constexpr const char* kLibrary = "OpenImageDenoise.dll";
-void* openLibrary(const char* path) { return LoadLibraryA(path); }
+void* openLibrary(const char* path) { return LoadLibraryW(pathOf(path).c_str()); }
 void* findSymbol(void* library, const char* name) {
   return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
 }
@@ -47,7 +48,7 @@ constexpr const char* kVariable = "XRDS_OIDN";
 constexpr int kAnyDevice = 0, kFloat3 = 3, kHighQuality = 6;
 
 void* openWhole(const char* path) {
-  if (const std::filesystem::path cut = cutLibrary(path); !cut.empty())
+  if (const std::filesystem::path cut = cutLibrary(pathOf(path)); !cut.empty())
     throw Error("'" + cut.string() + "' is damaged, it ends too early: install Open Image Denoise again.");
   return openLibrary(path);
 }
@@ -62,7 +63,7 @@ Error notThere(const std::string& what) {
 Error notLoaded(const char* path) {
   const std::string why = whyNotLoaded(), what = std::string("'") + path + "' cannot be loaded";
   std::error_code ignored;
-  return notThere(std::filesystem::exists(path, ignored) ? what + " (" + why + ")" : what);
+  return notThere(std::filesystem::exists(pathOf(path), ignored) ? what + " (" + why + ")" : what);
 }
 
 }  // namespace

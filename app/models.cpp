@@ -5,6 +5,7 @@
 #include "app/listed.h"
 #include "image/exr/file.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -37,15 +38,15 @@ std::string variantOf(int scale, const std::vector<std::string>& inputs, std::op
 fs::path inModelFolders(const std::string& fileName) {
   std::error_code ignored;
   for (const fs::path& folder : modelFolders())
-    if (fs::path file = folder / fileName; fs::exists(file, ignored)) return file;
+    if (fs::path file = folder / pathOf(fileName); fs::exists(file, ignored)) return file;
   return {};
 }
 
 fs::path resolveModel(const std::string& nameOrFile) {
-  if (nameOrFile.ends_with(kSuffix) || fs::path(nameOrFile).has_parent_path()) return nameOrFile;
+  if (nameOrFile.ends_with(kSuffix) || pathOf(nameOrFile).has_parent_path()) return pathOf(nameOrFile);
   if (fs::path file = findModel(nameOrFile); !file.empty()) return file;
   std::error_code ignored;  // a name too long for a file, say
-  if (fs::is_regular_file(nameOrFile, ignored)) return nameOrFile;
+  if (fs::is_regular_file(pathOf(nameOrFile), ignored)) return pathOf(nameOrFile);
   if (shippedModels().empty()) throw Error("There is no model '" + nameOrFile + "', and " + noModels());
   throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
               listed(shippedModels()) + ".");

@@ -6,6 +6,7 @@
 #include "image/image_view.h"
 #include "xrds/error.h"
 #include "xrds/oidn_import.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -66,7 +67,7 @@ fs::path NetworkDenoiser::fileOf(const std::string& kind) const {
   if (options_.quality == Quality::fast) names.insert(names.begin(), kind + "_small");
   std::error_code unreadable;  // a home of somebody else, say
   for (const std::string& name : names)
-    if (fs::path file = folder() / (name + ".safetensors"); fs::exists(file, unreadable)) return file;
+    if (fs::path file = folder() / pathOf(name + ".safetensors"); fs::exists(file, unreadable)) return file;
   return {};
 }
 

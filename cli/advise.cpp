@@ -20,6 +20,7 @@
 #include "cli/step_seconds.h"
 #include "cli/warnings.h"
 #include "image/image_view.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -35,12 +36,12 @@ struct AdviseOptions {
 
 // The two renders as they are, and the colour of the full-resolution one as its third auxiliary image.
 Frame readRenders(AdviseOptions& options) {
-  const FrameFiles files = sortPair(options.low, options.full);
+  const FrameFiles files = sortPair(pathOf(options.low), pathOf(options.full));
   options.low = files.colour.string();
   options.full = files.auxiliary.string();
   const std::vector<std::string> inputs{std::string(kAlbedo.name), std::string(kNormal.name),
                                         std::string(kFullColour.name)};
-  Frame frame(options.low, options.full, options.layers, inputs, {.never = true});
+  Frame frame(pathOf(options.low), pathOf(options.full), options.layers, inputs, {.never = true});
   if (frame.scale() < 2) throw Error("Both renders have the same size: one must be of a lower resolution.");
   frame.load();
   return frame;
@@ -76,7 +77,7 @@ RenderCost costOf(const AdviseOptions& options, const Frame& frame, RenderSample
 }
 
 std::filesystem::path waysFile(const AdviseOptions& options) {
-  if (!options.ways.empty()) return options.ways;
+  if (!options.ways.empty()) return pathOf(options.ways);
   if (std::filesystem::path file = inModelFolders(kWaysFile); !file.empty()) return file;
   throw Error(std::string("No folder of models holds ") + kWaysFile + ": install xrds again, or name one with --ways.");
 }

@@ -18,6 +18,7 @@
 #include "image/metrics/flip.h"
 #include "image/metrics/metrics.h"
 #include "image/png_write.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -36,7 +37,7 @@ struct Placed {
 };
 
 Placed readPlaced(const std::string& path, const std::string& layer, const std::string& option) {
-  const ExrFile file = readExrHeader(path);
+  const ExrFile file = readExrHeader(pathOf(path));
   const ExrSelection found = findColourOrNormal(file, layer, option);
   return {readLayer(file, found), file.parts[found.part].dataWindow};
 }
@@ -88,7 +89,8 @@ void run(const CompareOptions& options) {
   stopIfInterrupted();
   failingWith(ExitCode::output, [&] {
     if (!options.json.empty()) writeText(options.json, jsonText(options, image, metrics));
-    if (!options.heatMap.empty()) writePng(options.heatMap, heatMap(flipMap(image, reference), options.heatMaximum));
+    if (!options.heatMap.empty())
+      writePng(pathOf(options.heatMap), heatMap(flipMap(image, reference), options.heatMaximum));
   });
   if (options.minimumPsnr && !(metrics.psnr >= *options.minimumPsnr))
     throw Failure{ExitCode::differs, "PSNR is " + std::to_string(metrics.psnr) + " dB, below " +

@@ -21,6 +21,7 @@
 #include "cli/upscale_frame.h"
 #include "cli/warnings.h"
 #include "image/png_write.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -29,8 +30,8 @@ void write(const DenoiseOptions& options, const Frame& frame, const Denoised& fo
   failingWith(ExitCode::output, [&] {
     const UpscaleOptions& common = options.common;
     const Image whole = frame.alpha() ? withAlpha(found.picture, *frame.alpha()) : found.picture;
-    writePicture(common.output, frame, whole, found.layers, outputOf(options, frame, denoiser));
-    if (!common.preview.empty()) writePng(common.preview, found.picture);
+    writePicture(pathOf(common.output), frame, whole, found.layers, outputOf(options, frame, denoiser));
+    if (!common.preview.empty()) writePng(pathOf(common.preview), found.picture);
   });
 }
 

@@ -4,13 +4,14 @@
 #include "app/network_options.h"
 #include "cli/progress.h"
 #include "image/layers/aov.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
 
 std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::string& color, const std::string& aux) {
   if (options.guides == "none") return {};
-  const ExrFile file = readExrHeader(aux.empty() ? color : aux);
+  const ExrFile file = readExrHeader(pathOf(aux.empty() ? color : aux));
   const auto isThere = [&](AovRole role) { return !options.common.layers.nameOf(role).empty() || hasAov(file, role); };
   std::vector<std::string> inputs;
   if (isThere(AovRole::kAlbedo)) inputs.emplace_back(kAlbedo.name);
@@ -23,7 +24,7 @@ std::vector<std::string> inputsOf(const DenoiseOptions& options, const std::stri
 }  // namespace
 
 Frame openFrame(const DenoiseOptions& options, const std::string& color, const std::string& aux) {
-  Frame frame(color, aux, options.common.layers, inputsOf(options, color, aux), {.never = true});
+  Frame frame(pathOf(color), pathOf(aux), options.common.layers, inputsOf(options, color, aux), {.never = true});
   if (frame.inputs().empty() && options.guides != "none" && hasAov(frame.auxiliaryFile(), AovRole::kNormal))
     frame.warn(
         "There is no albedo of a known name, without which the normal is not used: name its layer with --albedo.");
@@ -35,7 +36,7 @@ Frame openFrame(const DenoiseOptions& options, const std::string& color, const s
 
 NetworkDenoiser::Options networksOf(const DenoiseOptions& options, const std::function<bool(double)>& progress) {
   using Quality = NetworkDenoiser::Quality;
-  return {.folder = options.common.denoisers,
+  return {.folder = pathOf(options.common.denoisers),
           .quality = options.quality == "high"   ? Quality::high
                      : options.quality == "fast" ? Quality::fast
                                                  : Quality::balanced,

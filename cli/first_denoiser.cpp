@@ -5,6 +5,7 @@
 #include "app/failing_with.h"
 #include "app/skip_bound.h"
 #include "cli/progress.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -13,7 +14,7 @@ using Frames = FirstDenoiser::Frames;
 
 NetworkDenoiser::Options networkOptions(const UpscaleOptions& options, Frames frames,
                                         const Upscaler::Progress& progress) {
-  return {.folder = options.denoisers,
+  return {.folder = pathOf(options.denoisers),
           .fp16 = options.precision == kFp16,
           .memoryBytes = parseBytes(options.memory),
           .progress = progress,

@@ -7,6 +7,7 @@
 #include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "xrds/oidn_import.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -30,12 +31,11 @@ void requireFolder(const std::filesystem::path& folder) {
 }
 
 void run(const ImportOptions& options) {
-  const std::filesystem::path folder =
-      options.folder.empty() ? denoiserFolder() : std::filesystem::path(options.folder);
+  const std::filesystem::path folder = options.folder.empty() ? denoiserFolder() : pathOf(options.folder);
   if (folder.empty())
     throw Failure{ExitCode::usage, "The environment names no home: say where to put the models with --output FOLDER."};
   requireFolder(folder);
-  const auto files = failingWith(ExitCode::model, [&] { return importOidn(options.path, folder); });
+  const auto files = failingWith(ExitCode::model, [&] { return importOidn(pathOf(options.path), folder); });
   if (options.quiet) return;
   for (const auto& file : files) std::printf("%s\n", file.string().c_str());
   std::printf("%zu networks of Open Image Denoise, licence Apache-2.0, for xrds denoise\n", files.size());

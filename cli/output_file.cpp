@@ -5,18 +5,19 @@
 #include "app/failing_with.h"
 #include "image/pending_file.h"
 #include "sequence/file_pattern.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 
 void requireExtension(const std::string& path, const std::string& extension, const char* option) {
-  if (!hasExtension(path, extension))
+  if (!hasExtension(pathOf(path), extension))
     throw Failure{ExitCode::usage,
                   std::string(option) + " takes a name that ends in " + extension + ", found '" + path + "'."};
 }
 
 void requireWritable(const std::string& path) {
   failingWith(ExitCode::output, [&] {
-    const PendingFile probe(path);
+    const PendingFile probe(pathOf(path));
     if (!std::ofstream(probe.temporaryPath()))
       throw Error("Cannot write '" + path +
                   "': its folder takes no new files; check the permissions or choose another place.");
@@ -30,7 +31,7 @@ void requireOutput(const std::string& path, const std::string& extension, const 
 }
 
 void writeText(const std::string& path, const std::string& text) {
-  PendingFile file(path);
+  PendingFile file(pathOf(path));
   std::ofstream stream(file.temporaryPath(), std::ios::binary);
   stream << text;
   stream.close();

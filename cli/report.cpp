@@ -10,6 +10,7 @@
 #include "image/compose.h"
 #include "image/metrics/metrics.h"
 #include "image/png_write.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -111,7 +112,7 @@ Image runBaseline(Device& device, const Baseline& baseline, const Image& colour,
 }
 
 Image readFullSize(const std::string& path, const std::string& what, int width, int height) {
-  const ExrFile file = readExrHeader(path);
+  const ExrFile file = readExrHeader(pathOf(path));
   Image image = readLayer(file, findAov(file, AovRole::kColor, "", ""));
   if (image.width != width || image.height != height)
     throw Error("The " + what + " '" + path + "' is " + std::to_string(image.width) + " x " +
@@ -135,7 +136,7 @@ void writeSideBySide(Device& device, const Frame& frame, const Image& result, co
       failingWith(ExitCode::device, [&] { return runBaseline(device, {"bicubic"}, frame.colour(), {}, scale); }),
       result};
   if (reference) images.push_back(*reference);
-  failingWith(ExitCode::output, [&] { writePng(pngPath, sideBySide(images, 4)); });
+  failingWith(ExitCode::output, [&] { writePng(pathOf(pngPath), sideBySide(images, 4)); });
 }
 
 std::vector<MeasuredImage> measureWithBaselines(Device& device, const Frame& frame, const Image& result,

@@ -9,6 +9,7 @@
 #include "image/pending_file.h"
 #include "sequence/file_pattern.h"
 #include "sequence/frame_range.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -23,8 +24,8 @@ struct Inputs {
 // Also one that is not there: a name without an extension.
 bool isFolder(const std::string& path) {
   std::error_code ignored;
-  if (path.ends_with('/') || fs::is_directory(path, ignored)) return true;
-  return !fs::exists(path, ignored) && !fs::path(path).has_extension() && !FilePattern::mayBeMany(path);
+  if (path.ends_with('/') || fs::is_directory(pathOf(path), ignored)) return true;
+  return !fs::exists(pathOf(path), ignored) && !pathOf(path).has_extension() && !FilePattern::mayBeMany(path);
 }
 
 // The same names in the same folder, however that was spelled.
@@ -43,7 +44,8 @@ bool meet(const FilePattern& a, const FilePattern& b, const std::vector<int>& fr
 
 // --output as a pattern; in a folder files have the names of the colour.
 FilePattern outputOf(const UpscaleOptions& options, const Inputs& inputs, const std::vector<int>& frames) {
-  const FilePattern output = isFolder(options.output) ? inputs.colour.in(options.output) : FilePattern(options.output);
+  const FilePattern output =
+      isFolder(options.output) ? inputs.colour.in(pathOf(options.output)) : FilePattern(options.output);
   if (!output.isMany())
     throw Failure{ExitCode::usage, "--output '" + options.output +
                                        "' is one file for many frames: put #### in its name, or name a folder."};

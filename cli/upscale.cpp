@@ -21,6 +21,7 @@
 #include "cli/upscale_sequence.h"
 #include "cli/warnings.h"
 #include "image/png_write.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -61,10 +62,10 @@ void writeResult(const UpscaleOptions& options, const UpscaleInput& input, const
                  const std::optional<Image>& alpha) {
   failingWith(ExitCode::output, [&] {
     const ExrOutput output = outputOf(options, input.opened, input.frame, result.exposure);
-    writePicture(options.output, input.frame, alpha ? withAlpha(result.colour, *alpha) : result.colour, result.layers,
-                 output);
-    if (!options.preview.empty()) writePng(options.preview, result.colour);
-    if (!options.skipMap.empty()) writeSkipMap(options.skipMap, result.colour, result.skipped);
+    writePicture(pathOf(options.output), input.frame, alpha ? withAlpha(result.colour, *alpha) : result.colour,
+                 result.layers, output);
+    if (!options.preview.empty()) writePng(pathOf(options.preview), result.colour);
+    if (!options.skipMap.empty()) writeSkipMap(pathOf(options.skipMap), result.colour, result.skipped);
   });
 }
 

@@ -9,6 +9,7 @@
 #include "app/skip_bound.h"
 #include "cli/first_denoiser.h"
 #include "cli/warnings.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 // How the colour alone can be upscaled, where it can.
 std::string colourAloneHint(const UpscaleOptions& options) {
   try {
-    const Frame frame(options.color, {}, options.layers, {});
+    const Frame frame(pathOf(options.color), {}, options.layers, {});
     return "\n  or, of the colour alone: --model " + defaultModel(frame.scale(), frame.inputs()).stem().string();
   } catch (const Error&) {
     return "";
@@ -29,7 +30,7 @@ std::string colourAloneHint(const UpscaleOptions& options) {
 bool mayMerge(const UpscaleOptions& options) {
   AovRequest layers = options.layers;
   return !mergeRequest(options.auxColour, options.samples, layers).never &&
-         hasFullColour(options.color, options.aux, layers);
+         hasFullColour(pathOf(options.color), pathOf(options.aux), layers);
 }
 
 // The auxiliary images that the files have beside the albedo, of those that a default model may take.
@@ -50,15 +51,15 @@ std::optional<double> lowSamples(const UpscaleOptions& options, const Frame& fra
 
 fs::path modelFile(const UpscaleOptions& options) {
   if (!options.model.empty()) return failingWith(ExitCode::model, [&] { return resolveModel(options.model); });
-  const ExrFile file =
-      failingWith(ExitCode::input, [&] { return readExrHeader(options.aux.empty() ? options.color : options.aux); });
+  const ExrFile file = failingWith(
+      ExitCode::input, [&] { return readExrHeader(pathOf(options.aux.empty() ? options.color : options.aux)); });
   int scale = 0;
   std::optional<double> samples;
   try {
     const Frame frame = failingWith(ExitCode::input, [&] {
       AovRequest layers = options.layers;
       const MergeRequest merge = mergeRequest(options.auxColour, options.samples, layers);
-      return Frame(options.color, options.aux, layers, {std::string(kAlbedo.name)}, merge);
+      return Frame(pathOf(options.color), pathOf(options.aux), layers, {std::string(kAlbedo.name)}, merge);
     });
     scale = frame.scale();
     samples = lowSamples(options, frame);
@@ -70,7 +71,7 @@ fs::path modelFile(const UpscaleOptions& options) {
   const std::vector<std::string> inputs = inputsThere(options, file);
   const bool hasNormal = std::find(inputs.begin(), inputs.end(), kNormal.name) != inputs.end();
   const fs::path model = failingWith(ExitCode::model, [&] { return defaultModel(scale, inputs, samples); });
-  if (!hasNormal && model.stem() != defaultModelName(scale))
+  if (!hasNormal && model.stem().string() != defaultModelName(scale))
     printWarnings({"'" + file.path.string() + "' has no normal; taking model " + model.stem().string() + "."});
   return model;
 }
@@ -89,7 +90,7 @@ Frame openFrame(const UpscaleOptions& options, const OpenedModel& opened) {
   Frame frame = failingWith(ExitCode::input, [&] {
     AovRequest layers = options.layers;
     const MergeRequest merge = mergeRequest(options.auxColour, options.samples, layers);
-    return Frame(options.color, options.aux, layers, opened.model.auxiliaryInputs(), merge);
+    return Frame(pathOf(options.color), pathOf(options.aux), layers, opened.model.auxiliaryInputs(), merge);
   });
   const int scale = static_cast<int>(opened.model.scale());
   if (frame.scale() != 0 && frame.scale() != scale)
@@ -164,7 +165,8 @@ void prepare(const UpscaleOptions& options, const OpenedModel& opened, Frame& fr
 
 void sortInputs(UpscaleOptions& options) {
   if (options.aux.empty()) return;
-  const FrameFiles files = failingWith(ExitCode::input, [&] { return sortPair(options.color, options.aux); });
+  const FrameFiles files =
+      failingWith(ExitCode::input, [&] { return sortPair(pathOf(options.color), pathOf(options.aux)); });
   options.color = files.colour.string();
   options.aux = files.auxiliary.string();
 }

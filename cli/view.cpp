@@ -5,6 +5,7 @@
 #include "app/exit_code.h"
 #include "app/program_folder.h"
 #include "cli/commands.h"
+#include "xrds/path_text.h"
 
 #ifdef _WIN32
 #include <process.h>
@@ -18,16 +19,16 @@ namespace {
 namespace fs = std::filesystem;
 
 #ifdef _WIN32
-constexpr const char* kProgram = "xrds-view.exe";
+constexpr char kProgram[] = "xrds-view.exe";
 #else
-constexpr const char* kProgram = "xrds-view";
+constexpr char kProgram[] = "xrds-view";
 #endif
 
 // The viewer stands beside this program where both are installed, in a folder of its own where they are built.
 fs::path viewerProgram() {
   std::error_code unreadable;
   for (const char* place : {".", "../viewer"})
-    if (fs::path program = programFolder() / place / kProgram; fs::exists(program, unreadable)) return program;
+    if (fs::path program = programFolder() / pathOf(place) / kProgram; fs::exists(program, unreadable)) return program;
   throw Failure{ExitCode::usage,
                 "This xrds was built without the viewer: install GLFW and Dear ImGui (Debian: libglfw3-dev, "
                 "libimgui-dev) and build it again."};

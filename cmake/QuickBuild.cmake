@@ -34,6 +34,11 @@ function(take_headers_of name)
   endforeach()
 endfunction()
 
+# In targets that are told by text where files are: paths of text are made by pathOf() alone.
+function(explicit_paths target)
+  target_precompile_headers(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${PROJECT_SOURCE_DIR}/cmake/explicit_paths.h>)
+endfunction()
+
 # Targets of a file or two gain nothing from it.
 function(no_precompiled_headers)
   set_target_properties(${ARGN} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -57,17 +58,17 @@ bool hasExtension(const fs::path& file, std::string_view extension) {
 
 bool FilePattern::mayBeMany(const std::string& text) {
   std::error_code ignored;
-  if (fs::is_directory(text, ignored)) return true;
-  return !fs::exists(text, ignored) && std::regex_search(fs::path(text).filename().string(), field());
+  if (fs::is_directory(pathOf(text), ignored)) return true;
+  return !fs::exists(pathOf(text), ignored) && std::regex_search(pathOf(text).filename().string(), field());
 }
 
 FilePattern::FilePattern(const std::string& text) {
   std::error_code ignored;
-  if (fs::is_directory(text, ignored)) {
-    findSeries(text);
+  if (fs::is_directory(pathOf(text), ignored)) {
+    findSeries(pathOf(text));
     return;
   }
-  const fs::path path(text);
+  const fs::path path = pathOf(text);
   folder_ = path.parent_path();
   before_ = path.filename().string();
   std::smatch match;
@@ -109,8 +110,8 @@ void FilePattern::findSeries(const fs::path& folder) {
 }
 
 fs::path FilePattern::of(int frame) const {
-  if (!isMany()) return folder_ / before_;
-  return folder_ / (before_ + digitsOf(frame, digits_, isPrintf()) + after_);
+  if (!isMany()) return folder_ / pathOf(before_);
+  return folder_ / pathOf(before_ + digitsOf(frame, digits_, isPrintf()) + after_);
 }
 
 std::vector<int> FilePattern::frames() const {
@@ -133,6 +134,6 @@ FilePattern FilePattern::in(const fs::path& folder) const {
   return other;
 }
 
-std::string FilePattern::text() const { return (folder_ / (before_ + field_ + after_)).string(); }
+std::string FilePattern::text() const { return (folder_ / pathOf(before_ + field_ + after_)).string(); }
 
 }  // namespace xrds

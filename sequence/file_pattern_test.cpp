@@ -6,6 +6,7 @@
 
 #include "tests/temporary_folder.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -54,6 +55,21 @@ TEST_F(FilePatterns, FramesThatAreThere) {
   EXPECT_EQ(FilePattern(at("b.%02d.exr")).frames(), (std::vector<int>{5, 12345}));
   EXPECT_EQ(FilePattern(at("d.####.exr")).frames(), std::vector<int>{});
   EXPECT_THROW(FilePattern("/nowhere/d.####.exr").frames(), Error);
+}
+
+// Also where paths are not stored as UTF-8.
+TEST_F(FilePatterns, NamesHaveAnyLetters) {
+  const fs::path folder = folder_.path() / u8"Größe";
+  const std::string text = folder_.path().string() + "/Größe";
+  fs::create_directory(folder);
+  for (const char8_t* name : {u8"日本.0001.exr", u8"日本.0003.exr", u8"Übung#.exr"})
+    std::ofstream(folder / name) << "x";
+  const FilePattern pattern(text + "/日本.####.exr");
+  EXPECT_EQ(pattern.frames(), (std::vector<int>{1, 3}));
+  EXPECT_EQ(pattern.of(2), folder / u8"日本.0002.exr");
+  EXPECT_EQ(pathOf(pattern.text()), folder / u8"日本.####.exr");
+  EXPECT_EQ(FilePattern(text).of(12), folder / u8"日本.0012.exr");
+  EXPECT_FALSE(FilePattern::mayBeMany(text + "/Übung#.exr"));
 }
 
 TEST_F(FilePatterns, AFolderOfOneSeries) {

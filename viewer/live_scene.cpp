@@ -4,6 +4,7 @@
 
 #include "app/failing_with.h"
 #include "app/listed.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -12,7 +13,7 @@ constexpr uint32_t kMostAuxiliarySamples = 64;  // albedo and normal are clean b
 
 TraceScene sceneOf(const std::string& name) {
   const auto names = LiveScene::names();
-  return std::find(names.begin(), names.end(), name) != names.end() ? builtInScene(name) : loadScene(name);
+  return std::find(names.begin(), names.end(), name) != names.end() ? builtInScene(name) : loadScene(pathOf(name));
 }
 
 PathTracer makeTracer(VulkanDevice& gpu, const LiveWanted& wanted, uint32_t scale, Camera& start) {
@@ -34,7 +35,8 @@ std::vector<std::string> LiveScene::names() { return builtInSceneNames(); }
 void LiveScene::requireExisting(const std::string& scene) {
   const auto known = names();
   std::error_code ignored;
-  if (std::find(known.begin(), known.end(), scene) != known.end() || std::filesystem::exists(scene, ignored)) return;
+  if (std::find(known.begin(), known.end(), scene) != known.end() || std::filesystem::exists(pathOf(scene), ignored))
+    return;
   throw Error("There is no scene '" + scene + "': give a glTF or OBJ file or a built-in scene, " + listed(known) + ".");
 }
 

@@ -15,6 +15,7 @@
 #include "image/png_write.h"
 #include "image/srgb.h"
 #include "viewer/display/placement.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -118,7 +119,7 @@ Viewer::Viewer(const ViewerOptions& options)
   playback_.playing = playback_.count() > 1 && options.frames > 1;  // a sequence that stands still makes one picture
   if (!options.script.empty())
     script_ = failingWith(ExitCode::usage, [&] {
-      return std::make_unique<Script>(readScript(options.script), scriptVerbs(), scriptActions());
+      return std::make_unique<Script>(readScript(pathOf(options.script)), scriptVerbs(), scriptActions());
     });
 }
 
@@ -143,7 +144,7 @@ void Viewer::run() {
   if (complaints_ > 0)
     throw Failure{ExitCode::bug, "Vulkan's validation layers complained " + std::to_string(complaints_) + " times."};
   if (!options_.screenshot.empty())
-    throw Failure{ExitCode::output, "The screenshot '" + options_.screenshot.string() +
+    throw Failure{ExitCode::output, "The screenshot '" + options_.screenshot +
                                         "' was not written: the viewer was left before it had upscaled " +
                                         std::to_string(options_.frames) + " pictures (--frames)."};
 }
@@ -186,7 +187,7 @@ void Viewer::takeTurn() {
   if (script_ && script_->finished() && ready()) quit_ = true;
   if (options_.frames > 0 && report_.pictures >= static_cast<uint64_t>(options_.frames) && dirty_ == 0) {
     if (!options_.screenshot.empty() && screenshot_.path.empty()) {
-      screenshot_ = {std::exchange(options_.screenshot, {})};
+      screenshot_ = {pathOf(std::exchange(options_.screenshot, {}))};
       needDrawing(1);
     } else {
       quit_ = true;

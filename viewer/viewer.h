@@ -28,10 +28,10 @@ struct ViewerOptions {
   uint32_t ensemble = 1;
   bool watch = false, wrap = false, denoiseFirst = false, cleanGuides = false;  // as Wanted has them
   double framesPerSecond = 24;
-  std::string size;                  // "WIDTHxHEIGHT"; empty: as it was left
-  std::string script;                // file of steps to take
-  int frames = 0;                    // end after so many upscaled pictures are shown
-  std::filesystem::path screenshot;  // written then
+  std::string size;        // "WIDTHxHEIGHT"; empty: as it was left
+  std::string script;      // file of steps to take
+  int frames = 0;          // end after so many upscaled pictures are shown
+  std::string screenshot;  // written then
   bool validation = false, statistics = false;
   bool headless = false;  // see viewer/headless.h
 };

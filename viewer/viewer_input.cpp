@@ -9,6 +9,7 @@
 
 #include "viewer/viewer.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -65,27 +66,29 @@ void Viewer::open(const std::vector<std::string>& files) {
   playback.frames.reset();
   playback.index = 0;
   playback.playing = false;
-  if (std::error_code ignored; files.size() == 1 && fs::is_directory(files[0], ignored)) {
-    wanted.folder = files[0];
+  std::vector<fs::path> paths;
+  for (const std::string& file : files) paths.push_back(pathOf(file));
+  if (std::error_code ignored; paths.size() == 1 && fs::is_directory(paths[0], ignored)) {
+    wanted.folder = paths[0];
     wanted.watching = true;
-  } else if (std::any_of(files.begin(), files.end(), isSequence)) {
-    FrameFiles patterns = sortPatterns({files.begin(), files.end()});
-    if (!options_.reference.empty()) patterns.reference = options_.reference;
+  } else if (std::any_of(paths.begin(), paths.end(), isSequence)) {
+    FrameFiles patterns = sortPatterns(paths);
+    if (!options_.reference.empty()) patterns.reference = pathOf(options_.reference);
     playback.frames = std::make_shared<const Sequence>(sequenceOf(patterns));
     wanted.watching = false;
     wanted.sequence = playback.frames;
   } else if (options_.watch) {  // they need not be there yet
-    wanted.files = {files[0], files.size() > 1 ? files[1] : "", options_.reference};
-    if (files.size() > 2) wanted.files.reference = files[2];
+    wanted.files = {paths[0], paths.size() > 1 ? paths[1] : "", pathOf(options_.reference)};
+    if (paths.size() > 2) wanted.files.reference = paths[2];
   } else {
-    wanted.files = sortFiles({files.begin(), files.end()});
-    if (!options_.reference.empty()) wanted.files.reference = options_.reference;
+    wanted.files = sortFiles(paths);
+    if (!options_.reference.empty()) wanted.files.reference = pathOf(options_.reference);
   }
   ++wanted.reload;
   wanted_ = std::move(wanted);
   playback_ = std::move(playback);
   if (playback_.frames) wanted_.files = playback_.frames->front().files;
-  display_.title(fs::path(files[0]).filename().string() + " - xrds");
+  display_.title(paths[0].filename().string() + " - xrds");
 }
 
 void Viewer::pressKey(int key, int modifiers) {
@@ -256,7 +259,7 @@ void Viewer::showScene(const std::string& scene) {
   wanted_.live.camera.reset();
   playback_.frames.reset();
   orbit_.reset();
-  display_.title(fs::path(scene).filename().string() + " - xrds");
+  display_.title(pathOf(scene).filename().string() + " - xrds");
 }
 
 void Viewer::chooseModel(int step) {

@@ -11,6 +11,7 @@
 
 #include "viewer/viewer.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -128,17 +129,17 @@ void Viewer::addWindowActions(Script::Actions& actions) {
     needDrawing();
   };
   actions["screenshot"] = [this](const Words& words) {
-    screenshot_ = {words[0]};
+    screenshot_ = {pathOf(words[0])};
     needDrawing(1);
   };
 }
 
 void Viewer::addFileActions(Script::Actions& actions) {
   actions["drop"] = [this](const Words& words) { events_.drop(words); };
-  actions["save"] = [this](const Words& words) { upscaling_->save(words[0]); };
-  actions["copy"] = [](const Words& words) { copyFile(words[0], words[1]); };
+  actions["save"] = [this](const Words& words) { upscaling_->save(pathOf(words[0])); };
+  actions["copy"] = [](const Words& words) { copyFile(pathOf(words[0]), pathOf(words[1])); };
   actions["part"] = [](const Words& words) {
-    copyFile(words[1], words[2], static_cast<uintmax_t>(std::max(0.0, number(words[0]))));
+    copyFile(pathOf(words[1]), pathOf(words[2]), static_cast<uintmax_t>(std::max(0.0, number(words[0]))));
   };
 }
 

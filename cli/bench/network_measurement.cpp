@@ -13,6 +13,7 @@
 #include "cli/bench/quality_report.h"
 #include "cli/bench/quantile.h"
 #include "cli/progress.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -158,7 +159,7 @@ EngineError engineError(const NetworkCase& networkCase) {
 ImageError imageError(const NetworkCase& networkCase, const std::string& folder, const QualitySetting& setting) {
   ImageError error;
   try {
-    const SceneList list = findScenes(folder, setting, {});
+    const SceneList list = findScenes(pathOf(folder), setting, {});
     Device device(optionsOf(networkCase));
     EngineMethod method = trainedMethod(networkCase.model->asked, setting.scale);
     MethodQuality quality{method.name()};

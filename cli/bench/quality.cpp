@@ -15,6 +15,7 @@
 #include "cli/common_options.h"
 #include "cli/output_file.h"
 #include "cli/progress.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -126,8 +127,8 @@ Contest prepare(const BenchQualityOptions& options) {
   contest.engine = failingWith(ExitCode::model, [&] { return engineMethods(options); });
   requireDistinctNames(contest);
   for (const EngineMethod& method : contest.engine) contest.setting.read(method.model());
-  contest.list =
-      failingWith(ExitCode::input, [&] { return findScenes(options.folder, contest.setting, contest.finished); });
+  contest.list = failingWith(ExitCode::input,
+                             [&] { return findScenes(pathOf(options.folder), contest.setting, contest.finished); });
   return contest;
 }
 
@@ -135,7 +136,7 @@ Contest prepare(const BenchQualityOptions& options) {
 fs::path imageFile(const BenchQualityOptions& options, const std::string& scene, std::string method) {
   for (char& c : method)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '.') c = '_';
-  return fs::path(options.write) / (scene + "_" + method + ".exr");
+  return pathOf(options.write) / pathOf(scene + "_" + method + ".exr");
 }
 
 void writeImage(const BenchQualityOptions& options, const std::string& sceneName, const Frame& frame,
@@ -209,10 +210,10 @@ void checkOutputs(const BenchQualityOptions& options) {
   requireOutput(options.markdown, ".md", "--markdown");
   if (options.write.empty()) return;
   std::error_code error;
-  fs::create_directories(options.write, error);
+  fs::create_directories(pathOf(options.write), error);
   if (error)
     throw Failure{ExitCode::output, "Cannot make the folder '" + options.write + "': " + error.message() + "."};
-  requireWritable((fs::path(options.write) / "image.exr").string());
+  requireWritable((pathOf(options.write) / "image.exr").string());
 }
 
 // The contest is taken by value: its upscalers must go before the device.

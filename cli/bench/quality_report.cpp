@@ -10,6 +10,7 @@
 #include "cli/json_text.h"
 #include "cli/metric_columns.h"
 #include "cli/table.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -40,7 +41,7 @@ std::string caption(const QualityReport& report) {
   for (const MethodQuality& method : report.methods)
     for (const SceneQuality& scene : method.scenes)
       if (scene.seconds && scene.seconds->device <= 0) deviceTime = false;
-  const std::filesystem::path folder = report.folder;
+  const std::filesystem::path folder = pathOf(report.folder);
   return "Scale " + std::to_string(setting.scale) + ", colour at " + std::to_string(setting.colourSamples) +
          " samples a pixel" + (setting.mergesColour ? ", merged with that of the full-resolution render" : "") +
          (setting.denoisedBy.empty() ? "" : ", denoised first by " + setting.denoisedBy) + ", albedo and normal " +

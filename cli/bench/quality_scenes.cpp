@@ -5,6 +5,7 @@
 
 #include "app/models.h"
 #include "cli/report.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -30,8 +31,8 @@ std::vector<std::string> fileNames(const fs::path& folder) {
 // Nothing if a file is missing.
 std::optional<SceneFiles> filesOf(const fs::path& folder, const std::string& scene, const QualitySetting& setting,
                                   const std::vector<FinishedImages>& finished) {
-  SceneFiles files{scene, folder / (scene + kReferenceSuffix), folder / (scene + setting.colourSuffix()),
-                   folder / (scene + setting.auxSuffix())};
+  SceneFiles files{scene, folder / pathOf(scene + kReferenceSuffix), folder / pathOf(scene + setting.colourSuffix()),
+                   folder / pathOf(scene + setting.auxSuffix())};
   if (!fs::exists(files.colour) || !fs::exists(files.aux)) return {};
   for (const FinishedImages& images : finished) {
     const auto file = images.find(scene);
@@ -83,17 +84,17 @@ std::optional<double> QualitySetting::averageSamples() const {
 
 std::optional<fs::path> FinishedImages::find(const std::string& scene) const {
   if (const size_t star = place.find('*'); star != std::string::npos) {
-    const fs::path file = std::string(place).replace(star, 1, scene);
+    const fs::path file = pathOf(std::string(place).replace(star, 1, scene));
     return fs::exists(file) ? std::optional(file) : std::nullopt;
   }
   std::vector<std::string> fitting;
-  for (const std::string& file : fileNames(place))
+  for (const std::string& file : fileNames(pathOf(place)))
     if (belongsTo(file, scene)) fitting.push_back(file);
   if (fitting.size() > 1)
     throw Error("'" + place + "' has several images of scene '" + scene + "', " + printable(fitting[0]) + " and " +
-                printable(fitting[1]) + ": give a pattern such as '" + (fs::path(place) / "*_oidn.exr").string() +
+                printable(fitting[1]) + ": give a pattern such as '" + (pathOf(place) / "*_oidn.exr").string() +
                 "', where * is the scene's name.");
-  return fitting.empty() ? std::nullopt : std::optional(fs::path(place) / fitting[0]);
+  return fitting.empty() ? std::nullopt : std::optional(pathOf(place) / pathOf(fitting[0]));
 }
 
 SceneList findScenes(const fs::path& folder, const QualitySetting& setting,

@@ -16,6 +16,7 @@
 #include "cli/output_file.h"
 #include "cli/progress.h"
 #include "image/metrics/metrics.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -96,7 +97,7 @@ void run(const BenchSkipOptions& options) {
     throw Failure{ExitCode::usage, "The model '" + name + "' has scale " + std::to_string(model.scale()) +
                                        ": leave --scale out, or --model."};
   const QualitySetting setting = settingFor(model, options.colour, options.aux);
-  const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
+  const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(pathOf(options.folder), setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   SkipReport report{{options.folder, name, model.hash(), options.precision, setting, device.description()},
                     options.skip,

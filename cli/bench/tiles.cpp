@@ -16,6 +16,7 @@
 #include "image/metrics/metrics.h"
 #include "image/png_write.h"
 #include "image/srgb.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -135,7 +136,7 @@ void measureScene(const BenchTilesOptions& options, Device& device, const Model&
   }
   if (!options.heatMap.empty())
     failingWith(ExitCode::output,
-                [&] { writePng(fs::path(options.heatMap) / (files.name + ".png"), sideBySide(maps, 4)); });
+                [&] { writePng(pathOf(options.heatMap) / pathOf(files.name + ".png"), sideBySide(maps, 4)); });
 }
 
 void run(const BenchTilesOptions& options) {
@@ -143,7 +144,7 @@ void run(const BenchTilesOptions& options) {
   const Model model = failingWith(ExitCode::model, [&] { return Model(resolveModel(options.model)); });
   if (options.halosAsked) failingWith(ExitCode::usage, [&] { requireHalos(options.halos, model); });
   const QualitySetting setting = settingFor(model, options.colour, options.aux);
-  const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(options.folder, setting, {}); });
+  const SceneList list = failingWith(ExitCode::input, [&] { return findScenes(pathOf(options.folder), setting, {}); });
   Device device = failingWith(ExitCode::device, [&] { return Device({.select = options.device}); });
   TilesReport report{{options.folder, options.model, model.hash(), options.precision, setting, device.description()},
                      options.columns,

@@ -28,6 +28,29 @@ TEST(CliFrame, UpscalesTwoFilesAndSaysWhatItDid) {
   EXPECT_TRUE(readBytes(frame.folder / "p.png").starts_with("\x89PNG"));
 }
 
+TEST(CliFrame, FilesAndFoldersHaveAnyLetters) {
+  const SmallFrame frame;
+  const auto named = [&](const char* name) { return frame.folder.path().string() + "/Größe/" + name; };
+  std::filesystem::create_directory(named(""));
+  std::filesystem::rename(frame.color, named("日本.0001.exr"));
+  std::filesystem::rename(frame.aux, named("Übung.exr"));
+  std::filesystem::copy_file(goldenModel("s4_guided"), named("模型.safetensors"));
+  const auto upscaled = [&](const char* colour, const char* output, const char* option, const char* report) {
+    return runXrds({"upscale", named(colour), named("Übung.exr"), "-o", named(output), "--model",
+                    named("模型.safetensors"), option, named(report)});
+  };
+  const Ended one = upscaled("日本.0001.exr", "é.exr", "--json", "é.json");
+  EXPECT_EQ(one.exitCode, 0) << one.error;
+  EXPECT_TRUE(contains(one.output, "model 模型")) << one.output;
+  EXPECT_TRUE(contains(readBytes(named("é.json")), "Größe/é.exr"));
+  const Ended many = upscaled("日本.####.exr", "结果/ñ.####.exr", "--log", "ñ.json");
+  EXPECT_EQ(many.exitCode, 0) << many.error;
+  EXPECT_TRUE(contains(readBytes(named("ñ.json")), "结果/ñ.0001.exr"));
+  EXPECT_EQ(readColour(named("结果/ñ.0001.exr")), readColour(named("é.exr")));
+  const Ended none = upscaled("没有.exr", "é.exr", "--json", "é.json");
+  EXPECT_TRUE(contains(none.error, "Größe/没有.exr'")) << none.error;
+}
+
 TEST(CliFrame, TakesColourAndAuxiliaryImagesInAnyOrder) {
   const SmallFrame frame;
   ASSERT_EQ(runXrds(frame.arguments()).exitCode, 0);

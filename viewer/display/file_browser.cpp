@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sequence/file_pattern.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -91,12 +92,12 @@ void FileBrowser::toggle() {
 void FileBrowser::accept() {
   std::vector<std::string> files;
   for (const Entry& entry : entries_)
-    if (entry.chosen) files.push_back((folder_ / entry.name).string());
+    if (entry.chosen) files.push_back((folder_ / pathOf(entry.name)).string());
   if (!files.empty()) return finish(files);
   if (entries_.empty()) return;
   const Entry entry = entries_[cursor_];
-  if (entry.isFolder) return go(folder_ / entry.name);
-  finish({(folder_ / entry.name).string()});
+  if (entry.isFolder) return go(folder_ / pathOf(entry.name));
+  finish({(folder_ / pathOf(entry.name)).string()});
 }
 
 void FileBrowser::takeFolder() { finish({folder_.string()}); }

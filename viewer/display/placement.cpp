@@ -5,15 +5,17 @@
 #include <nlohmann/json.hpp>
 
 #include "image/pending_file.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
 namespace {
 
 fs::path configFolder() {
-  if (const char* folder = std::getenv("XDG_CONFIG_HOME"); folder && fs::path(folder).is_absolute()) return folder;
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".config";
-  if (const char* folder = std::getenv("APPDATA"); folder && *folder) return folder;
+  if (const char* folder = std::getenv("XDG_CONFIG_HOME"); folder && pathOf(folder).is_absolute())
+    return pathOf(folder);
+  if (const char* home = std::getenv("HOME"); home && *home) return pathOf(home) / ".config";
+  if (const char* folder = std::getenv("APPDATA"); folder && *folder) return pathOf(folder);
   return fs::temp_directory_path();
 }
 

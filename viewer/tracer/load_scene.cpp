@@ -11,6 +11,7 @@
 #include "viewer/tracer/bvh.h"
 #include "viewer/tracer/shapes.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -56,7 +57,7 @@ Texture Loader::decoded(const std::string& name) const {
     bytes = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(inside->pcData), static_cast<int>(inside->mWidth),
                                   &width, &height, &channels, 3);
   else
-    bytes = stbi_load((folder_ / name).string().c_str(), &width, &height, &channels, 3);
+    bytes = stbi_load((folder_ / pathOf(name)).string().c_str(), &width, &height, &channels, 3);
   if (!bytes) throw Error("The texture '" + name + "' cannot be read (" + stbi_failure_reason() + ").");
   const std::unique_ptr<stbi_uc, void (*)(void*)> owner(bytes, stbi_image_free);
   Texture texture{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "viewer/tracer/path_tracer.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace {
@@ -47,7 +48,7 @@ void render(const std::string& name, const std::string& prefix, uint32_t width, 
   TraceScene scene;
   const auto& known = builtInSceneNames();
   const bool isBuiltIn = std::find(known.begin(), known.end(), name) != known.end();
-  std::printf("scene %.3f s, ", secondsOf([&] { scene = isBuiltIn ? builtInScene(name) : loadScene(name); }));
+  std::printf("scene %.3f s, ", secondsOf([&] { scene = isBuiltIn ? builtInScene(name) : loadScene(pathOf(name)); }));
   VulkanDevice gpu({});
   std::unique_ptr<PathTracer> tracer;
   std::printf("%zu triangles, tracer %.3f s, ", scene.triangles.size(),

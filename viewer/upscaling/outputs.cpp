@@ -4,6 +4,7 @@
 #include "image/exr/write.h"
 #include "viewer/upscaling/upscaling.h"
 #include "xrds/error.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -13,7 +14,7 @@ void Upscaling::startMetrics() {
   if (!frame_->reference || measured_ || measuring_.valid() || !upscaled_) return;
   std::vector<std::pair<std::string, Image>> images;
   if (pictures_.at(Slot::output).width != static_cast<uint32_t>(frame_->reference->width)) return;
-  images.emplace_back(fs::path(network_->name()).stem().string(), network_->download());
+  images.emplace_back(pathOf(network_->name()).stem().string(), network_->download());
   for (const auto& [slot, base] : bases_)
     if (base && pictures_.at(slot).valid) images.emplace_back(base->name(), base->download());
   if (pictures_.at(Slot::denoised).valid) images.emplace_back("denoised", denoised_);
@@ -65,7 +66,7 @@ std::string Upscaling::savedTo(const fs::path& path) const {
   const Image image = network_->download();
   if (output.dataWindow.width() != image.width || output.dataWindow.height() != image.height)
     output.dataWindow = output.displayWindow = {0, 0, image.width - 1, image.height - 1};
-  output.texts["xrds:model"] = fs::path(network_->name()).stem().string() + " " + network_->model().hash();
+  output.texts["xrds:model"] = pathOf(network_->name()).stem().string() + " " + network_->model().hash();
   writeExr(path, image, output);
   return "Saved " + path.string();
 }

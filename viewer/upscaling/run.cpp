@@ -5,6 +5,7 @@
 #include "app/failing_with.h"
 #include "app/models.h"
 #include "viewer/upscaling/upscaling.h"
+#include "xrds/path_text.h"
 
 namespace xrds {
 namespace fs = std::filesystem;
@@ -79,7 +80,7 @@ void Upscaling::prepare(const Wanted& wanted) {
     upscaled_ = upscaled;
     return;
   }
-  tell([&](Report& report) { report.waiting = "Preparing the network " + fs::path(name).stem().string() + " ..."; });
+  tell([&](Report& report) { report.waiting = "Preparing the network " + pathOf(name).stem().string() + " ..."; });
   network_.reset();  // its memory goes before the next one's comes
   flicker_.reset();
   pictures_.invalidate(Slot::skipMap);
