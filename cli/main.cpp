@@ -9,6 +9,7 @@
 #include "app/help_format.h"
 #include "app/kernel_family.h"
 #include "app/typos.h"
+#include "app/utf8_console.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
 #include "image/exr/file.h"
@@ -46,6 +47,7 @@ int ended() {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): only the handlers could throw, when building a message fails
 int main(int argc, char** argv) {
+  const xrds::Utf8Console console;
   CLI::App app(
       "Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"
       "full-resolution picture out, on any Vulkan device.",

@@ -6,6 +6,7 @@ build=$1 filter=${2:-*}
 wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
 [ -x "$wine" ] || { echo "Wine is missing: run scripts/packages.sh windows." >&2; exit 1; }
 export WINEPREFIX=$PWD/build/windows/wine WINEDEBUG=-all
+export LC_ALL=C.UTF-8  # by which Wine reads the names of files
 # Its driver for the X server is Wine's way to this machine's Vulkan, where there are no validation layers.
 export XRDS_TEST_NO_VALIDATION=1
 screen=()
@@ -31,6 +32,14 @@ if [ -e "$prefix/bin/xrds.exe" ]; then
     "${screen[@]}" "$wine" "$prefix/bin/xrds.exe" upscale samples/outdoor_lr64.exr samples/outdoor_aux16.exr --model xrds-x4-nano \
       --quiet -o "$prefix/out.exr"
     "$wine" "$prefix/bin/xrds.exe" compare "$prefix/out.exr" samples/outdoor_gt.exr
+    # The same of files whose names no code page has.
+    names=$prefix/Größe-日本
+    mkdir "$names"
+    cp samples/outdoor_lr64.exr "$names/色.0001.exr"
+    cp samples/outdoor_aux16.exr "$names/Übung.exr"
+    "${screen[@]}" "$wine" "$prefix/bin/xrds.exe" upscale "$names/色.####.exr" "$names/Übung.exr" --model xrds-x4-nano \
+      --quiet -o "$names/出.####.exr"
+    cmp "$names/出.0001.exr" "$prefix/out.exr"
   fi
 fi
 exit $failed

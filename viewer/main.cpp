@@ -14,6 +14,7 @@
 #include "app/number_range.h"
 #include "app/skip_bound.h"
 #include "app/typos.h"
+#include "app/utf8_console.h"
 #include "viewer/headless.h"
 #include "viewer/script_verbs.h"
 #include "xrds/auxiliary_input.h"
@@ -139,6 +140,7 @@ void show(const xrds::ViewerOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const xrds::Utf8Console console;
   CLI::App app("Shows renders as they are upscaled, in a window.", "xrds view");
   app.formatter(std::make_shared<xrds::HelpFormat>());
   xrds::ViewerOptions options;
