@@ -41,7 +41,7 @@ runs of two pixels in the joint bilateral filter, which spilled on Apple's and Q
 of 8 have 4 KiB: it takes the tile kernels. Window attention reads a row of scores twice in subgroups of 16, where it spilled 34. What is left on Intel are one or two values of it in `tile`.
 
 The family `half` adds up 8 products of `linear` and 12 of `conv3x3` as halves, two an instruction, four products at a time. By ACO's estimate (inverse throughput) it takes
-0.71 to 0.74 of the time of `tile` on RDNA 1 and 2, 0.78 to 0.85 on vega10; NAK counts 0.72 to 0.80 of the cycles on Turing. RDNA 3 takes two floats an instruction, too: there it gains
+0.70 to 0.75 of the time of `tile` on RDNA 1 and 2, 0.78 to 0.85 on vega10; NAK counts 0.72 to 0.80 of the cycles on Turing. RDNA 3 takes two floats an instruction, too: there it gains
 nothing. Sums of 16 and of 12 products, one after the other, would take 0.62 and 0.64 on RDNA 2, but their errors are up to 1.1 times an operator's budget. On Intel's GPUs `linear` so
 spilled 79 registers, Qualcomm's had 2 subgroups beside each other in place of 4 to 6, and Apple's compute with halves no faster: they do not take it. Window attention with
 values added up as halves took 0.94 on RDNA and 1.28 on vega10: not kept.
