@@ -106,7 +106,7 @@ TEST(Api, RefusesFramesOfNoOrTooLargeSize) {
   expectError([] { (void)guided().tiling(64, 64, false, {.columns = 257}); }, {"257 columns"});
   for (const auto& ask :
        {+[] { (void)guided().cost(64, 64, false, "foo"); }, +[] { (void)guided().tiling(64, 64, false, {}, "foo"); }})
-    expectError(ask, {"'foo'", "plain, lane, tile, half, matrix or fused"});
+    expectError(ask, {"'foo'", "plain, lane, tile, matrix or fused"});
 }
 
 /// A frame whose images may be spoilt one by one.
@@ -181,8 +181,8 @@ TEST(Api, ListsDevicesWithTheKernelsThatTheyWouldRun) {
   }
   const test::EnvironmentVariable family("XRDS_KERNEL_FAMILY", "foo");
   for (const auto& act : {+[] { (void)Device::list(); }, +[] { Device device; }})
-    expectError(act, {"'foo'", "plain, lane, tile, half, matrix or fused"});
-  EXPECT_EQ(Device::kernelFamilies(), (std::vector<std::string>{"plain", "lane", "tile", "half", "matrix", "fused"}));
+    expectError(act, {"'foo'", "plain, lane, tile, matrix or fused"});
+  EXPECT_EQ(Device::kernelFamilies(), (std::vector<std::string>{"plain", "lane", "tile", "matrix", "fused"}));
 }
 
 /// A device whose caches are its own.

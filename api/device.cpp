@@ -1,6 +1,6 @@
 #include "api/device.h"
 
-#include "checks/kernel_proof.h"
+#include "checks/matrix_proof.h"
 #include "engine/environment.h"
 #include "engine/host_device.h"
 #include "engine/kernel_family.h"

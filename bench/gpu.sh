@@ -10,7 +10,7 @@
 #
 # SCENES is a folder of validation renders for the image error. SECONDS_LEFT is the time for all (default 470), BUILD the build's
 # folder (default build/release), DEVICE the engine's device as xrds --device takes it (default: the best one), FAMILIES the kernel
-# families (default plain,tile,half,matrix,fused; what a device does not run is reported as refused), SIDE the side of the outputs
+# families (default plain,tile,matrix,fused; what a device does not run is reported as refused), SIDE the side of the outputs
 # (default 1024), SIZES those of the last parts (default 256,512,2048,4096), RUNS the frames that count (default 5), PYTHON a Python
 # with training/requirements.txt and PyTorch (default python3).
 set -uo pipefail
@@ -20,7 +20,7 @@ out=$(realpath "$1") scenes=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
 build=${BUILD:-$here/../build/release}
 python=${PYTHON:-python3}
-side=${SIDE:-1024} runs=${RUNS:-5} families=${FAMILIES:-plain,tile,half,matrix,fused} sizes=${SIZES:-256,512,2048,4096}
+side=${SIDE:-1024} runs=${RUNS:-5} families=${FAMILIES:-plain,tile,matrix,fused} sizes=${SIZES:-256,512,2048,4096}
 models=$here/../models samples=$here/../samples
 device=()
 [ -z "${DEVICE:-}" ] || device=(--device "$DEVICE")

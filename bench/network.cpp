@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "checks/kernel_proof.h"
+#include "checks/matrix_proof.h"
 #include "frames/session.h"
 #include "network/published.h"
 #include "shaders/programs.h"
@@ -61,7 +61,7 @@ void run(const BenchOptions& options) {
       options.model.empty() ? NetworkModel::random(options.config, 1) : readOrPublished(options.model);
   if (!options.writeModel.empty()) writeTensors(options.writeModel, model.file(), DataType::f16);
   Gpu gpu({.select = options.device, .kernelFamily = options.family, .programs = embeddedProgram});
-  if (!proveKernels(gpu)) std::printf("the kernels that multiply halves are wrong here: tile kernels run instead\n");
+  if (!proveMatrixKernels(gpu)) std::printf("the matrix kernels are wrong here: tile kernels run instead\n");
   const uint32_t side = options.size / model.config().scale;
   std::minstd_rand random(1);
   const std::vector<float> colour = randomImage(size_t{side} * side, random);
@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
   app.add_option("--device", options.device, "As xrds --device");
   app.add_option("--band-rows", options.bandRows, "Low-resolution rows of a band; 0: chosen by size, 65536: none");
   app.add_option("--family", options.family,
-                 "Kernels: plain, lane, tile, half, matrix or fused (default: what suits the device)");
+                 "Kernels: plain, lane, tile, matrix or fused (default: what suits the device)");
   app.add_option("--write-model", options.writeModel, "Also write the model to this file, for xrds info");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -12,7 +12,7 @@
 #include "bench/operator_case.h"
 #include "bench/peaks.h"
 #include "bench/timing.h"
-#include "checks/kernel_proof.h"
+#include "checks/matrix_proof.h"
 #include "network/fields.h"
 #include "network/published.h"
 #include "shaders/programs.h"
@@ -118,8 +118,7 @@ int run(const OperatorsOptions& options) {
                      const auto words = embeddedProgram(name);
                      return words.empty() ? peakProgram(name) : words;
                    }})};
-  if (!proveKernels(bench.gpu))
-    std::fprintf(stderr, "The kernels that multiply halves are wrong here: tile kernels run.\n");
+  if (!proveMatrixKernels(bench.gpu)) std::fprintf(stderr, "The matrix kernels are wrong here: tile kernels run.\n");
   bench.peaks = measurePeaks(bench.gpu);
   describe(bench, options);
   std::vector<NetworkModel> models;
@@ -174,7 +173,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--device", options.device, "As xrds --device");
   app.add_option("--family", options.family,
-                 "Kernels: plain, lane, tile, half, matrix or fused (default: what suits the device)");
+                 "Kernels: plain, lane, tile, matrix or fused (default: what suits the device)");
   if (std::none_of(argv + 1, argv + argc, [](const std::string& word) { return word == "--help" || word == "-h"; }))
     benchmark::Initialize(&argc, argv);
   CLI11_PARSE(app, argc, argv);

@@ -173,9 +173,8 @@ void addInfo(CLI::App& app) {
       ->check(CLI::IsMember({"exact", "bounded"}))
       ->capture_default_str();
   verb->add_flag("--wrap", options->wrap, "As in xrds upscale");
-  verb->add_option(
-          "--kernels", options->kernels,
-          "Kernels that run the model: plain, lane, tile, half, matrix or fused (default: those of the best\ndevice)")
+  verb->add_option("--kernels", options->kernels,
+                   "Kernels that run the model: plain, lane, tile, matrix or fused (default: those of the best device)")
       ->check(CLI::IsMember(Device::kernelFamilies()))
       ->type_name("FAMILY");
   verb->add_option("--json", options->json, "Write every number to this file, too")->type_name("JSON");

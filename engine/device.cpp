@@ -66,7 +66,6 @@ void openDevice(Gpu::Handles& gpu) {
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
   features.features.shaderInt64 = features12.shaderSubgroupExtendedTypes = gpu.traits.shaderInt64;
   features12.bufferDeviceAddress = gpu.traits.bufferAddresses;
-  features12.shaderFloat16 = gpu.traits.addsHalves;
   MatrixFeatures matrixFeatures;
   matrixFeatures.enable(gpu.traits.matrixUnits, gpu.choosesSubgroups, features12);
   std::vector<const char*> extensions = extensionsOf(gpu.traits.matrixUnits, gpu.choosesSubgroups);

@@ -26,9 +26,7 @@ struct DeviceDescription {
   std::string apiVersion;    // "1.3.230"
   uint64_t memoryBytes = 0;  // of the largest device-local heap
   MatrixUnits matrixUnits = MatrixUnits::none;
-  MatrixSize matrixSize;     // of their products
-  bool addsHalves = false;   // it computes with them, and has the registers for the family `half`
-  bool pairsHalves = false;  // two in the place of a float, as far as is known
+  MatrixSize matrixSize;                            // of their products
   KernelFamily kernelFamily = KernelFamily::plain;  // that suits the device
 };
 

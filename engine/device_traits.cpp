@@ -7,7 +7,7 @@
 
 namespace xrds {
 namespace {
-constexpr const char* kFamilies[] = {"plain", "lane", "tile", "half", "matrix", "fused"};
+constexpr const char* kFamilies[] = {"plain", "lane", "tile", "matrix", "fused"};
 
 // "plain, lane or tile", of all.
 std::string choiceOfFamilies() {

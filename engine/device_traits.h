@@ -9,20 +9,16 @@
 namespace xrds {
 
 /// The written version of a kernel: `plain` is the readable one and runs anywhere, `lane` keeps one token a lane for
-/// CPU devices, `tile` shares memory for GPUs, `half` besides adds up few products as halves, `matrix` uses matrix
-/// units, and `fused` besides makes whole layers in one kernel. An operator without it falls back: `fused` to `matrix`,
-/// `matrix` and `half` to `tile`, all to `plain`.
-enum class KernelFamily : uint8_t { plain, lane, tile, half, matrix, fused };
+/// CPU devices, `tile` shares memory for GPUs, `matrix` uses matrix units, and `fused` besides makes whole layers in
+/// one kernel. An operator without it falls back: `fused` to `matrix`, `matrix` to `tile`, all to `plain`.
+enum class KernelFamily : uint8_t { plain, lane, tile, matrix, fused };
 
 /// Whether the family's kernels use matrix units.
 constexpr bool usesMatrixUnits(KernelFamily family) {
   return family == KernelFamily::matrix || family == KernelFamily::fused;
 }
 
-/// Whether the family has kernels that multiply halves, which fp16 networks alone take.
-constexpr bool multipliesHalves(KernelFamily family) { return family == KernelFamily::half || usesMatrixUnits(family); }
-
-/// "plain", "lane", "tile", "half", "matrix" or "fused".
+/// "plain", "lane", "tile", "matrix" or "fused".
 const char* nameOf(KernelFamily family);
 
 /// The names of all families, in their order.
@@ -85,7 +81,6 @@ struct DeviceTraits {
   uint32_t maxSharedBytes = 32768;
   uint32_t maxGroupInvocations = 1024;
   bool shaderInt64 = false;  // also in subgroup operations
-  bool addsHalves = false;   // as the family `half` does
   /// Of a CPU device (engine/drivers/llvmpipe.h). Kernels read it as the constant kLaneCodeConstant, beside those of
   /// their dispatch.
   LaneCode laneCode = LaneCode::shuffles;

@@ -76,7 +76,7 @@ HostFeatures usefulFeatures(const HostDevice& host) {
   const DeviceDescription description = describe(*instance, host.physicalDevice);
   const bool areChosen = subgroupControl(host.physicalDevice).areChosen;
   const DeviceTraits traits = traitsOf(host.physicalDevice, description, description.kernelFamily, areChosen);
-  HostFeatures useful{.shaderInt64 = traits.shaderInt64, .shaderFloat16 = traits.addsHalves};
+  HostFeatures useful{.shaderInt64 = traits.shaderInt64};
   if (extensionsOf(traits.matrixUnits).empty()) return useful;
   useful.subgroupSizeControl = areChosen;
   useful.computeFullSubgroups = useful.shaderFloat16 = useful.vulkanMemoryModel = true;
@@ -109,7 +109,6 @@ void takeDevice(Gpu::Handles& gpu, const HostDevice& host) {
   gpu.description = describe(*gpu.instance, host.physicalDevice);
   checkDriver(gpu.description);
   if (unitsOf(host.enabled) != gpu.description.matrixUnits) gpu.description.matrixUnits = MatrixUnits::none;
-  if (!host.enabled.shaderFloat16) gpu.description.addsHalves = gpu.description.pairsHalves = false;
   gpu.description.kernelFamily = suitableFamily(gpu.description);
   gpu.queueFamily = host.queueFamily;
   gpu.lockQueue = host.lockQueue;

@@ -7,8 +7,7 @@ namespace xrds {
 
 KernelFamily suitableFamily(const DeviceDescription& device) {
   if (device.kind == DeviceKind::cpu) return KernelFamily::lane;
-  if (device.matrixUnits != MatrixUnits::none) return KernelFamily::matrix;
-  return device.pairsHalves ? KernelFamily::half : KernelFamily::tile;
+  return device.matrixUnits == MatrixUnits::none ? KernelFamily::tile : KernelFamily::matrix;
 }
 
 KernelFamily chosenFamily(const DeviceDescription& device, const std::string& asked) {
@@ -17,9 +16,6 @@ KernelFamily chosenFamily(const DeviceDescription& device, const std::string& as
   const KernelFamily family = kernelFamilyOf(wanted);
   if (family == KernelFamily::lane && device.kind != DeviceKind::cpu)
     throw Error("The kernel family 'lane' is for CPU devices, and " + device.name + " is none; choose plain or tile.");
-  if (family == KernelFamily::half && !device.addsHalves)
-    throw Error("The kernel family 'half' adds up 16-bit floats, and " + device.name +
-                " does not, or has too few registers for it; choose plain or tile.");
   if (usesMatrixUnits(family) && device.matrixUnits == MatrixUnits::none)
     throw Error("The kernel family '" + wanted + "' needs matrix units that multiply 16-bit floats, and " +
                 device.name + " offers none to Vulkan, or has too few registers for them; choose plain or tile.");
@@ -45,8 +41,7 @@ DeviceTraits usualTraits(KernelFamily family) {
           .subgroupSize = isCpu ? 8u : 32u,
           .memoryBytes = family == KernelFamily::plain || isCpu ? 0 : uint64_t{8} << 30,
           .maxSharedBytes = isCpu ? 32768u : 49152u,
-          .shaderInt64 = isCpu,
-          .addsHalves = family == KernelFamily::half};
+          .shaderInt64 = isCpu};
 }
 
 }  // namespace xrds

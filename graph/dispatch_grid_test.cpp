@@ -76,7 +76,7 @@ TEST_P(DispatchGrid, FitsAnyDevice) {
 
 INSTANTIATE_TEST_SUITE_P(All, DispatchGrid,
                          testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile,
-                                         KernelFamily::half, KernelFamily::matrix, KernelFamily::fused),
+                                         KernelFamily::matrix, KernelFamily::fused),
                          [](const auto& info) { return std::string(nameOf(info.param)); });
 
 // Rows whose subgroups cannot be shared out among workgroups, as a residual asks for: 1047 of 125 subgroups each.

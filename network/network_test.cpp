@@ -106,8 +106,7 @@ TEST(Network, IsFewLargeDispatchesOnAGpu) {
   const auto graphOn = [&](const DeviceTraits& device, FrameShape frame) {
     return buildGraph(kCompact, frame, model.lookup(), fastOn(device, {.precision = Precision::fp16}));
   };
-  for (const KernelFamily family :
-       {KernelFamily::tile, KernelFamily::half, KernelFamily::matrix, KernelFamily::fused}) {
+  for (const KernelFamily family : {KernelFamily::tile, KernelFamily::matrix, KernelFamily::fused}) {
     DeviceTraits device = usualTraits(family);
     const Graph graph = graphOn(device, {256, 256});
     const auto lowered = lower(graph, device);

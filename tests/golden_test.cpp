@@ -124,7 +124,6 @@ INSTANTIATE_TEST_SUITE_P(All, GoldenNetwork, testing::ValuesIn(goldenNames()),
 // In the families that the test's device would not choose: few, as GPU kernels are slow on a CPU.
 TEST_P(GoldenOtherFamilies, Fp32Tile) { expectMatch(KernelFamily::tile, Precision::fp32, 1e-4); }
 TEST_P(GoldenOtherFamilies, Fp16Tile) { expectMatch(KernelFamily::tile, Precision::fp16, 5e-3); }
-TEST_P(GoldenOtherFamilies, Fp16Half) { expectMatch(KernelFamily::half, Precision::fp16, 5e-3); }
 TEST_P(GoldenOtherFamilies, Fp16Matrix) { expectMatch(KernelFamily::matrix, Precision::fp16, 5e-3); }
 
 INSTANTIATE_TEST_SUITE_P(Some, GoldenOtherFamilies,

@@ -119,8 +119,8 @@ TEST_P(SmallDevices, BindNoMoreThanTheirRange) {
 
 INSTANTIATE_TEST_SUITE_P(All, SmallDevices,
                          testing::Combine(testing::ValuesIn(kDevices),
-                                          testing::Values(KernelFamily::plain, KernelFamily::tile, KernelFamily::half,
-                                                          KernelFamily::matrix, KernelFamily::fused)),
+                                          testing::Values(KernelFamily::plain, KernelFamily::tile, KernelFamily::matrix,
+                                                          KernelFamily::fused)),
                          [](const auto& info) {
                            return std::string(std::get<0>(info.param).name) + "_" + nameOf(std::get<1>(info.param));
                          });

@@ -36,8 +36,6 @@ std::vector<KernelFamily> familiesOf(const Gpu& gpu, Precision precision) {
   std::vector<KernelFamily> families{KernelFamily::plain};
   if (gpu.description().kind == DeviceKind::cpu) families.push_back(KernelFamily::lane);
   families.push_back(KernelFamily::tile);
-  if (gpu.description().kind != DeviceKind::cpu && gpu.traits().addsHalves && precision == Precision::fp16)
-    families.push_back(KernelFamily::half);
   if (gpu.traits().matrixUnits != MatrixUnits::none && precision == Precision::fp16)
     families.push_back(KernelFamily::matrix);
   return families;

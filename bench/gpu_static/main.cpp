@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::json;
 
 struct Options {
-  std::vector<std::string> models, families{"plain", "tile", "half", "matrix", "fused"}, precisions{kFp16, kFp32};
+  std::vector<std::string> models, families{"plain", "tile", "matrix", "fused"}, precisions{kFp16, kFp32};
   std::filesystem::path programs;  // a folder of NAME.spv, in place of the embedded ones
   uint32_t width = 256, height = 256;
   uint64_t memoryBytes = uint64_t{8} << 30;        // of the device; the null device says nothing of it
@@ -88,7 +88,7 @@ class Report {
   void add(const std::string& name, const NetworkModel& model, const std::string& precision,
            const std::string& family) {
     const KernelFamily kernels = kernelFamilyOf(family);
-    if (!device_.runs(kernels) || (multipliesHalves(kernels) && precision != kFp16)) return;
+    if (!device_.runs(kernels) || (usesMatrixUnits(kernels) && precision != kFp16)) return;
     DeviceTraits& traits = device_.take(kernels);
     traits.memoryBytes = options_.memoryBytes;
     if (options_.sharedBytes) traits.maxSharedBytes = options_.sharedBytes;

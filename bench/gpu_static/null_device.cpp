@@ -86,7 +86,6 @@ NullDevice::NullDevice(ProgramSource programs) {
 }
 
 bool NullDevice::runs(KernelFamily family) const {
-  if (family == KernelFamily::half) return description().addsHalves;
   return !usesMatrixUnits(family) || description().matrixUnits != MatrixUnits::none;
 }
 

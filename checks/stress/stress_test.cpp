@@ -137,7 +137,7 @@ TEST_P(BudgetsOfFamilies, HasABudgetForEveryOperatorThatDevicesRun) {
 
 INSTANTIATE_TEST_SUITE_P(All, BudgetsOfFamilies,
                          testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile,
-                                         KernelFamily::half, KernelFamily::matrix, KernelFamily::fused),
+                                         KernelFamily::matrix, KernelFamily::fused),
                          [](const auto& info) { return std::string(nameOf(info.param)); });
 
 TEST(OperatorFacts, KnowsWhatBandsFoldsAndFusedLayersAloneHave) {

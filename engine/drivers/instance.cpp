@@ -110,12 +110,6 @@ DeviceDescription describe(const Instance& instance, VkPhysicalDevice device) {
   if (llvmpipeMultiplies(description.driver, version11.subgroupSize) &&
       holdsFragments(subgroupControl(device), registersOf(properties.properties.vendorID, description.kind)))
     std::tie(description.matrixUnits, description.matrixSize) = findMatrixUnits(instance, device);
-  VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12};
-  vkGetPhysicalDeviceFeatures2(device, &features);
-  const uint32_t vendorId = properties.properties.vendorID;
-  description.addsHalves = features12.shaderFloat16 && holdsHalves(registersOf(vendorId, description.kind));
-  description.pairsHalves = description.addsHalves && pairsHalves(vendorId);
   description.kernelFamily = suitableFamily(description);
   description.apiVersion = versionText(properties.properties.apiVersion);
   for (uint32_t i = 0; i < memory.memoryHeapCount; ++i)

@@ -157,15 +157,7 @@ TEST(KernelFamily, IsTheOneThatSuitsTheDevice) {
   for (const DeviceKind kind : {DeviceKind::discrete, DeviceKind::integrated, DeviceKind::virtualGpu}) {
     EXPECT_EQ(suitable(kind, MatrixUnits::none), KernelFamily::tile);
     EXPECT_EQ(suitable(kind, MatrixUnits::nv), KernelFamily::matrix);
-    DeviceDescription pairs{.kind = kind, .addsHalves = true, .pairsHalves = true};
-    EXPECT_EQ(suitableFamily(pairs), KernelFamily::half);
-    pairs.matrixUnits = MatrixUnits::khr;
-    EXPECT_EQ(suitableFamily(pairs), KernelFamily::matrix);
   }
-  EXPECT_TRUE(pairsHalves(0x1002));
-  EXPECT_FALSE(pairsHalves(0x10DE));
-  EXPECT_TRUE(holdsHalves(256));
-  EXPECT_FALSE(holdsHalves(128));
   EXPECT_EQ(suitable(DeviceKind::cpu, MatrixUnits::none), KernelFamily::lane);
 }
 
@@ -177,8 +169,6 @@ TEST(KernelFamily, MayBeAskedForWhereItRuns) {
   EXPECT_THROW(chosenFamily(gpu, "lane"), Error);
   EXPECT_THROW(chosenFamily(gpu, "matrix"), Error);
   EXPECT_THROW(chosenFamily(gpu, "fused"), Error);
-  EXPECT_THROW(chosenFamily(gpu, "half"), Error);
-  EXPECT_EQ(chosenFamily({.kind = DeviceKind::discrete, .addsHalves = true}, "half"), KernelFamily::half);
   EXPECT_EQ(chosenFamily({.matrixUnits = MatrixUnits::khr}, "matrix"), KernelFamily::matrix);
   EXPECT_EQ(chosenFamily({.matrixUnits = MatrixUnits::khr}, "fused"), KernelFamily::fused);
   const DeviceDescription coarse{.matrixUnits = MatrixUnits::khr, .matrixSize = {.halfSums = false}};
@@ -188,7 +178,7 @@ TEST(KernelFamily, MayBeAskedForWhereItRuns) {
     chosenFamily(cpu, "tiles");
     FAIL() << "a name of no family";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "There is no kernel family 'tiles'; choose plain, lane, tile, half, matrix or fused.");
+    EXPECT_STREQ(error.what(), "There is no kernel family 'tiles'; choose plain, lane, tile, matrix or fused.");
   }
 }
 

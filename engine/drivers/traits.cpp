@@ -15,13 +15,6 @@ uint32_t registersOf(uint32_t vendorId, DeviceKind kind) {
   return areFew ? 128 : 256;
 }
 
-bool holdsHalves(uint32_t registers) { return registers >= DeviceTraits{}.registers; }
-
-bool pairsHalves(uint32_t vendorId) {
-  constexpr uint32_t kAmd = 0x1002;
-  return vendorId == kAmd;
-}
-
 DeviceTraits traitsOf(VkPhysicalDevice device, const DeviceDescription& description, KernelFamily family,
                       bool choosesSubgroups) {
   VkPhysicalDeviceVulkan11Properties version11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
@@ -51,7 +44,6 @@ DeviceTraits traitsOf(VkPhysicalDevice device, const DeviceDescription& descript
           .maxSharedBytes = limits.maxComputeSharedMemorySize,
           .maxGroupInvocations = limits.maxComputeWorkGroupInvocations,
           .shaderInt64 = features.features.shaderInt64 && features12.shaderSubgroupExtendedTypes,
-          .addsHalves = description.addsHalves,
           .laneCode = llvmpipeTraits(description.driver).laneCode,
           .bufferAddresses = description.kind == DeviceKind::cpu && features12.bufferDeviceAddress};
 }

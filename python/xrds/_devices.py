@@ -19,7 +19,7 @@ class DeviceDescription:
     driver: str
     api_version: str
     kernel_family: str
-    """Of the kernels that it runs: "plain", "lane", "tile", "half", "matrix" or "fused"."""
+    """Of the kernels that it runs: "plain", "lane", "tile", "matrix" or "fused"."""
     memory: int
     """Bytes."""
 

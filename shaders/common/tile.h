@@ -1,27 +1,15 @@
 #pragma once
 
-#include <algorithm>
-#include <initializer_list>
-
 #include "shaders/common/groups.h"
 
 namespace xrds {
 
 inline constexpr uint32_t kTileInvocations = 256;  // of a workgroup of a tile kernel
 
-/// Whether the family's kernels are those of `tile`, with sums in fp32 or in halves.
-constexpr bool isOfTiles(KernelFamily family) { return family == KernelFamily::tile || family == KernelFamily::half; }
-
 /// Whether the device takes the tile kernels: its own family, or one of the operators without a matrix kernel.
 inline bool takesTiles(const DeviceTraits& device) {
-  return (isOfTiles(device.family) || usesMatrixUnits(device.family)) && device.maxGroupInvocations >= kTileInvocations;
-}
-
-/// The kernel of tiles of an operator that has both: `half` where all that it reads and writes are halves.
-inline KernelFamily tileFamily(const DeviceTraits& device, std::initializer_list<DataType> types) {
-  const bool areHalves = std::all_of(types.begin(), types.end(), [](DataType type) { return type == DataType::f16; });
-  const bool computes = device.family == KernelFamily::half && device.addsHalves;
-  return computes && areHalves ? KernelFamily::half : KernelFamily::tile;
+  return (device.family == KernelFamily::tile || usesMatrixUnits(device.family)) &&
+         device.maxGroupInvocations >= kTileInvocations;
 }
 
 /// Invocations side by side in a tile, each for four outputs: as many as leave at most a quarter of them idle.

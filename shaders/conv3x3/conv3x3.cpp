@@ -87,7 +87,7 @@ TileShape tileShape(const Conv3x3& op, const DeviceTraits& device) {
   constexpr uint32_t kLeastRows = 8, kEnoughGroups = 256;
   const uint32_t columns = tileColumns(kernelOutputs(op) / 4), strips = columns >= 8 ? 2 : 4;
   TileShape tile{columns, std::min(kTileInvocations / columns / strips, 32u), strips, usualPixels(device)};
-  const uint32_t asked = isOfTiles(device.family) ? device.shape.outputs : 0;
+  const uint32_t asked = device.family == KernelFamily::tile ? device.shape.outputs : 0;
   if (asked == 4 || asked == 8) tile.pixels = asked;
   const auto sharedBytes = [&] { return 16 * ((tile.pixels * strips + 2) * (tile.rows + 2) + 36 * columns); };
   if (device.shape.rows > 0) tile.rows = std::min(tile.rows, device.shape.rows);
@@ -277,8 +277,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.groupCount = {ceilDivide(kernelOutputs(op), 16 * tile.outputs), ceilDivide(shape.width, 16),
                          ceilDivide(rowCount, shader::kMatrixRows)};
   } else if (const TileShape tile = tileShape(op, device); tile.columns) {
-    const KernelFamily family = tileFamily(device, {op.input.type, op.weightType, op.output.type});
-    launch.program = programName("conv3x3", family, op.output.type);
+    launch.program = programName("conv3x3", KernelFamily::tile, op.output.type);
     launch.specialization = {tile.columns, tile.rows,    tile.strips, activation, hasResidual,
                              tile.pixels,  tile.columns, tile.rows,   tile.strips};
     launch.groupCount = {ceilDivide(kernelOutputs(op), 4 * tile.columns),
@@ -294,7 +293,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
 
 std::vector<KernelShape> shapesToTry(const Conv3x3&, const DeviceTraits& device) {
   const uint32_t otherPixels = usualPixels(device) == 8 ? 4 : 8;
-  if (isOfTiles(device.family)) return {{.rows = 8}, {.rows = 4}, {.outputs = otherPixels}};
+  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.outputs = otherPixels}};
   if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
   if (device.family != KernelFamily::lane) return {};
   return {{8, 4}, {8, 2}, {16, 2}, {32, 2}};

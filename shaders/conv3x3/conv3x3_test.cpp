@@ -127,27 +127,9 @@ INSTANTIATE_TEST_SUITE_P(All, Conv3x3Cases,
                          testing::Combine(testing::ValuesIn(kCases),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile),
                                           testing::Values(DataType::f32, DataType::f16)));
-INSTANTIATE_TEST_SUITE_P(InHalves, Conv3x3Cases,
-                         testing::Combine(testing::ValuesIn(kCases),
-                                          testing::Values(KernelFamily::half, KernelFamily::matrix),
+INSTANTIATE_TEST_SUITE_P(Matrix, Conv3x3Cases,
+                         testing::Combine(testing::ValuesIn(kCases), testing::Values(KernelFamily::matrix),
                                           testing::Values(DataType::f16)));
-
-// Elsewhere it would read what it has no halves for.
-TEST(Conv3x3, AddsUpHalvesWhereAllTypesAreHalves) {
-  const Case c{8, 16, 32, 32};
-  const std::vector<float> weight(size_t{c.outputs} * c.inputs * 9), bias(c.outputs);
-  DeviceTraits device = usualTraits(KernelFamily::half);
-  for (const DataType input : {DataType::f16, DataType::f32})
-    for (const DataType weights : {DataType::f16, DataType::f32})
-      for (const bool computes : {true, false}) {
-        Conv3x3 op = operatorOf(c, DataType::f16, weight, bias);
-        op.input.type = input;
-        op.weightType = weights;
-        device.addsHalves = computes;
-        const bool areHalves = input == DataType::f16 && weights == DataType::f16;
-        EXPECT_EQ(dispatch(op, device).program, computes && areHalves ? "conv3x3_half_f16" : "conv3x3_tile_f16");
-      }
-}
 
 class Conv3x3OnGpus : public testing::TestWithParam<uint32_t> {};
 

@@ -2,13 +2,11 @@
 // A workgroup computes kPixels * kStrips by kRows pixels of 4 * kColumns outputs, an invocation (column, row, strip) four
 // outputs of kPixels side by side. One input quad a step lies in shared memory: the pixels with their border, and the weights
 // of all taps. The next step's texels are on their way to registers while this one is multiplied. Weights as in
-// conv3x3.comp. Any subgroup size; every output is summed in the same order wherever it lies. fp32; in the family
-// `half` the 12 products of a step and a row of taps are added up as halves, four by four.
+// conv3x3.comp. Any subgroup size; every output is summed in the same order wherever it lies. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/common/activation.glsl"
-#include "shaders/common/factors.glsl"
 #include "shaders/common/storage.glsl"
 #include "shaders/conv3x3/conv3x3.h"
 layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;
@@ -30,8 +28,8 @@ const uint kWidth = kPixels * kStrips, kStride = kWidth + 2;  // of the pixels, 
 const uint kPixelTexels = kStride * (kRows + 2), kWeightTexels = 36 * kColumns;
 const uint kPixelFetches = (kPixelTexels + kInvocations - 1) / kInvocations;
 const uint kWeightFetches = (kWeightTexels + kInvocations - 1) / kInvocations;
-shared FACTOR4 x[kPixelTexels];   // [row][column]
-shared FACTOR4 w[kWeightTexels];  // [tap][input of four][output quad]
+shared vec4 x[kPixelTexels];   // [row][column]
+shared vec4 w[kWeightTexels];  // [tap][input of four][output quad]
 
 void main() {
   const uint outputQuads = p.outputChannels * p.shuffle * p.shuffle / 4, lastQuad = outputQuads - 1;
@@ -60,11 +58,11 @@ void main() {
       barrier();
       [[unroll]] for (uint i = 0; i < kPixelFetches; i++) {
         const uint at = i * kInvocations + gl_LocalInvocationIndex;
-        if (at < kPixelTexels) x[at] = FACTOR4(nextX[i]);
+        if (at < kPixelTexels) x[at] = nextX[i];
       }
       [[unroll]] for (uint i = 0; i < kWeightFetches; i++) {
         const uint at = i * kInvocations + gl_LocalInvocationIndex;
-        if (at < kWeightTexels) w[at] = FACTOR4(nextW[i]);
+        if (at < kWeightTexels) w[at] = nextW[i];
       }
       barrier();
     }
@@ -83,30 +81,15 @@ void main() {
     }
     if (step > 0) {
       [[unroll]] for (uint ky = 0; ky < 3; ky++) {
-        FACTOR4 line[kPixels + 2];
-#ifdef XRDS_HALF
-        FACTOR4 part[kPixels];
-#endif
+        vec4 line[kPixels + 2];
         [[unroll]] for (uint i = 0; i < kPixels + 2; i++)
           line[i] = x[(row + ky) * kStride + stripBegin + i];
         [[unroll]] for (uint kx = 0; kx < 3; kx++) {
-#ifdef XRDS_HALF
-          FACTOR4 ofTap[4];
-          [[unroll]] for (uint c = 0; c < 4; c++) ofTap[c] = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
-          [[unroll]] for (uint i = 0; i < kPixels; i++) {
-            const FACTOR4 four = sumOfFour(ofTap, line[i + kx]);
-            part[i] = kx == 0 ? four : part[i] + four;
-          }
-#else
           [[unroll]] for (uint c = 0; c < 4; c++) {
             const vec4 ofChannel = w[((ky * 3 + kx) * 4 + c) * kColumns + column];
             [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i] += ofChannel * line[i + kx][c];
           }
-#endif
         }
-#ifdef XRDS_HALF
-        [[unroll]] for (uint i = 0; i < kPixels; i++) sum[i] += vec4(part[i]);
-#endif
       }
     }
   }

@@ -186,8 +186,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
     launch.groupCount =
         tileGroups(ceilDivide(params.outputChannels, 16 * shape.outputs), ceilDivide(tokens, 16 * shader::kMatrixRows));
   } else if (const TileShape tile = tileShape(op, device); tile.columns && !normalized) {
-    const KernelFamily family = tileFamily(device, {op.input.type, appendedOf(op).type, op.weightType, op.output.type});
-    launch.program = programName("linear", family, op.output.type);
+    launch.program = programName("linear", KernelFamily::tile, op.output.type);
     launch.specialization = {tile.columns, tile.rows,   tile.tokens,  activation,
                              hasResidual,  hasAppended, tile.columns, tile.rows};
     launch.groupCount = tileGroups(ceilDivide(params.outputChannels, 4 * tile.columns),
@@ -202,7 +201,7 @@ Dispatch dispatch(const Linear& op, const DeviceTraits& device) {
 }
 
 std::vector<KernelShape> shapesToTry(const Linear& op, const DeviceTraits& device) {
-  if (isOfTiles(device.family)) return {{.rows = 8}, {.rows = 4}, {.rows = 2}};
+  if (device.family == KernelFamily::tile) return {{.rows = 8}, {.rows = 4}, {.rows = 2}};
   if (usesMatrixUnits(device.family)) return {{.outputs = 4}, {.outputs = 2}, {.outputs = 1}};
   if (device.family != KernelFamily::lane) return {};
   // The next smaller and larger tiles: half the registers, or half the fetches. Of each, and of its own, both orders.

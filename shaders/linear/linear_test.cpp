@@ -4,7 +4,6 @@
 
 #include <set>
 
-#include "engine/kernel_family.h"
 #include "shaders/common/matrix.h"
 #include "tests/harness.h"
 #include "tests/print_case.h"
@@ -85,29 +84,9 @@ INSTANTIATE_TEST_SUITE_P(All, LinearCases,
                          testing::Combine(testing::ValuesIn(kCases),
                                           testing::Values(KernelFamily::plain, KernelFamily::lane, KernelFamily::tile),
                                           testing::Values(DataType::f32, DataType::f16)));
-INSTANTIATE_TEST_SUITE_P(InHalves, LinearCases,
-                         testing::Combine(testing::ValuesIn(kCases),
-                                          testing::Values(KernelFamily::half, KernelFamily::matrix),
+INSTANTIATE_TEST_SUITE_P(Matrix, LinearCases,
+                         testing::Combine(testing::ValuesIn(kCases), testing::Values(KernelFamily::matrix),
                                           testing::Values(DataType::f16)));
-
-// Elsewhere it would read what it has no halves for.
-TEST(Linear, AddsUpHalvesWhereAllTypesAreHalves) {
-  const std::vector<float> weight(32 * 32), bias(32);
-  const TensorView input{0, DataType::f16, 4, 4, 32, 0, 32}, output{1, DataType::f16, 4, 4, 32, 0, 32};
-  const Linear halves{.input = input, .output = output, .weight = weight, .bias = bias, .weightType = DataType::f16};
-  const auto programOf = [](Linear op, DataType Linear::*weightType, TensorView Linear::*view, bool computes) {
-    if (weightType) op.*weightType = DataType::f32;
-    if (view) (op.*view).type = DataType::f32;
-    DeviceTraits device = usualTraits(KernelFamily::half);
-    device.addsHalves = computes;
-    return dispatch(op, device).program;
-  };
-  EXPECT_EQ(programOf(halves, nullptr, nullptr, true), "linear_half_f16");
-  EXPECT_EQ(programOf(halves, nullptr, nullptr, false), "linear_tile_f16");
-  EXPECT_EQ(programOf(halves, &Linear::weightType, nullptr, true), "linear_tile_f16");
-  EXPECT_EQ(programOf(halves, nullptr, &Linear::input, true), "linear_tile_f16");
-  EXPECT_EQ(programOf(halves, nullptr, &Linear::output, true), "linear_tile_f32");
-}
 
 // Small integers, of which every order of the sums gives the same float.
 TEST(Linear, IsExactOnMatrixUnits) {

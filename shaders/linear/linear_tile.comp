@@ -2,13 +2,11 @@
 // A workgroup computes kThreadTokens * kRows tokens by 4 * kColumns outputs, an invocation (column, row) four outputs of
 // the tokens row, row + kRows, ... Steps of 16 input channels lie in shared memory: texels of the next step are on their
 // way to registers while this one is multiplied. What is read behind the last token, input or output counts for nothing.
-// Weights: [K][N], then bias[N]. Any subgroup size; every output is summed in the same order wherever it lies. fp32;
-// in the family `half` eight products are added up as halves, twice four.
+// Weights: [K][N], then bias[N]. Any subgroup size; every output is summed in the same order wherever it lies. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/common/activation.glsl"
-#include "shaders/common/factors.glsl"
 #include "shaders/common/storage.glsl"
 #include "shaders/linear/linear.h"
 layout(local_size_x_id = 0, local_size_y_id = 1) in;
@@ -32,8 +30,8 @@ const uint kQuads = kLinearTileInputs / 4;
 const uint kSourceTexels = kTokens * kQuads, kWeightTexels = kLinearTileInputs * kColumns;
 const uint kSourceFetches = (kSourceTexels + kInvocations - 1) / kInvocations;
 const uint kWeightFetches = (kWeightTexels + kInvocations - 1) / kInvocations;
-shared FACTOR4 x[kSourceTexels];  // [token][quad]
-shared FACTOR4 w[kWeightTexels];  // [input][output quad]
+shared vec4 x[kSourceTexels];  // [token][quad]
+shared vec4 w[kWeightTexels];  // [input][output quad]
 
 // Tiles of tokens are folded as in tileGroups().
 uint tokenTile() { return gl_WorkGroupID.z * gl_NumWorkGroups.y + gl_WorkGroupID.y; }
@@ -53,11 +51,11 @@ void main() {
       barrier();
       [[unroll]] for (uint i = 0; i < kSourceFetches; i++) {
         const uint at = i * kInvocations + gl_LocalInvocationIndex;
-        if (at < kSourceTexels) x[at] = FACTOR4(nextX[i]);
+        if (at < kSourceTexels) x[at] = nextX[i];
       }
       [[unroll]] for (uint i = 0; i < kWeightFetches; i++) {
         const uint at = i * kInvocations + gl_LocalInvocationIndex;
-        if (at < kWeightTexels) w[at] = FACTOR4(nextW[i]);
+        if (at < kWeightTexels) w[at] = nextW[i];
       }
       barrier();
     }
@@ -75,22 +73,12 @@ void main() {
       }
     }
     if (first > 0) {
-#ifdef XRDS_HALF
-      FACTOR4 first4[kThreadTokens];  // of eight products
-#endif
       [[unroll]] for (uint q = 0; q < kQuads; q++) {
-        FACTOR4 columns[4];  // the weights of input channel 4 q + i
+        vec4 columns[4];  // the weights of input channel 4 q + i
         [[unroll]] for (uint i = 0; i < 4; i++) columns[i] = w[(4 * q + i) * kColumns + column];
         [[unroll]] for (uint t = 0; t < kThreadTokens; t++) {
-          const FACTOR4 inputs = x[(t * kRows + row) * kQuads + q];
-#ifdef XRDS_HALF
-          if (q % 2 == 0)
-            first4[t] = sumOfFour(columns, inputs);
-          else
-            sum[t] += vec4(first4[t] + sumOfFour(columns, inputs));
-#else
+          const vec4 inputs = x[(t * kRows + row) * kQuads + q];
           [[unroll]] for (uint i = 0; i < 4; i++) sum[t] += columns[i] * inputs[i];
-#endif
         }
       }
     }

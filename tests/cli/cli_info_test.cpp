@@ -167,7 +167,7 @@ TEST(CliKernelFamily, OfNoSuchNameIsAUsageErrorEverywhere) {
            frame.arguments(), {"devices"}, {"doctor"}, {"info"}, {"bench", "stress", "--short"}}) {
     const Ended ended = runXrds(arguments, wrong);
     expectFailure(ended, 2, "XRDS_KERNEL_FAMILY is 'foo'", frame.folder, 2);
-    EXPECT_TRUE(contains(ended.error, "plain, lane, tile, half, matrix, fused")) << ended.error;
+    EXPECT_TRUE(contains(ended.error, "plain, lane, tile, matrix, fused")) << ended.error;
   }
   EXPECT_EQ(runXrds({"--help"}, wrong).exitCode, 0);
 }

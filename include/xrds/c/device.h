@@ -16,7 +16,7 @@ typedef struct XrdsDeviceDescription {
   char name[256], kind[16]; /* kind: "discrete", "integrated", "virtual", "cpu" or "other" */
   char uuid[33];            /* 32 hexadecimal digits */
   char driver[256], apiVersion[32];
-  char kernelFamily[16]; /* of the kernels that it runs: "plain", "lane", "tile", "half", "matrix" or "fused" */
+  char kernelFamily[16]; /* of the kernels that it runs: "plain", "lane", "tile", "matrix" or "fused" */
   uint64_t memoryBytes;
 } XrdsDeviceDescription;
 
