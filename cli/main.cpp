@@ -47,7 +47,7 @@ int ended() {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): only the handlers could throw, when building a message fails
 int main(int argc, char** argv) {
-  const xrds::Utf8Console console;
+  static const xrds::Utf8Console console;  // std::exit() leaves it, too
   CLI::App app(
       "Upscales Monte Carlo renders: low-resolution colour and full-resolution albedo and normals in, the\n"
       "full-resolution picture out, on any Vulkan device.",

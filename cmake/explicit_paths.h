@@ -1,6 +1,7 @@
 // Part of the precompiled headers of programs that get text from their users: a path is made of text by pathOf() alone
-// (xrds/path_text.h), as on Windows std::filesystem::path(text) reads no UTF-8. Literals are ASCII and may stay; of
-// text that is a temporary the check tells on Windows alone. The names within are those of GCC 12's standard library.
+// (xrds/path_text.h), as on Windows std::filesystem::path(text) reads no UTF-8. Literals are ASCII and may stay. Of
+// views of text the check tells nowhere, of text that is a temporary on Windows alone. The names within are those of
+// GCC 12's standard library.
 #pragma once
 
 #include <filesystem>

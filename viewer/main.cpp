@@ -140,7 +140,7 @@ void show(const xrds::ViewerOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const xrds::Utf8Console console;
+  static const xrds::Utf8Console console;  // std::exit() leaves it, too
   CLI::App app("Shows renders as they are upscaled, in a window.", "xrds view");
   app.formatter(std::make_shared<xrds::HelpFormat>());
   xrds::ViewerOptions options;
