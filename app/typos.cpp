@@ -47,8 +47,9 @@ std::string unknownCommand(const CLI::App& app, const std::string& command, cons
   const std::vector<std::string> names = commandsOf(app);
   const std::string meant = nearest(typed, names);
   return "There is no command '" + command + " " + typed + "'; " +
-         (meant.empty() ? "there are " + listed(names) : "the nearest is '" + meant + "'") + "; see " + command +
-         " --help";
+         (!meant.empty() ? "the nearest is '" + meant + "'"
+                         : (names.size() > 1 ? "there are " : "there is ") + listed(names)) +
+         "; see " + command + " --help";
 }
 
 bool hasUnknownCommand(const CLI::App& verb) {

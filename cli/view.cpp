@@ -29,9 +29,13 @@ fs::path viewerProgram() {
   std::error_code unreadable;
   for (const char* place : {".", "../viewer"})
     if (fs::path program = programFolder() / pathOf(place) / kProgram; fs::exists(program, unreadable)) return program;
+#ifdef _WIN32
+  throw Failure{ExitCode::usage, "The viewer is not built for Windows yet."};
+#else
   throw Failure{ExitCode::usage,
                 "This xrds was built without the viewer: install GLFW and Dear ImGui (Debian: libglfw3-dev, "
                 "libimgui-dev) and build it again."};
+#endif
 }
 
 [[noreturn]] void become(const fs::path& program, const std::vector<std::string>& arguments) {

@@ -18,6 +18,7 @@ TEST(CliUsage, NamesTheSlipAndWhatIsNearest) {
        "There is no command 'xrds bench qualty'; the nearest is 'quality'; see xrds bench --help."},
       {{"frobnicate"}, "There is no command 'xrds frobnicate'; there are upscale, advise, compare,"},
       {{"frobnicate", "--help"}, "There is no command 'xrds frobnicate'; there are upscale, advise, compare,"},
+      {{"import", "frobnicate"}, "There is no command 'xrds import frobnicate'; there is oidn; see xrds import --help"},
       {{"frobnicate", "upscale"}, "There is no command 'xrds frobnicate'; there are upscale, advise, compare,"},
       {{"frobnicate", "devices", "--help"},
        "There is no command 'xrds frobnicate'; there are upscale, advise, compare,"},
