@@ -41,10 +41,10 @@ runs of two pixels in the joint bilateral filter, which spilled on Apple's and Q
 of 8 have 4 KiB: it takes the tile kernels. Window attention reads a row of scores twice in subgroups of 16, where it spilled 34. What is left on Intel are one or two values of it in `tile`.
 
 Sums of few products in halves, two an instruction, were tried in `linear_tile` and `conv3x3_tile` (commits 09b2a0e and 96e33ac: 8 and 12 products, four at a time, then a sum in fp32).
-By ACO's inverse throughput they take 0.70 to 0.80 of the time on RDNA 1 and 2 and 0.78 to 0.85 on vega10; NAK counts 0.72 to 0.85 of the cycles on Turing, 0.63 to 0.67 on Ampere. RDNA 3
-and 4, which take two floats an instruction, too, need 1.14 to 1.23 of it (`bench/results/gpu_static.json` of aaa7167); on Intel's GPUs 79 registers were spilled. The PSNR of four scenes changed by at most 0.001 dB, but the error of a convolution of the
-golden model `s2_guided` was 1.2e-3, its budget is 8e-4, and sums beyond 65504 were lost: in `xrds bench stress` 34864 pixels of `xrds-x2-live` were not finite. Not kept. Window
-attention with values added up so took 0.94 on RDNA and 1.28 on vega10.
+By ACO's inverse throughput they take 0.70 to 0.80 of the time on RDNA 1 and 2 and 0.78 to 0.85 on vega10; NAK counts 0.72 to 0.85 of the cycles on Turing, 0.63 to 0.67 on Ampere.
+RDNA 3 and 4, which take two floats an instruction, too, need 1.14 to 1.23 of it (`bench/results/gpu_static.json` of aaa7167); on Intel's GPUs 79 registers were spilled. The PSNR of
+four scenes changed by at most 0.001 dB, but the error of a convolution of the golden model `s2_guided` was 1.2e-3, its budget is 8e-4, and sums beyond 65504 were lost: in
+`xrds bench stress` 34864 pixels of `xrds-x2-live` were not finite. Not kept. Window attention with values added up so took 0.94 on RDNA and 1.28 on vega10.
 
 Loads from shared memory in the fused layer of 96 channels once were 116 beside 24 products in the loop of a map. A head's loop, into which the map's is now
 unrolled, has 64 beside 57: 1.1 a product in place of 4.8; the map alone 24 beside 39.
