@@ -43,10 +43,11 @@ fs::path inModelFolders(const std::string& fileName) {
 }
 
 fs::path resolveModel(const std::string& nameOrFile) {
-  if (nameOrFile.ends_with(kSuffix) || pathOf(nameOrFile).has_parent_path()) return pathOf(nameOrFile);
+  fs::path given = pathOf(nameOrFile);
+  if (nameOrFile.ends_with(kSuffix) || given.has_parent_path()) return given;
   if (fs::path file = findModel(nameOrFile); !file.empty()) return file;
   std::error_code ignored;  // a name too long for a file, say
-  if (fs::is_regular_file(pathOf(nameOrFile), ignored)) return pathOf(nameOrFile);
+  if (fs::is_regular_file(given, ignored)) return given;
   if (shippedModels().empty()) throw Error("There is no model '" + nameOrFile + "', and " + noModels());
   throw Error("There is no model '" + nameOrFile + "': give a .safetensors file or one of the shipped models, " +
               listed(shippedModels()) + ".");

@@ -46,10 +46,9 @@ std::string unknownOption(const CLI::App& verb, const std::string& command, cons
 std::string unknownCommand(const CLI::App& app, const std::string& command, const std::string& typed) {
   const std::vector<std::string> names = commandsOf(app);
   const std::string meant = nearest(typed, names);
+  const std::string known = (names.size() > 1 ? "there are " : "there is ") + listed(names);
   return "There is no command '" + command + " " + typed + "'; " +
-         (!meant.empty() ? "the nearest is '" + meant + "'"
-                         : (names.size() > 1 ? "there are " : "there is ") + listed(names)) +
-         "; see " + command + " --help";
+         (meant.empty() ? known : "the nearest is '" + meant + "'") + "; see " + command + " --help";
 }
 
 bool hasUnknownCommand(const CLI::App& verb) {

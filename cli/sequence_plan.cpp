@@ -24,8 +24,9 @@ struct Inputs {
 // Also one that is not there: a name without an extension.
 bool isFolder(const std::string& path) {
   std::error_code ignored;
-  if (path.ends_with('/') || fs::is_directory(pathOf(path), ignored)) return true;
-  return !fs::exists(pathOf(path), ignored) && !pathOf(path).has_extension() && !FilePattern::mayBeMany(path);
+  const fs::path place = pathOf(path);
+  if (path.ends_with('/') || fs::is_directory(place, ignored)) return true;
+  return !fs::exists(place, ignored) && !place.has_extension() && !FilePattern::mayBeMany(path);
 }
 
 // The same names in the same folder, however that was spelled.

@@ -58,17 +58,18 @@ bool hasExtension(const fs::path& file, std::string_view extension) {
 
 bool FilePattern::mayBeMany(const std::string& text) {
   std::error_code ignored;
-  if (fs::is_directory(pathOf(text), ignored)) return true;
-  return !fs::exists(pathOf(text), ignored) && std::regex_search(pathOf(text).filename().string(), field());
+  const fs::path path = pathOf(text);
+  if (fs::is_directory(path, ignored)) return true;
+  return !fs::exists(path, ignored) && std::regex_search(path.filename().string(), field());
 }
 
 FilePattern::FilePattern(const std::string& text) {
   std::error_code ignored;
-  if (fs::is_directory(pathOf(text), ignored)) {
-    findSeries(pathOf(text));
+  const fs::path path = pathOf(text);
+  if (fs::is_directory(path, ignored)) {
+    findSeries(path);
     return;
   }
-  const fs::path path = pathOf(text);
   folder_ = path.parent_path();
   before_ = path.filename().string();
   std::smatch match;
