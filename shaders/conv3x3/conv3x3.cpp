@@ -9,25 +9,13 @@
 #include "shaders/common/tile.h"
 #include "shaders/common/uniform_store.h"
 #include "shaders/common/winograd.h"
+#include "shaders/conv3x3/lanes.h"
+#include "shaders/conv3x3/sides.h"
 
 namespace xrds {
 namespace {
 
 constexpr uint32_t kFour = 4;  // pixels of a row that are rounded together (Conv3x3::inFours)
-
-uint32_t parts(bool shuffled) { return shuffled ? 4 : 1; }
-uint32_t factor(bool shuffled) { return shuffled ? 2 : 1; }
-
-// Channels that the kernels see: those of the views, all parts of a shuffled one.
-uint32_t kernelInputs(const Conv3x3& op) { return op.input.channels * parts(op.unshuffleInput); }
-uint32_t kernelOutputs(const Conv3x3& op) { return outputShape(op).channels * parts(op.shuffleOutput); }
-
-TensorShape convolutionShape(const Conv3x3& op) {
-  const uint32_t f = factor(op.unshuffleInput);
-  return {op.input.height / f, op.input.width / f, op.outputChannels};
-}
-
-uint32_t seenColumns(const Conv3x3& op) { return op.seenColumns > 0 ? op.seenColumns : convolutionShape(op).width; }
 
 // A channel of the kernels, part by part, as a channel of the weight; `channels` if it is padding.
 uint32_t weightChannel(uint32_t kernelChannel, uint32_t viewChannels, bool shuffled, uint32_t channels) {
@@ -37,38 +25,6 @@ uint32_t weightChannel(uint32_t kernelChannel, uint32_t viewChannels, bool shuff
 
 double weightAt(const Conv3x3& op, uint32_t output, uint32_t input, uint32_t tap) {
   return op.weight[(size_t{output} * op.inputChannels + input) * 9 + tap];
-}
-
-// What a workgroup of the lane kernel computes. Its compiled body grows with outputs * rows; larger ones spread the
-// fetched inputs (outputs) and weights (rows) over more products.
-constexpr uint32_t kMaxSubgroups = 4;  // of a workgroup, side by side
-struct LaneTile {
-  uint32_t outputs = 0;  // 0: the device takes the plain kernel
-  uint32_t maxRows = 0;  // of a lane
-  uint32_t pixels = 0;   // of a row: Winograd's F(pixels, 3)
-};
-
-// The largest multiple of `step` that divides `channels` and is at most `limit`.
-uint32_t largestDivisor(uint32_t channels, uint32_t step, uint32_t limit) {
-  uint32_t divisor = std::min(channels, limit) / step * step;
-  while (channels % divisor != 0) divisor -= step;
-  return divisor;
-}
-
-// fp16 weights are too coarse for F(4, 3): its transform adds two thirds to their rounding, that of F(2, 3) a third.
-LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
-  const uint32_t outputs = kernelOutputs(op), step = outputShape(op).channels % 8 ? 4 : 8;
-  const uint32_t width = convolutionShape(op).width;
-  if (device.family != KernelFamily::lane || !device.shaderInt64 || width % 2 != 0 ||
-      device.subgroupSize * kMaxSubgroups > device.maxGroupInvocations)
-    return {};
-  uint32_t tile = largestDivisor(outputs, step, 16), rows = 4;
-  if (tile < 8 && outputs >= 8) tile = largestDivisor(outputs, step, 32), rows = 3;
-  const KernelShape& asked = device.shape;
-  if (asked.outputs % step == 0 && asked.outputs > 0 && outputs % asked.outputs == 0)
-    tile = asked.outputs, rows = std::clamp(asked.rows > 0 ? asked.rows : rows, 1u, 4u);
-  if (op.inFours && width % 4 == 0 && op.weightType == DataType::f32) return {tile, std::min(rows, 2u), 4};
-  return {tile, rows, 2};
 }
 
 // A workgroup of the tile kernel: columns * rows * strips invocations, each four outputs of a strip of pixels.
@@ -187,7 +143,7 @@ std::vector<float> packedForLanes(const Conv3x3& op, LaneTile tile, uint32_t lan
   const KernelWeights weights(op);
   const uint32_t taps = 3 * (tile.pixels + 2);  // [element][ky]
   const uint32_t inputs = kernelInputs(op), outputs = kernelOutputs(op);
-  const size_t stepPadding = 4 * (alignUp(taps * tile.outputs, lanes) - taps * tile.outputs);
+  const size_t stepPadding = 4 * (weightTexels(tile, lanes) - taps * tile.outputs);
   std::vector<float> packed;
   for (uint32_t first = 0; first < outputs; first += tile.outputs) {
     const uint32_t end = first + tile.outputs;
@@ -253,19 +209,20 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
                   .pushConstants = pushBytes(paramsOf(op, rows, residual)),
                   .multiplyAdds = uint64_t{rowCount} * shape.width * 9 * op.inputChannels * op.outputChannels};
   if (const LaneTile tile = laneTile(op, device); tile.outputs) {
-    const uint32_t tileRows = evenShare(rowCount, tile.maxRows);
-    const uint32_t columns = ceilDivide(shape.width, tile.pixels * device.subgroupSize);
-    // None may be left over: it would repeat the last pixels, and add the residual twice where that is the output.
-    const uint32_t subgroups = subgroupShare(columns, kMaxSubgroups);
+    const LaneGroup group = laneGroup(op, tile, rowCount, device);
     launch.program = programName("conv3x3", KernelFamily::lane, op.output.type);
-    if (tile.pixels == 4) launch.program.insert(launch.program.rfind('_'), "4");  // conv3x3_lane4_f32
-    launch.specialization = {device.subgroupSize, tileRows, tile.outputs, activation, hasResidual, subgroups};
+    const auto extendName = [&](const char* text) { launch.program.insert(launch.program.rfind('_'), text); };
+    if (tile.pixels == 4) extendName("4");  // conv3x3_lane4_f32
+    if (tile.inTurns) extendName("_turns");
+    launch.specialization = {device.subgroupSize, group.rows,  tile.outputs,
+                             activation,          hasResidual, group.across * group.down};
+    if (tile.inTurns) launch.specialization.push_back(op.input.channels / 4);
     launch.savedProducts = launch.multiplyAdds - launch.multiplyAdds * (tile.pixels + 2) / (3 * tile.pixels);
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     // With 16 lanes it is no faster than weights that are handed out.
     if (device.subgroupSize <= 8 && readsWeightsByAddress(device, op.output.type, op.weightType))
       readWeightsByAddress(launch);
-    launch.groupCount = {kernelOutputs(op) / tile.outputs, columns / subgroups, rowCount / tileRows};
+    launch.groupCount = {kernelOutputs(op) / tile.outputs, group.countAcross, group.countDown};
   } else if (const auto [tile, taps] = matrixTile(op, device); tile.subgroups) {
     launch.program = matrixProgramName("conv3x3", device.matrixUnits, op.output.type);
     launch.specialization = matrixConstants(tile, device.matrixSize, activation, hasResidual);

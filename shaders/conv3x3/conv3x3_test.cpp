@@ -78,6 +78,10 @@ constexpr Case kCases[] = {
     inFours({6, 36, 16, 48, Layout::unshuffled, Activation::gelu}),
     inFours({7, 36, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}}),
     inFours({7, 36, 16, 16, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 12, {1, 7}}),
+    // Subgroups that take turns: side by side, below each other, in several workgroups.
+    inFours({4, 1024, 8, 8, Layout::straight, Activation::relu}),
+    inFours({32, 36, 16, 16, Layout::straight, Activation::none, true, true}),
+    inFours({12, 132, 8, 16, Layout::straight, Activation::leakyRelu, true, true}),
 };
 
 std::vector<float> halves(std::vector<float> numbers) {
@@ -191,12 +195,65 @@ TEST(Conv3x3, ComputesByFoursWhereItMayWithFullWeights) {
     Conv3x3 op = operatorOf({4, width, 8, 8}, DataType::f32, weight, bias);
     op.inFours = inFours;
     op.weightType = weights;
-    return dispatch(op, test::traitsOf(KernelFamily::lane)).program;
+    DeviceTraits traits = test::traitsOf(KernelFamily::lane);
+    traits.laneCode = LaneCode::broadcasts;  // no turns
+    return dispatch(op, traits).program;
   };
   for (const uint32_t width : {4u, 36u, 1024u}) EXPECT_EQ(programOf(width, true, DataType::f32), "conv3x3_lane4_f32");
   EXPECT_EQ(programOf(38, true, DataType::f32), "conv3x3_lane_f32");
   EXPECT_EQ(programOf(36, false, DataType::f32), "conv3x3_lane_f32");
   EXPECT_EQ(programOf(36, true, DataType::f16), "conv3x3_lane_f32");
+}
+
+class Conv3x3InTurns : public testing::Test {
+ protected:
+  Dispatch launchOf(Case c, DeviceTraits device) const {
+    device.family = KernelFamily::lane;
+    device.shaderInt64 = true;
+    return dispatch(operatorOf(c, DataType::f32, std::span(numbers_).first(size_t{c.outputs} * c.inputs * 9),
+                               std::span(numbers_).first(c.outputs)),
+                    device);
+  }
+  bool takesTurns(const Case& c, const DeviceTraits& device = {.subgroupSize = 8}) const {
+    return launchOf(c, device).program.find("_turns_") != std::string::npos;
+  }
+
+ private:
+  const std::vector<float> numbers_ = std::vector<float>(size_t{64} * 64 * 9, 1);
+};
+
+TEST_F(Conv3x3InTurns, WhereTheWeightsFitInSharedMemory) {
+  EXPECT_EQ(launchOf(inFours({4, 64, 16, 16}), {.subgroupSize = 8}).program, "conv3x3_lane4_turns_f32");
+  EXPECT_EQ(launchOf({4, 64, 16, 16}, {.subgroupSize = 8}).program, "conv3x3_lane_turns_f32");
+  EXPECT_TRUE(takesTurns(inFours({4, 64, 16, 16}), {.subgroupSize = 16}));
+  EXPECT_TRUE(takesTurns({4, 64, 32, 32}));
+  EXPECT_FALSE(takesTurns(inFours({4, 64, 32, 32}))) << "36 KiB";
+  EXPECT_FALSE(takesTurns({4, 64, 64, 32}));
+  EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 16})) << "compiles longer than it gains";
+  EXPECT_FALSE(takesTurns({4, 64, 4, 16}));
+  EXPECT_FALSE(takesTurns({4, 64, 16, 4}));
+  EXPECT_FALSE(takesTurns({4, 64, 16, 16, Layout::unshuffled}));
+  EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.shape = {.outputs = 16, .rows = 2}, .subgroupSize = 8}));
+  EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 8, .laneCode = LaneCode::broadcasts}));
+  EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 8, .laneCode = LaneCode::scalars}));
+}
+
+TEST_F(Conv3x3InTurns, HaveFewProgramsForFramesOfAllSizes) {
+  std::set<std::vector<uint32_t>> programs;
+  for (uint32_t width = 4; width < 2000; width += 4)
+    programs.insert(launchOf(inFours({18, width, 16, 16}), {.subgroupSize = 8}).specialization);
+  EXPECT_LE(programs.size(), 4u);
+}
+
+TEST_F(Conv3x3InTurns, ShareASecondLevelCache) {
+  const auto subgroups = [&](uint32_t width, uint64_t bytes) {
+    return launchOf(inFours({18, width, 16, 16}), {.subgroupSize = 8, .secondCacheBytes = bytes}).specialization[5];
+  };
+  EXPECT_EQ(subgroups(1024, uint64_t{1} << 20), 16u);
+  EXPECT_EQ(subgroups(1024, uint64_t{512} << 10), 8u);
+  EXPECT_EQ(subgroups(1024, uint64_t{64} << 10), 4u);
+  EXPECT_EQ(subgroups(1024 + 128, uint64_t{1} << 20), 4u) << "36 subgroups in a row";
+  EXPECT_EQ(subgroups(1024 + 32, uint64_t{1} << 20), 1u) << "33 subgroups in a row, and nine rows of two";
 }
 
 TEST(Conv3x3, TakesTheTilesThatFitTheDevice) {
