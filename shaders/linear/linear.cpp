@@ -17,7 +17,7 @@ namespace {
 // instruction cache and takes seconds to compile. A body of kGoodBody is large enough if kGoodTile outputs share a
 // fetched input.
 constexpr uint32_t kMaxBody = 7200, kGoodBody = 2048;
-constexpr uint32_t kMaxTile = 64, kGoodTile = 48;
+constexpr uint32_t kMaxTile = 64, kGoodTile = 48, kMaxTurnsTile = 128;
 constexpr uint32_t kMaxRows = 32;              // subgroups in a workgroup of the lane kernel
 constexpr uint32_t kAtOnce = 1, kInTurns = 2;  // KernelShape::rows of the lane kernel
 
@@ -47,6 +47,18 @@ uint32_t laneRows(const Linear& op, uint64_t subgroups) {
   return subgroupShare(subgroups, kMaxRows);
 }
 
+// Whether the subgroups of a workgroup of the lane kernel may take turns. The code for vectors of 256 bits is longer,
+// because AVX2 reads a weight by an instruction of its own, and soon leaves the instruction cache. Where the tokens of
+// all subgroups take more than a seventh of the second-level cache, those that wait for their turn leave it, which is
+// worse: measured with 512 KiB and 1 MiB. Newer drivers have a fence of memory at each barrier, which costs more than
+// the turns gain.
+bool mayTakeTurns(const Linear& op, const DeviceTraits& device) {
+  constexpr uint32_t kLanes = 8, kTokenShare = 7;
+  const uint64_t tokenBytes = uint64_t{inputChannels(op)} * byteSize(DataType::f32) * kLanes * kMaxRows;
+  return device.subgroupSize == kLanes && kTokenShare * tokenBytes <= device.secondCacheBytes &&
+         device.laneCode == LaneCode::shuffles;
+}
+
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of tileStep(N); 0:
 // there is none.
 uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
@@ -69,23 +81,18 @@ uint32_t laneTile(const Linear& op, const DeviceTraits& device) {
       asked % step == 0 && asked > 0 && outputs % asked == 0 && fits(asked))
     return asked;
   if (byAddress) return outputs;
+  if (mayTakeTurns(op, device)) return largest(kMaxTurnsTile);  // as many outputs as can share a fetched input
   const uint32_t tile = largest(std::clamp(kGoodBody / inputs, kGoodTile, kMaxTile));
   return tile < kGoodTile / 2 ? largest(kMaxTile) : tile;  // 56 outputs: not 8
 }
 
-// Whether the subgroups of a workgroup of the lane kernel take turns. The code for vectors of 256 bits is longer,
-// because AVX2 reads a weight by an instruction of its own: that of kLongBody multiply-adds leaves the instruction
-// cache. Where the tokens of all subgroups take more than a seventh of the second-level cache, those that wait for
-// their turn leave it, which is worse: measured with 512 KiB and 1 MiB. Newer drivers have a fence of memory at each
-// barrier, which costs more than the turns gain.
+// Whether they do: as they may, with code of kLongBody multiply-adds.
 bool takesTurns(const Linear& op, const DeviceTraits& device) {
-  constexpr uint32_t kLanes = 8, kLongBody = 1536, kTokenShare = 7;
+  constexpr uint32_t kLongBody = 1536;
   const uint32_t tile = laneTile(op, device);
   if (tile <= 8) return false;  // one turn
   if (device.shape.rows > 0) return device.shape.rows == kInTurns;
-  const uint64_t inputs = inputChannels(op), tokenBytes = inputs * byteSize(DataType::f32) * kLanes * kMaxRows;
-  return device.subgroupSize == kLanes && inputs * tile >= kLongBody &&
-         kTokenShare * tokenBytes <= device.secondCacheBytes && device.laneCode == LaneCode::shuffles;
+  return inputChannels(op) * tile >= kLongBody && mayTakeTurns(op, device);
 }
 
 // A workgroup of the tile kernel: columns * rows invocations, each four outputs of `tokens` tokens.

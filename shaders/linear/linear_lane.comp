@@ -22,6 +22,7 @@ layout(binding = 1) uniform samplerBuffer weights;
 layout(binding = 2) uniform samplerBuffer residual;
 layout(constant_id = 7) const bool kNormalizes = false;
 layout(constant_id = 8) const uint kSourceQuads = 1;  // those behind them are of `appended`
+const uint kAppendedQuads = kInputs / 4 - kSourceQuads;
 layout(constant_id = 9) const bool kInTurns = false;
 layout(binding = 4) uniform samplerBuffer appended;
 const uint kTexels = (kInputs + 1) * kTile / 4;
@@ -41,13 +42,18 @@ void main() {
   const uint firstToken = p.tokenBegin + uniformOf(row, 6) * kLanes;
   const uint firstTarget = firstToken * p.target.stride + p.target.offset +
                            uniformOf(gl_WorkGroupID.x, 3) * kTileQuads - p.storeOrigin;
-  uint laneOffset[kLanes];  // of a lane's token in the target
-  [[unroll]] for (uint l = 0; l < kLanes; l++)
-    laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
-  [[unroll]] for (uint k = 0; k < kSourceQuads; k++)
-    x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
-  [[unroll]] for (uint k = kSourceQuads; k < kInputs / 4; k++)
-    x[k] = texelFetch(appended, int(token * p.appended.stride + p.appended.offset + k - kSourceQuads));
+  // One texel of each cache line first, so that the processor waits for all of them at the same time.
+  [[unroll]] for (uint part = 0; part < 4; part++) {
+    [[unroll]] for (uint line = 0; line < (kSourceQuads + 3) / 4; line++) {
+      const uint k = 4 * line + part;
+      if (k < kSourceQuads) x[k] = texelFetch(source, int(token * p.source.stride + p.source.offset + k));
+    }
+    [[unroll]] for (uint line = 0; line < (kAppendedQuads + 3) / 4; line++) {
+      const uint k = 4 * line + part;
+      if (k < kAppendedQuads)
+        x[kSourceQuads + k] = texelFetch(appended, int(token * p.appended.stride + p.appended.offset + k));
+    }
+  }
   if (kNormalizes) {
     vec4 sum = vec4(0), squares = vec4(0);
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) sum += x[k];
@@ -67,6 +73,9 @@ void main() {
     const uint n = 2 * m;
     const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
     if (kInTurns && m > 0) barrier();
+    uint laneOffset[kLanes];  // of a lane's token in the target
+    [[unroll]] for (uint l = 0; l < kLanes; l++)
+      laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
     vec4 a = weightAt(n, kInputs * kTileQuads), b = isPair ? weightAt(n, kInputs * kTileQuads + 1) : vec4(0);
     addProducts(a, b, n, isPair);
 #ifdef XRDS_F16
