@@ -34,12 +34,20 @@ vec4 finished(vec4 sum, uint token, uint quad) {
   return y;
 }
 
+uint laneOffset[kLanes];  // of a lane's token in the target
+
+void findLanes(uint firstToken) {
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
+}
+
 void main() {
   STAGE_TILE(weights);
 
   const uint row = gl_WorkGroupID.y * gl_WorkGroupSize.y + gl_LocalInvocationID.y;
   const uint token = min(p.tokenBegin + row * kLanes + gl_LocalInvocationID.x, p.tokenEnd - 1);
   const uint firstToken = p.tokenBegin + uniformOf(row, 6) * kLanes;
+  findLanes(firstToken);
   const uint firstTarget = firstToken * p.target.stride + p.target.offset +
                            uniformOf(gl_WorkGroupID.x, 3) * kTileQuads - p.storeOrigin;
   // One texel of each cache line first, so that the processor waits for all of them at the same time.
@@ -72,10 +80,10 @@ void main() {
   EVERY_PAIR for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;
     const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
-    if (kInTurns && m > 0) barrier();
-    uint laneOffset[kLanes];  // of a lane's token in the target
-    [[unroll]] for (uint l = 0; l < kLanes; l++)
-      laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
+    if (kInTurns && m > 0) {
+      barrier();
+      findLanes(firstToken);  // a compiler would compute those from before the barrier again for each store
+    }
     vec4 a = weightAt(n, kInputs * kTileQuads), b = isPair ? weightAt(n, kInputs * kTileQuads + 1) : vec4(0);
     addProducts(a, b, n, isPair);
 #ifdef XRDS_F16
