@@ -220,7 +220,7 @@ Dispatch dispatch(const Conv3x3& op, const DeviceTraits& device) {
     launch.savedProducts = launch.multiplyAdds - launch.multiplyAdds * (tile.pixels + 2) / (3 * tile.pixels);
     launch.pushConstants = pushBytesWithDigits(paramsOf(op, rows, residual));
     // With 16 lanes it is no faster than weights that are handed out.
-    if (device.subgroupSize <= 8 && readsWeightsByAddress(device, op.output.type, op.weightType))
+    if (!tile.inTurns && device.subgroupSize <= 8 && readsWeightsByAddress(device, op.output.type, op.weightType))
       readWeightsByAddress(launch);
     launch.groupCount = {kernelOutputs(op) / tile.outputs, group.countAcross, group.countDown};
   } else if (const auto [tile, taps] = matrixTile(op, device); tile.subgroups) {

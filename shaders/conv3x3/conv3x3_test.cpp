@@ -5,6 +5,7 @@
 #include <set>
 
 #include "engine/kernel_family.h"
+#include "shaders/conv3x3/lanes.h"
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
@@ -78,10 +79,6 @@ constexpr Case kCases[] = {
     inFours({6, 36, 16, 48, Layout::unshuffled, Activation::gelu}),
     inFours({7, 36, 16, 64, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 24, {1, 7}}),
     inFours({7, 36, 16, 16, Layout::shuffled, Activation::none, true, false, 0, 0, 4, 12, {1, 7}}),
-    // Subgroups that take turns: side by side, below each other, in several workgroups.
-    inFours({4, 1024, 8, 8, Layout::straight, Activation::relu}),
-    inFours({32, 36, 16, 16, Layout::straight, Activation::none, true, true}),
-    inFours({12, 132, 8, 16, Layout::straight, Activation::leakyRelu, true, true}),
 };
 
 std::vector<float> halves(std::vector<float> numbers) {
@@ -205,55 +202,62 @@ TEST(Conv3x3, ComputesByFoursWhereItMayWithFullWeights) {
   EXPECT_EQ(programOf(36, true, DataType::f16), "conv3x3_lane_f32");
 }
 
-class Conv3x3InTurns : public testing::Test {
- protected:
+struct Conv3x3InTurns : testing::Test {
   Dispatch launchOf(Case c, DeviceTraits device) const {
     device.family = KernelFamily::lane;
     device.shaderInt64 = true;
-    return dispatch(operatorOf(c, DataType::f32, std::span(numbers_).first(size_t{c.outputs} * c.inputs * 9),
-                               std::span(numbers_).first(c.outputs)),
-                    device);
+    const auto weight = std::span(numbers).first(size_t{c.outputs} * c.inputs * 9);
+    return dispatch(operatorOf(c, DataType::f32, weight, std::span(numbers).first(c.outputs)), device);
   }
   bool takesTurns(const Case& c, const DeviceTraits& device = {.subgroupSize = 8}) const {
     return launchOf(c, device).program.find("_turns_") != std::string::npos;
   }
 
- private:
-  const std::vector<float> numbers_ = std::vector<float>(size_t{64} * 64 * 9, 1);
+  const std::vector<float> numbers = std::vector<float>(size_t{64} * 64 * 9, 1);
 };
 
 TEST_F(Conv3x3InTurns, WhereTheWeightsFitInSharedMemory) {
   EXPECT_EQ(launchOf(inFours({4, 64, 16, 16}), {.subgroupSize = 8}).program, "conv3x3_lane4_turns_f32");
-  EXPECT_EQ(launchOf({4, 64, 16, 16}, {.subgroupSize = 8}).program, "conv3x3_lane_turns_f32");
-  EXPECT_TRUE(takesTurns(inFours({4, 64, 16, 16}), {.subgroupSize = 16}));
+  EXPECT_FALSE(takesTurns(inFours({4, 64, 16, 16}), {.subgroupSize = 16})) << "compiles longer than it gains";
+  EXPECT_TRUE(takesTurns({4, 64, 16, 16}, {.shape = {.outputs = 16, .rows = kConv3x3InTurns}, .subgroupSize = 16}));
   EXPECT_TRUE(takesTurns({4, 64, 32, 32}));
   EXPECT_FALSE(takesTurns(inFours({4, 64, 32, 32}))) << "36 KiB";
-  EXPECT_FALSE(takesTurns({4, 64, 64, 32}));
-  EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 16})) << "compiles longer than it gains";
-  EXPECT_FALSE(takesTurns({4, 64, 4, 16}));
-  EXPECT_FALSE(takesTurns({4, 64, 16, 4}));
-  EXPECT_FALSE(takesTurns({4, 64, 16, 16, Layout::unshuffled}));
+  for (const Case& c : {Case{4, 64, 4, 16}, {4, 64, 16, 4}, {4, 64, 16, 16, Layout::unshuffled}})
+    EXPECT_FALSE(takesTurns(c)) << testing::PrintToString(c);
   EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.shape = {.outputs = 16, .rows = 2}, .subgroupSize = 8}));
-  EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 8, .laneCode = LaneCode::broadcasts}));
-  EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 8, .laneCode = LaneCode::scalars}));
+  for (const LaneCode code : {LaneCode::broadcasts, LaneCode::scalars})
+    EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 8, .laneCode = code}));
 }
 
-TEST_F(Conv3x3InTurns, HaveFewProgramsForFramesOfAllSizes) {
-  std::set<std::vector<uint32_t>> programs;
-  for (uint32_t width = 4; width < 2000; width += 4)
-    programs.insert(launchOf(inFours({18, width, 16, 16}), {.subgroupSize = 8}).specialization);
-  EXPECT_LE(programs.size(), 4u);
+// On any device, by request: side by side, below each other, in several workgroups, one row of a lane.
+TEST_F(Conv3x3InTurns, MatchReference) {
+  DeviceTraits traits = test::traitsOf(KernelFamily::lane);
+  for (const Case& c :
+       {inFours({4, 1024, 8, 8, Layout::straight, Activation::relu}),
+        inFours({32, 36, 16, 16, Layout::straight, Activation::none, true, true}),
+        inFours({7, 132, 8, 32, Layout::shuffled, Activation::leakyRelu, true, false, 0, 0, 8, 32}),
+        Case{12, 70, 32, 16, Layout::straight, Activation::gelu, true, true, 4, 40}, seeing(33, {6, 36, 12, 8})})
+    for (const DataType stored : {DataType::f32, DataType::f16}) {
+      const auto weight = halves(test::randomNumbers(size_t{c.outputs} * c.inputs * 9, 1));
+      const auto bias = halves(test::randomNumbers(c.outputs, 2));
+      Conv3x3 op = operatorOf(c, stored, weight, bias);
+      op.weightType = c.inFours ? DataType::f32 : stored;
+      traits.shape = {.outputs = std::min(c.outputs, 16u), .rows = kConv3x3InTurns};
+      EXPECT_NE(dispatch(op, traits).program.find("_turns_"), std::string::npos) << testing::PrintToString(c);
+      test::expectMatchesReference(op, traits, test::toleranceOf(stored));
+    }
 }
 
-TEST_F(Conv3x3InTurns, ShareASecondLevelCache) {
+TEST_F(Conv3x3InTurns, ShareASecondLevelCacheInFewProgramsForFramesOfAllSizes) {
   const auto subgroups = [&](uint32_t width, uint64_t bytes) {
     return launchOf(inFours({18, width, 16, 16}), {.subgroupSize = 8, .secondCacheBytes = bytes}).specialization[5];
   };
-  EXPECT_EQ(subgroups(1024, uint64_t{1} << 20), 16u);
-  EXPECT_EQ(subgroups(1024, uint64_t{512} << 10), 8u);
   EXPECT_EQ(subgroups(1024, uint64_t{64} << 10), 4u);
   EXPECT_EQ(subgroups(1024 + 128, uint64_t{1} << 20), 4u) << "36 subgroups in a row";
   EXPECT_EQ(subgroups(1024 + 32, uint64_t{1} << 20), 1u) << "33 subgroups in a row, and nine rows of two";
+  std::set<uint32_t> counts;
+  for (uint32_t width = 4; width < 2000; width += 4) counts.insert(subgroups(width, uint64_t{1} << 20));
+  EXPECT_EQ(counts, (std::set<uint32_t>{1, 2, 4, 8, 16}));
 }
 
 TEST(Conv3x3, TakesTheTilesThatFitTheDevice) {

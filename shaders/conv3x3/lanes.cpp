@@ -21,17 +21,20 @@ uint32_t largestDivisor(uint32_t channels, uint32_t step, uint32_t limit) {
   return divisor;
 }
 
-// Whether the weights of the tile fit in shared memory and the code does not take too long to compile. Newer drivers
-// have a fence of memory at each barrier, and test the range of what is read from shared memory: both cost more than is
-// gained. So does compiling, of F(2, 3) with vectors of 512 bits.
-bool takesTurns(const Conv3x3& op, const LaneTile& tile, const DeviceTraits& device) {
-  constexpr uint32_t kMaxBody = 12288, kLeastChannels = 8;  // multiply-adds of a lane
+// Whether the weights of the tile fit in shared memory, and the code does not take too long to compile.
+bool canTakeTurns(const Conv3x3& op, const LaneTile& tile, const DeviceTraits& device) {
+  constexpr uint32_t kMaxBody = 12288, kLeastChannels = 8;  // body: multiply-adds of a lane
   const uint32_t inputs = op.input.channels, body = 3 * (tile.pixels + 2) * inputs * tile.outputs * kTurnRows;
   const uint32_t texels = inputs / 4 * weightTexels(tile, device.subgroupSize) + tile.outputs / 4;
-  return device.laneCode == LaneCode::shuffles && device.subgroupSize >= 8 &&
-         (tile.pixels == 4 || device.subgroupSize == 8) && !op.unshuffleInput &&
-         std::min(inputs, tile.outputs) >= kLeastChannels && body <= kMaxBody && texels * 16 <= device.maxSharedBytes &&
-         device.subgroupSize * kMaxTurns <= device.maxGroupInvocations;
+  return !op.unshuffleInput && std::min(inputs, tile.outputs) >= kLeastChannels && body <= kMaxBody &&
+         texels * 16 <= device.maxSharedBytes && device.subgroupSize * kMaxTurns <= device.maxGroupInvocations;
+}
+
+// Whether turns pay. With vectors of 512 bits they take 0.98 of the time of a frame's convolutions, for 4 s more of
+// compiling. Newer drivers have a fence of memory at each barrier, and test the range of what is read from shared
+// memory.
+bool gainsByTurns(const DeviceTraits& device) {
+  return device.subgroupSize == 8 && device.laneCode == LaneCode::shuffles;
 }
 
 // Subgroups that take turns: the transformed inputs of all of them stay in a quarter of the second-level cache.
@@ -61,10 +64,11 @@ LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device) {
   const KernelShape& asked = device.shape;
   const bool isAsked = asked.outputs % step == 0 && asked.outputs > 0 && outputs % asked.outputs == 0;
   if (isAsked) tile.outputs = asked.outputs;
-  if (isAsked && asked.rows > 0) tile.maxRows = std::min(asked.rows, 4u);
+  const bool areTurnsAsked = isAsked && asked.rows == kConv3x3InTurns;
+  if (isAsked && asked.rows > 0 && !areTurnsAsked) tile.maxRows = std::min(asked.rows, 4u);
   if (op.inFours && width % 4 == 0 && op.weightType == DataType::f32)
     tile.pixels = 4, tile.maxRows = std::min(tile.maxRows, 2u);
-  tile.inTurns = !isAsked && takesTurns(op, tile, device);
+  tile.inTurns = (isAsked ? areTurnsAsked : gainsByTurns(device)) && canTakeTurns(op, tile, device);
   if (tile.inTurns) tile.maxRows = kTurnRows;
   return tile;
 }

@@ -14,6 +14,9 @@ struct LaneTile {
   bool inTurns = false;  // conv3x3_turns.comp
 };
 
+/// KernelShape::rows that asks for conv3x3_turns.comp.
+constexpr uint32_t kConv3x3InTurns = 8;
+
 LaneTile laneTile(const Conv3x3& op, const DeviceTraits& device);
 
 /// Texels of the weights of a tile and four inputs, in whole subgroups.
