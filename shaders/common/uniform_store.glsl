@@ -40,6 +40,10 @@ HAND_OUT(vec4)
 HAND_OUT(WIDE4)
 HAND_OUT(WIDE8)
 
+// The value itself. A compiler that needs one behind a barrier prefers to compute it again there; it keeps what is
+// shuffled.
+vec4 kept(vec4 v) { return subgroupShuffle(v, gl_SubgroupInvocationID); }
+
 // sum + x * w. Where kKnowsUniforms, fma() is one instruction; of the other drivers it only makes compiling slower.
 #define PLUS_PRODUCT(type)                                 \
   type plusProduct(type sum, float x, type w) {            \

@@ -11,9 +11,6 @@ const uint kQuadTexels = (3 * kElements * kTile + kLanes - 1) / kLanes * kLanes;
 const uint kTexels = kQuads * kQuadTexels + kTileQuads;
 shared vec4 tile[kTexels];
 
-// A compiler that needs a number behind a barrier prefers to compute it again there. It keeps what is shuffled.
-#define KEEP(v) v = subgroupShuffle(v, gl_SubgroupInvocationID)
-
 void main() {
   STAGE_WEIGHTS(tile, weights, gl_WorkGroupID.x * kTexels, kTexels);
   // Subgroups of a workgroup lie side by side, then below each other. No constants: each would be a program of its own.
@@ -26,7 +23,7 @@ void main() {
   [[unroll]] for (uint i = 0; i < kRows + 2; i++)
     [[unroll]] for (uint k = 0; k < kQuads; k++) {
       x[k][i] = elementsOf(i, int(k));
-      [[unroll]] for (uint e = 0; e < kElements; e++) KEEP(x[k][i][e]);
+      [[unroll]] for (uint e = 0; e < kElements; e++) x[k][i][e] = kept(x[k][i][e]);
     }
 
   findTarget(across, down);
@@ -42,7 +39,7 @@ void main() {
             [[unroll]] for (uint i = 0; i < kRows; i++)
               product[i][e] = plusProduct(product[i][e], x[k][i + ky][e][c], weight);
           }
-      [[unroll]] for (uint i = 0; i < kRows; i++) KEEP(product[i][e]);
+      [[unroll]] for (uint i = 0; i < kRows; i++) product[i][e] = kept(product[i][e]);
     }
     barrier();
     findLanes();

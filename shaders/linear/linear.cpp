@@ -47,16 +47,13 @@ uint32_t laneRows(const Linear& op, uint64_t subgroups) {
   return subgroupShare(subgroups, kMaxRows);
 }
 
-// Whether the subgroups of a workgroup of the lane kernel may take turns. The code for vectors of 256 bits is longer,
-// because AVX2 reads a weight by an instruction of its own, and soon leaves the instruction cache. Where the tokens of
-// all subgroups take more than a seventh of the second-level cache, those that wait for their turn leave it, which is
-// worse: measured with 512 KiB and 1 MiB. Newer drivers have a fence of memory at each barrier, which costs more than
-// the turns gain.
+// Whether the subgroups of a workgroup of the lane kernel may take turns. Where the tokens of all of them take more
+// than a seventh of the second-level cache, those that wait for their turn leave it, which is worse: measured with 512
+// KiB and 1 MiB.
 bool mayTakeTurns(const Linear& op, const DeviceTraits& device) {
-  constexpr uint32_t kLanes = 8, kTokenShare = 7;
-  const uint64_t tokenBytes = uint64_t{inputChannels(op)} * byteSize(DataType::f32) * kLanes * kMaxRows;
-  return device.subgroupSize == kLanes && kTokenShare * tokenBytes <= device.secondCacheBytes &&
-         device.laneCode == LaneCode::shuffles;
+  constexpr uint32_t kTokenShare = 7;
+  const uint64_t subgroupBytes = uint64_t{inputChannels(op)} * byteSize(DataType::f32) * device.subgroupSize;
+  return gainsByTurns(device) && kTokenShare * kMaxRows * subgroupBytes <= device.secondCacheBytes;
 }
 
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of tileStep(N); 0:

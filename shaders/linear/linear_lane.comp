@@ -72,9 +72,8 @@ void main() {
     }
     const float scale = inversesqrt(dot(squares, vec4(1)) / float(kInputs) + p.epsilon);
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] *= scale;
-    // A compiler that keeps the inputs over a barrier prefers to norm them anew in each turn. It keeps what is shuffled.
     if (kInTurns && !kBroadcasts)
-      [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] = subgroupShuffle(x[k], gl_SubgroupInvocationID);
+      [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] = kept(x[k]);
   }
 
   EVERY_PAIR for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
