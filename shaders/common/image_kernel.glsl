@@ -15,12 +15,6 @@ ivec2 firstPixel() {
   return ivec2(min(int(x), p.target.width - 1), p.rows.begin + RUN * int(gl_WorkGroupID.y));
 }
 
-// All subgroups of the workgroup come to here before one goes on: what is written out between two such places stays in
-// the instruction cache.
-void waitForTurn() {
-  if (!kBroadcasts) barrier();
-}
-
 // All rows of a run belong to the dispatch.
 bool isOutside(ivec2 first) { return false; }
 

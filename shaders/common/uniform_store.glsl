@@ -8,6 +8,7 @@
 #ifndef XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #define XRDS_SHADERS_COMMON_UNIFORM_STORE_GLSL
 #extension GL_EXT_shader_subgroup_extended_types_int64 : require
+#extension GL_KHR_memory_scope_semantics : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/common/wide_storage.glsl"
@@ -43,6 +44,11 @@ HAND_OUT(WIDE8)
 // The value itself. A compiler that needs one behind a barrier prefers to compute it again there; it keeps what is
 // shuffled.
 vec4 kept(vec4 v) { return subgroupShuffle(v, gl_SubgroupInvocationID); }
+uint kept(uint v) { return subgroupShuffle(v, gl_SubgroupInvocationID); }
+
+// All subgroups of the workgroup come to here before one goes on: what is written out between two such places stays in
+// the instruction cache. It orders no memory: with barrier() Mesa from 25.0 on waits here until all stores are done.
+void waitForTurn() { controlBarrier(gl_ScopeWorkgroup, gl_ScopeWorkgroup, 0, 0); }
 
 // sum + x * w. Where kKnowsUniforms, fma() is one instruction; of the other drivers it only makes compiling slower.
 #define PLUS_PRODUCT(type)                                 \

@@ -38,11 +38,10 @@ inline uint32_t subgroupShare(uint64_t count, uint32_t limit) {
 }
 
 /// Whether it pays that the subgroups of a workgroup take turns with long code, so that it is read from the instruction
-/// cache. AVX2 reads a weight by an instruction of its own, so its code is longer than that of AVX-512. Newer drivers
-/// have a fence of memory at each barrier, which costs more than the turns gain.
+/// cache. AVX2 reads a weight by an instruction of its own, so its code is longer than that of AVX-512.
 inline bool gainsByTurns(const DeviceTraits& device) {
   constexpr uint32_t kLanes = 8;
-  return device.subgroupSize == kLanes && device.laneCode == LaneCode::shuffles;
+  return device.subgroupSize == kLanes;
 }
 
 /// The largest divisor of `count` up to `limit`.

@@ -193,7 +193,7 @@ TEST(Conv3x3, ComputesByFoursWhereItMayWithFullWeights) {
     op.inFours = inFours;
     op.weightType = weights;
     DeviceTraits traits = test::traitsOf(KernelFamily::lane);
-    traits.laneCode = LaneCode::broadcasts;  // no turns
+    traits.shape = {.outputs = 8, .rows = 2};  // no turns
     return dispatch(op, traits).program;
   };
   for (const uint32_t width : {4u, 36u, 1024u}) EXPECT_EQ(programOf(width, true, DataType::f32), "conv3x3_lane4_f32");
@@ -226,7 +226,7 @@ TEST_F(Conv3x3InTurns, WhereTheWeightsFitInSharedMemory) {
     EXPECT_FALSE(takesTurns(c)) << testing::PrintToString(c);
   EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.shape = {.outputs = 16, .rows = 2}, .subgroupSize = 8}));
   for (const LaneCode code : {LaneCode::broadcasts, LaneCode::scalars})
-    EXPECT_FALSE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 8, .laneCode = code}));
+    EXPECT_TRUE(takesTurns({4, 64, 16, 16}, {.subgroupSize = 8, .laneCode = code, .bufferAddresses = true}));
 }
 
 // On any device, by request: side by side, below each other, in several workgroups, one row of a lane.

@@ -16,8 +16,8 @@ void main() {
   // Subgroups of a workgroup lie side by side, then below each other. No constants: each would be a program of its own.
   const uint columns = (p.width + kPixels * kLanes - 1) / (kPixels * kLanes);
   const uint sideBySide = columns / gl_NumWorkGroups.y, rows = gl_WorkGroupSize.y / sideBySide;
-  const uint across = gl_WorkGroupID.y * sideBySide + gl_LocalInvocationID.y % sideBySide;
-  const uint down = gl_WorkGroupID.z * rows + gl_LocalInvocationID.y / sideBySide;
+  const uint across = kept(gl_WorkGroupID.y * sideBySide + gl_LocalInvocationID.y % sideBySide);
+  const uint down = kept(gl_WorkGroupID.z * rows + gl_LocalInvocationID.y / sideBySide);
   findInputs(across, down);
   vec4 x[kQuads][kRows + 2][kElements];
   [[unroll]] for (uint i = 0; i < kRows + 2; i++)
@@ -30,7 +30,7 @@ void main() {
   [[unroll]] for (uint n = 0; n < kTileQuads; n++) {
     vec4 product[kRows][kElements];
     [[unroll]] for (uint e = 0; e < kElements; e++) {
-      barrier();
+      waitForTurn();
       [[unroll]] for (uint i = 0; i < kRows; i++) product[i][e] = vec4(0);
       [[unroll]] for (uint k = 0; k < kQuads; k++)
         [[unroll]] for (uint ky = 0; ky < 3; ky++)
@@ -41,7 +41,7 @@ void main() {
           }
       [[unroll]] for (uint i = 0; i < kRows; i++) product[i][e] = kept(product[i][e]);
     }
-    barrier();
+    waitForTurn();
     findLanes();
     const vec4 bias = tile[kQuads * kQuadTexels + n];
     [[unroll]] for (uint i = 0; i < kRows; i++)

@@ -14,7 +14,7 @@ namespace {
 uint32_t runLength(const JointBilateral& op, RowRange rows, const DeviceTraits& device) {
   constexpr uint32_t kOfFour = 192;  // registers
   const uint32_t most = device.registers < kOfFour ? 2 : 4;
-  const bool inTurns = device.family == KernelFamily::lane && device.laneCode == LaneCode::shuffles;
+  const bool inTurns = device.family == KernelFamily::lane;
   const uint32_t ofRows = (rows.begin | rows.end) & -(rows.begin | rows.end);
   return std::min(most, inTurns ? std::max(op.scale, ofRows) : op.scale);
 }

@@ -53,7 +53,8 @@ uint32_t laneRows(const Linear& op, uint64_t subgroups) {
 bool mayTakeTurns(const Linear& op, const DeviceTraits& device) {
   constexpr uint32_t kTokenShare = 7;
   const uint64_t subgroupBytes = uint64_t{inputChannels(op)} * byteSize(DataType::f32) * device.subgroupSize;
-  return gainsByTurns(device) && kTokenShare * kMaxRows * subgroupBytes <= device.secondCacheBytes;
+  return gainsByTurns(device) && !readsWeightsByAddress(op, device) &&
+         kTokenShare * kMaxRows * subgroupBytes <= device.secondCacheBytes;
 }
 
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of tileStep(N); 0:

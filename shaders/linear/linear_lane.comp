@@ -72,7 +72,7 @@ void main() {
     }
     const float scale = inversesqrt(dot(squares, vec4(1)) / float(kInputs) + p.epsilon);
     [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] *= scale;
-    if (kInTurns && !kBroadcasts)
+    if (kInTurns)
       [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] = kept(x[k]);
   }
 
@@ -80,7 +80,7 @@ void main() {
     const uint n = 2 * m;
     const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
     if (kInTurns && m > 0) {
-      barrier();
+      waitForTurn();
       findLanes(firstToken);  // a compiler would compute those from before the barrier again for each store
     }
     vec4 a = weightAt(n, kInputs * kTileQuads), b = isPair ? weightAt(n, kInputs * kTileQuads + 1) : vec4(0);

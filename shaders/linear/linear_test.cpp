@@ -258,8 +258,10 @@ TEST(Linear, TakesTurnsOnVectorsOf256BitsWhereTheCodeIsLong) {
   EXPECT_TRUE(takesTurns(128, {.subgroupSize = 8, .secondCacheBytes = uint64_t{1} << 20}));
   EXPECT_FALSE(takesTurns(192, {.subgroupSize = 8, .secondCacheBytes = uint64_t{1} << 20}));
   EXPECT_FALSE(takesTurns(64, {.subgroupSize = 16}));
-  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::broadcasts}));
-  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::scalars}));
+  EXPECT_TRUE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::broadcasts, .bufferAddresses = true}));
+  EXPECT_TRUE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::scalars}));
+  EXPECT_FALSE(takesTurns(64, {.subgroupSize = 8, .laneCode = LaneCode::scalars, .bufferAddresses = true}))
+      << "weights by address are read in a loop";
   EXPECT_TRUE(takesTurns(32, {.shape = {.outputs = 48, .rows = 2}, .subgroupSize = 16}));
   EXPECT_FALSE(takesTurns(64, {.shape = {.outputs = 48, .rows = 1}, .subgroupSize = 8}));
   EXPECT_FALSE(takesTurns(64, {.shape = {.outputs = 8, .rows = 2}, .subgroupSize = 8})) << "eight outputs are one turn";
