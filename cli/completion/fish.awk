@@ -6,8 +6,8 @@ function values(type) {
   if (type == "") return ""
   if (type ~ /[{].*[}]/) { sub(/^.*[{]/, "", type); sub(/[}].*$/, "", type); gsub(/,/, " ", type); return " -x -a " quoted(type) }
   if (type ~ /[|]/) {
-    sub(/=.*/, "", type); sub(/^.*:/, "", type); gsub(/[|]/, " ", type); gsub(/ *[A-Z]+/, "", type)
-    return " -x -a " quoted(type)
+    sub(/=.*/, "", type); sub(/^.*:/, "", type); gsub(/[|]/, " ", type); gsub(/ *[A-Z][A-Z,]*/, "", type); sub(/^ /, "", type)
+    return " -x" (type == "" ? "" : " -a " quoted(type))
   }
   if (type ~ /^MODEL/) return " -r -F -a '(__xrds_models)'"
   if (type ~ /^SCENE/) return " -r -F -a 'room garden spheres'"

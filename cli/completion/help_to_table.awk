@@ -6,11 +6,11 @@ function flush() {
 BEGIN { OFS = "\t" }
 /^[^ ]/ { flush(); section = $1; next }
 section !~ /^(Positionals|Options|Subcommands):$/ || /^$/ { next }
-# Descriptions begin in column 31; a longer term stands alone on its line.
+# Descriptions begin in column 31, none with a dash; a longer term stands alone on its line.
 /^  [^ ]/ {
   flush()
   term = substr($0, 3, 28)
-  alone = length($0) <= 30 || substr($0, 30, 1) != " " || gsub(/[[{]/, "&", term) != gsub(/[]}]/, "&", term)
+  alone = length($0) <= 30 || substr($0, 30, 1) != " " || substr($0, 31, 1) == "-" || gsub(/[[{]/, "&", term) != gsub(/[]}]/, "&", term)
   if (alone) term = substr($0, 3)
   else description = substr($0, 31)
   sub(/ +$/, "", term)

@@ -7,8 +7,8 @@ function value(type, name) {
   sub(/[:={|].*$/, "", name)
   if (type ~ /[{].*[}]/) { sub(/^.*[{]/, "", type); sub(/[}].*$/, "", type); gsub(/,/, " ", type); return ":" name ":(" type ")" }
   if (type ~ /[|]/) {
-    sub(/=.*/, "", type); sub(/^.*:/, "", type); gsub(/[|]/, " ", type); gsub(/ *[A-Z]+/, "", type)
-    return ":" name ":(" type ")"
+    sub(/=.*/, "", type); sub(/^.*:/, "", type); gsub(/[|]/, " ", type); gsub(/ *[A-Z][A-Z,]*/, "", type); sub(/^ /, "", type)
+    return ":" name ":" (type == "" ? " " : "(" type ")")
   }
   if (type ~ /^MODEL/) return ":" name ":_xrds_models"
   if (type ~ /^SCENE/) return ":" name ":_xrds_scenes"

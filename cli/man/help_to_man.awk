@@ -9,10 +9,10 @@ function plain(text) {
 BEGIN { section = "description"; print ".SH " toupper(title) }
 /^Usage:/ { print ".PP\n\\fB" plain($0) "\\fR"; section = "usage"; next }
 /^(Positionals|Options|Subcommands):$/ { print ".SS " $1; section = "list"; next }
-# Descriptions begin in column 31; a longer term stands alone on its line.
+# Descriptions begin in column 31, none with a dash; a longer term stands alone on its line.
 section == "list" && /^  [^ ]/ {
   term = substr($0, 3, 28)
-  alone = length($0) <= 30 || substr($0, 30, 1) != " " || gsub(/[[{]/, "&", term) != gsub(/[]}]/, "&", term)
+  alone = length($0) <= 30 || substr($0, 30, 1) != " " || substr($0, 31, 1) == "-" || gsub(/[[{]/, "&", term) != gsub(/[]}]/, "&", term)
   if (alone) term = substr($0, 3)
   sub(/ +$/, "", term)
   print ".TP\n\\fB" plain(term) "\\fR"

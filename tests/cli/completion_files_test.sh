@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # completion_files_test.sh PROGRAM FISH_FILE ZSH_FILE MAN_PAGE: every command and every option of every --help stands in
-# the completions and in the manual page; the shells that are installed are asked what they offer.
+# the completions and in the manual page, its term in one piece; the shells that are installed are asked what they offer.
 set -uo pipefail
 program=$1 fish_file=$2 zsh_file=$3 page=$4
 failures=0 listed=0
@@ -54,10 +54,18 @@ look_at() {  # look_at VERB...: the options and commands below
   done
 }
 look_at
+broken=$(grep -E "'-[^[]*\[-" "$zsh_file")  # '--one[--another Its description]'
+[ -z "$broken" ] || fail "A part of a term begins a description: $broken"
+broken=$(grep -oE "'--[^[]*\[.*\]:[^:]*:\([^)]*[ (,][,)].*" "$zsh_file")  # a word that nothing takes: (all,)
+[ -z "$broken" ] || fail "What is offered is no word: $broken"
+broken=$(grep -E '(Needs|Excludes):\\fR$' "$page")
+[ -z "$broken" ] || fail "The manual page has but a part of a term: $broken"
 
 if [ -n "$has_fish" ]; then
   expect fp16 "$(in_fish 'xrds upscale --precision ')" fish '--precision'
   expect safe "$(in_fish 'xrds upscale --skip ')" fish '--skip'
+  expect all "$(in_fish 'xrds upscale --layers ')" fish '--layers'
+  [ -z "$(in_fish 'xrds view --samples ')" ] || fail "fish should offer nothing for '--samples N|LOW,HIGH'"
   expect xrds-x4-nano "$(in_fish 'xrds info x')" fish 'info x'
   [ -z "$(in_fish 'xrds devices ')" ] || fail "fish should offer nothing for 'xrds devices '"
 fi
