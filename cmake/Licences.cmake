@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 set(licences ${CMAKE_INSTALL_DOCDIR}/licenses)
 set(of_library nlohmann-json3-dev libvulkan-volk-dev)
-set(of_command ${of_library} libcli11-dev)
+set(of_command ${of_library} libcli11-dev libopenexr-dev libimath-dev)  # of the last two what their headers define
 
 function(xrds_licences component)
   foreach(package IN LISTS ARGN)
@@ -25,6 +25,16 @@ if(SKBUILD)  # scripts/wheel_licenses.sh adds those of the libraries that go bes
   else()  # of a distribution, whose packages keep no list of their files
     message(WARNING "The wheel does not have the licence of nanobind, which does not say where that is.")
   endif()
+  set(robin_map ${NB_DIR}/ext/robin_map/include/tsl/robin_map.h)  # nanobind is made with it; the licence is its first comment
+  if(EXISTS ${robin_map})
+    file(READ ${robin_map} licence)
+    string(REGEX REPLACE "\\*/.*" "" licence "${licence}")
+    string(REGEX REPLACE "(^|\n)[ /*]+" "\\1" licence "${licence}")
+    file(WRITE ${PROJECT_BINARY_DIR}/robin_map.txt "${licence}")
+    install(FILES ${PROJECT_BINARY_DIR}/robin_map.txt DESTINATION ${licences} COMPONENT python)
+  else()
+    message(WARNING "The wheel does not have the licence of robin_map, which is not beside nanobind.")
+  endif()
   return()
 endif()
 
@@ -35,9 +45,9 @@ endif()
 if(XRDS_COMMAND)
   xrds_licences(command ${of_command})
   if(MINGW)  # scripts/windows.sh links them statically
-    xrds_licences(command libopenexr-dev libimath-dev libpng-dev libz-mingw-w64-dev)
+    xrds_licences(command libpng-dev libz-mingw-w64-dev)
   endif()
   if(TARGET xrds_view)
-    xrds_licences(command libimgui-dev)
+    xrds_licences(command libimgui-dev libassimp-dev libstb-dev)
   endif()
 endif()

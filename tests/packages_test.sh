@@ -45,8 +45,8 @@ licences() {
   for package; do [ ! -e "/usr/share/doc/$package/copyright" ] || echo "$folder/licenses/$package.txt"; done
 }
 of_library=(nlohmann-json3-dev libvulkan-volk-dev)
-of_command=("${of_library[@]}" libcli11-dev)
-[ "$viewer" = no ] || of_command+=(libimgui-dev)
+of_command=("${of_library[@]}" libcli11-dev libopenexr-dev libimath-dev)
+[ "$viewer" = no ] || of_command+=(libimgui-dev libassimp-dev libstb-dev)
 
 # examples FOLDER: below a folder of papers.
 examples() {

@@ -52,8 +52,12 @@ def test_a_wheel_has_the_licences_of_what_is_compiled_in():
         files = importlib.metadata.files("xrds")
     except importlib.metadata.PackageNotFoundError:
         pytest.skip("xrds is not installed as a wheel")
-    packages = [name for name in ("nlohmann-json3-dev", "libcli11-dev", "libvulkan-volk-dev") if pathlib.Path("/usr/share/doc", name, "copyright").exists()]
-    assert {"LICENSE", "nanobind.txt", *(f"{name}.txt" for name in packages)} <= {file.name for file in files if "licenses" in file.parts}
+    packages = ("nlohmann-json3-dev", "libcli11-dev", "libvulkan-volk-dev", "libopenexr-dev", "libimath-dev")
+    of_packages = [f"{name}.txt" for name in packages if pathlib.Path("/usr/share/doc", name, "copyright").exists()]
+    licences = {file.name: file.read_text() for file in files if "licenses" in file.parts}
+    assert {"LICENSE", "nanobind.txt", "robin_map.txt", *of_packages} <= licences.keys()
+    for name, holder in (("LICENSE", "The xrds authors"), ("nanobind.txt", "Wenzel Jakob"), ("robin_map.txt", "Thibaut Goetghebuer")):
+        assert holder in licences[name] and "Copyright" in licences[name]
 
 
 def test_a_sample(tmp_path):
