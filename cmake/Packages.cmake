@@ -55,7 +55,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/
 
 xrds_package(development libdevel "upscaler of Monte Carlo renders on Vulkan - development files"
   "the headers, and files for CMake and pkg-config.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${package_library} ${exactly}")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${package_library} ${exactly}, libvulkan-dev")  # xrds_vulkan.h has its types
 
 xrds_package(models graphics "upscaler of Monte Carlo renders on Vulkan - models"
   "the weights of its networks, each with a card.")

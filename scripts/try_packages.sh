@@ -32,6 +32,7 @@ done
 
 echo "A program in C against libxrds-dev"
 in_root sh -c 'cc /usr/share/doc/libxrds-dev/examples/upscale.c $(pkg-config --cflags --libs xrds) -o /upscale'
+in_root sh -c 'set -e; for header in xrds xrds_report xrds_examine xrds_vulkan; do echo "#include <xrds/$header.h>" | cc -fsyntax-only -xc -; done'
 c++ -std=c++17 tests/consumer/frames.cpp -static -o "$root/frames"
 mkdir "$root/pictures"
 in_root /frames write /pictures

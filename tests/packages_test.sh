@@ -91,6 +91,7 @@ $farms
 share/man/man1/xrds.1.gz
 share/zsh/vendor-completions/_xrds"
 dpkg-deb --field "$work"/libxrds-dev_*.deb Depends | grep -qF "libxrds$soversion (= $version-1)" || fail "libxrds-dev depends on another library"
+dpkg-deb --field "$work"/libxrds-dev_*.deb Depends | grep -qF "libvulkan-dev" || fail "libxrds-dev has headers without those that they include"
 dpkg-deb --field "$work"/xrds_*.deb Depends | grep -qF "xrds-models (= $version-1)" || fail "xrds depends on other models"
 if ! command -v lintian > /dev/null; then
   echo "The lists are right; lintian is not installed"
