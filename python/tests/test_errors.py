@@ -59,6 +59,25 @@ def test_what_is_no_array(change, words):
 
 
 @pytest.mark.parametrize("change, words", [
+    ({"memory": "64M"}, "memory is '64M', expected a number of bytes, or None"),
+    ({"exposure": "auto"}, "exposure is 'auto', expected a number, or None"),
+    ({"full_colour": ALBEDO, "samples": 64}, r"samples are 64, expected two numbers, as \(64, 16\)"),
+    ({"samples": "64"}, "number of samples is '6', expected two numbers"),
+])
+def test_what_is_no_number(change, words):
+    with pytest.raises(TypeError, match=words):
+        xrds.upscale(**{"colour": COLOUR, "albedo": ALBEDO, "normal": NORMAL, "model": MODEL, **change})
+
+
+def test_sizes_are_whole_numbers():
+    with pytest.raises(TypeError, match="width is 8.0, expected a whole number of pixels"):
+        xrds.Upscaler(16 / 2, 16)
+    with pytest.raises(TypeError, match="size or scale is 7.5, expected a whole number"):
+        xrds.TemporalFilter(8, 7.5, 4)
+    assert xrds.Upscaler(numpy.int64(16), 12, MODEL, ensemble=2.0).width == 16
+
+
+@pytest.mark.parametrize("change, words", [
     ({"model": "xrds-x4-giant"}, "There is no model 'xrds-x4-giant': give .* one of the shipped models, .*, xrds-x4-nano, "),
     ({"model": "/nowhere/model.safetensors"}, "/nowhere/model.safetensors"),
     ({"device": "no such device"}, 'No Vulkan device matches "no such device"'),

@@ -1,5 +1,7 @@
 """What goes wrong, as exceptions; the text of each is one sentence that says what failed and what to do."""
 
+from collections.abc import Iterable
+
 
 class Error(RuntimeError):
     """A failure of the world around the package: a file, a driver, no device."""
@@ -19,3 +21,10 @@ class DeviceLost(Error):
 
 class Cancelled(Error):
     """The function that heard the progress returned False."""
+
+
+def check_numbers(values: Iterable[object], kind: type, name: str, expected: str) -> None:
+    """Raises TypeError unless all values are of the kind, numbers.Real or numbers.Integral."""
+    for value in values:
+        if not isinstance(value, kind):
+            raise TypeError(f"The {name} is {value!r}, expected {expected}.")

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import numbers
 import os
 from typing import NamedTuple, Optional, Union, overload
 
@@ -7,7 +8,7 @@ from . import _native
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
 from ._colour import Samples, merged_or_none
 from ._devices import Device
-from ._errors import ArgumentError
+from ._errors import ArgumentError, check_numbers
 from ._held import Held
 from ._layers import LayerRun, Layers
 from ._models import Model
@@ -242,6 +243,7 @@ def _listed(names: tuple[str, ...]) -> str:
 
 
 def _size(value: int, name: str) -> int:
+    check_numbers([value], numbers.Integral, name, "a whole number of pixels")
     if not 0 < value < 2**32:
         raise ArgumentError(f"The {name} is {value} pixels, expected 1 to {2**32 - 1}.")
     return value
@@ -259,6 +261,7 @@ def _options(
     options.fp16 = _one_of(precision, "precision", _PRECISIONS) == "fp16"
     options.tune = _TUNE[_one_of(tune, "tune", tuple(_TUNE))]
     if exposure is not None:
+        check_numbers([exposure], numbers.Real, "exposure", "a number, or None")
         if not exposure > 0:
             raise ArgumentError(f"The exposure is {exposure}, expected a number from 1e-30 to 1e30, or None.")
         options.exposure = exposure
@@ -268,9 +271,11 @@ def _options(
         options.skip = skip
     if ensemble not in (1, 2, 4, 8):
         raise ArgumentError(f"The ensemble is {ensemble}, expected 1, 2, 4 or 8.")
+    if memory is not None:
+        check_numbers([memory], numbers.Real, "memory", "a number of bytes, or None")
     if memory is not None and not (0 < memory < 2**64 and memory == int(memory)):
         raise ArgumentError(f"The memory is {memory}, expected a whole number of bytes, or None.")
-    options.ensemble = ensemble
+    options.ensemble = int(ensemble)
     options.memory = int(memory or 0)
     return options
 
