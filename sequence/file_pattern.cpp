@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cstdio>
 #include <map>
 #include <optional>
@@ -36,6 +37,13 @@ std::optional<int> numberOf(const std::string& text, int digits, bool withSign) 
   const long long number = std::strtoll(text.c_str(), nullptr, 10);
   if (digitsOf(number, digits, withSign) != text || number != static_cast<int>(number)) return {};
   return static_cast<int>(number);
+}
+
+// The number of digits that printf's field asks for; 0 where it is far too large.
+int digitsIn(const std::string& field) {
+  int digits = 0;
+  std::from_chars(field.data(), field.data() + field.size(), digits);
+  return digits;
 }
 
 std::vector<fs::path> filesIn(const fs::path& folder) {
@@ -78,7 +86,7 @@ FilePattern::FilePattern(const std::string& text) {
   before_ = match.prefix();
   after_ = match.suffix();
   field_ = match.str();
-  digits_ = !isPrintf() ? static_cast<int>(match.length()) : match[2].matched ? std::stoi(match[2].str()) : 1;
+  digits_ = !isPrintf() ? static_cast<int>(match.length()) : match[2].matched ? digitsIn(match[2].str()) : 1;
   if (digits_ < 1 || digits_ > 10 || std::regex_search(after_, field()))
     throw Error("'" + text + "' is no name of frames: expected one field of at most 10 digits, #### or %04d.");
 }

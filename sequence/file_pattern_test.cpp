@@ -31,7 +31,8 @@ TEST_F(FilePatterns, FieldsOfDigits) {
   EXPECT_EQ(FilePattern("b.exr").of(7), "b.exr");
   EXPECT_FALSE(FilePattern("b.exr").isMany());
   EXPECT_EQ(FilePattern("a/b.##.exr").in("c").of(3), "c/b.03.exr");
-  for (const char* text : {"a##_##.exr", "a%04d#.exr", "a%099d.exr"}) EXPECT_THROW(FilePattern{text}, Error) << text;
+  for (const char* text : {"a##_##.exr", "a%04d#.exr", "a%099d.exr", "a%099999999999d.exr"})
+    EXPECT_THROW(FilePattern{text}, Error) << text;
 }
 
 TEST_F(FilePatterns, AreToldAsTheyWereGiven) {
