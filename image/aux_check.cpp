@@ -138,7 +138,7 @@ std::vector<std::string> checkDepth(const NamedLayer& depth) {
 
 bool looksEncoded(const Image& normal) {
   constexpr float kNegative = -1e-3F;
-  constexpr double kTolerance = 0.1;
+  constexpr double kTolerance = 0.1, kNoNormal = 0.1;
   if (normal.channels != 3) {
     return false;
   }
@@ -156,7 +156,7 @@ bool looksEncoded(const Image& normal) {
       stored += value * value;
       decoded += (2.0 * value - 1.0) * (2.0 * value - 1.0);
     }
-    if (stored > 0.0) {
+    if (stored > 0.0 && decoded > kNoNormal * kNoNormal) {  // grey is a background whose normal is 0
       ++considered;
       unitAsStored += std::abs(std::sqrt(stored) - 1.0) < kTolerance ? 1 : 0;
       unitDecoded += std::abs(std::sqrt(decoded) - 1.0) < kTolerance ? 1 : 0;

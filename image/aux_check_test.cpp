@@ -75,6 +75,17 @@ TEST(AuxCheck, RecognizesEncodedNormals) {
   EXPECT_NE(warnings[0].find("minimum"), std::string::npos);
 }
 
+// A product before an empty background: most pixels are the grey that stands for no normal.
+TEST(AuxCheck, RecognizesEncodedNormalsBeforeABackground) {
+  const Image ball = encoded(ballNormals(10));
+  Image normal(40, 40, 3, 0.5F);
+  for (int y = 0; y < 10; ++y)
+    for (int x = 0; x < 10; ++x)
+      for (int c = 0; c < 3; ++c) normal.at(x, y, c) = ball.at(x, y, c);
+  EXPECT_TRUE(looksEncoded(normal));
+  EXPECT_FALSE(looksEncoded(Image(8, 8, 3, 0.5F)));
+}
+
 TEST(AuxCheck, NormalsThatHappenToBePositiveAreNotEncoded) {
   Image octant(16, 16, 3, 1.0F / std::sqrt(3.0F));
   octant.at(3, 3, 0) = 1.0F;
