@@ -35,8 +35,13 @@ bool contains(const Range& range, const Value& value) {
 /// Copies layer by layer, and keeps what names of channels are taken.
 class Copying {
  public:
-  Copying(const ExrFile& file, const Box& window, const MadeLayers& made)
-      : file_(file), window_(window), made_(made), taken_(made.channels.begin(), made.channels.end()) {}
+  /// Of parts that lie as the part `wanted` does.
+  Copying(const ExrFile& file, size_t wanted, const Box& window, const MadeLayers& made)
+      : file_(file),
+        wanted_(file.parts[wanted].dataWindow),
+        window_(window),
+        made_(made),
+        taken_(made.channels.begin(), made.channels.end()) {}
 
   void addPart(size_t number) {
     const size_t before = copied_.planes.size();
@@ -60,7 +65,9 @@ class Copying {
     for (const ExrChannel& channel : layer.channels)
       if (!isMade(number, channel)) left.push_back(&channel);
     if (left.empty()) return;
-    const std::string shown = !own.empty() ? printable(own) : left.size() == 1 ? left.front()->name : "(unnamed)";
+    const std::string shown = !own.empty()       ? printable(own)
+                              : left.size() == 1 ? printable(left.front()->name)
+                                                 : "(unnamed)";
     const std::string why = whyLeftOut(part, view, left);
     if (!why.empty()) return leaveOut(shown, why);
     const bool isWhole = left.size() == layer.channels.size();
@@ -85,6 +92,7 @@ class Copying {
   std::string whyLeftOut(const ExrPart& part, const std::string& view,
                          const std::vector<const ExrChannel*>& channels) const {
     if (part.deep) return "deep";
+    if (part.dataWindow != wanted_) return "of another data window";
     if (isOtherView(file_, view)) return "of another view";
     if (std::any_of(channels.begin(), channels.end(), [](const ExrChannel* c) { return isSubsampled(*c); }))
       return "subsampled";
@@ -117,7 +125,7 @@ class Copying {
   }
 
   const ExrFile& file_;
-  const Box window_;
+  const Box wanted_, window_;
   const MadeLayers& made_;
   std::set<std::string> taken_;                 // names of channels of the output
   std::map<std::string, std::string> leftOut_;  // by the reason
@@ -135,9 +143,8 @@ std::vector<std::string> outputNames(const ExrFile& file, const ExrSelection& la
 }
 
 CopiedLayers copyLayers(const ExrFile& file, size_t wanted, const Box& window, const MadeLayers& made) {
-  Copying copying(file, window, made);
-  for (size_t number = 0; number < file.parts.size(); ++number)
-    if (file.parts[number].dataWindow == file.parts[wanted].dataWindow) copying.addPart(number);
+  Copying copying(file, wanted, window, made);
+  for (size_t number = 0; number < file.parts.size(); ++number) copying.addPart(number);
   return copying.finish();
 }
 

@@ -26,8 +26,8 @@ struct CopiedLayers {
 };
 
 /// Reads every channel over `window`, bit for bit, that is not of a colour, of light or made otherwise: depth, normals,
-/// ids, Cryptomatte, colour passes, what a renderer adds; of all parts of the size of `part`, of the default view.
-/// Throws Error if the file cannot be read.
+/// ids, Cryptomatte, colour passes, what a renderer adds; of all parts with the data window of `part`, of the default
+/// view. Throws Error if the file cannot be read.
 CopiedLayers copyLayers(const ExrFile& file, size_t part, const Box& window, const MadeLayers& made);
 
 }  // namespace xrds

@@ -248,5 +248,19 @@ TEST(CliLayers, OfSequencesAreThoseOfTheFrames) {
   EXPECT_EQ(readBytes(frame.folder / "o.0002.exr"), readBytes(frame.out));
 }
 
+// Some renderers store each part's own rectangle.
+TEST(CliLayers, PartsOfAnotherDataWindowAreToldToBeLeftOut) {
+  const SmallFrame frame;
+  writeColour(frame);
+  const Box whole = boxOf(40, 32);
+  const Layer depth{"", "Z", [](int x, int, int) { return static_cast<float>(x); }};
+  writeParts(frame.aux, {{whole, whole, {albedoLayer("albedo", 40), normalLayer("normal", 40)}, "guides"},
+                         {whole, whole, {depth}, "near"},
+                         {Box{4, 4, 31, 27}, whole, {depth}, "far"}});
+  const Ended ended = runXrds(frame.arguments({"--layers", "Emit"}));
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_TRUE(contains(ended.output, "Left out: far (of another data window)")) << ended.output;
+}
+
 }  // namespace
 }  // namespace xrds::test
