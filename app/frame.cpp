@@ -78,7 +78,8 @@ void Frame::fit(const std::string& input) {
   if (fit_ && found.scale != fit_->scale)
     throw Error("The " + inputs_.front() + " layer has " + std::to_string(fit_->scale) +
                 " times the colour's size, the " + input + " layer " + std::to_string(found.scale) +
-                " times: choose layers of one size with --" + inputs_.front() + " and --" + input + ".");
+                " times: choose layers of one size with " + optionName(roleOf(inputs_.front())) + " and " +
+                optionName(roleOf(input)) + ".");
   fit_ = found;
 }
 
@@ -123,7 +124,7 @@ bool Frame::mayHaveFullColour() const { return isFullColourNamed() || hasAov(aux
 // Where several could be meant and none is named, that of the colour's name: of its view layer.
 ExrSelection Frame::findFullColour() const {
   try {
-    return findAov(auxFile_, AovRole::kFullColor, fullColourName_);
+    return findAov(auxFile_, AovRole::kFullColor, fullColourName_, aovs_.place);
   } catch (const Error&) {
     if (isFullColourNamed()) throw;
     return findAov(auxFile_, AovRole::kFullColor, aovs_.color.layer);
@@ -182,6 +183,10 @@ void Frame::chooseShare(const ExrSelection& layer, const Image& full) {
 }
 
 void Frame::loadLayers(const LayerRequest& request, uint32_t scale) {
+  if (!aovs_.place.view.empty())
+    throw Error("Layers are those of the default view of '" + colorFile_.path.string() + "', but the colour '" +
+                nameOf(aovs_.color) + "' is of view '" + printable(aovs_.place.view) +
+                "': store each view in a file of its own, or leave the layers out.");
   FrameLayers::Files files{
       colorFile_, auxFile_, aovs_.color, aovs_.alpha ? &*aovs_.alpha : nullptr, {}, colourPart().dataWindow};
   if (fit_) {

@@ -33,6 +33,7 @@ class Frame {
 
   /// The part of the file that the colour is of.
   const ExrPart& colourPart() const { return colorFile_.parts[aovs_.color.part]; }
+  const AovPlace& colourPlace() const { return aovs_.place; }
   FrameLayer colourLayer() const { return {colourPart(), aovs_.color.layer}; }
   FrameLayer fullColourLayer() const;  // kFullColour must be one of inputs()
 
@@ -51,7 +52,8 @@ class Frame {
   void load();
 
   /// After load(): finds and reads the layers of light that are to be upscaled as well, by `scale`, and those to copy:
-  /// of the auxiliary images' file, or without these, if the size stays, of the colour's. Throws Error.
+  /// of the auxiliary images' file, or without these, if the size stays, of the colour's. Throws Error, also where the
+  /// colour is not of the default view.
   void loadLayers(const LayerRequest& request, uint32_t scale);
 
   /// After load(): takes the noise out of albedo and normal, unless they have none; out of the colour, merged or not,

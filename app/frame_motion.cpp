@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <optional>
 #include <utility>
 
 #include "image/camera_motion.h"
+#include "image/layers/aov_candidates.h"
 
 namespace xrds {
 namespace {
@@ -26,18 +28,58 @@ std::vector<std::string> motionChannels(const ExrLayer& layer) {
   return {};
 }
 
-std::string ownName(const std::string& layer) { return plainName(layer.substr(layer.rfind('.') + 1)); }
+/// A layer that may be the motion, and where it stands.
+struct MotionLayer {
+  ExrSelection selection;
+  std::string viewLayer, view;
+  int64_t pixelCount = 0;
+};
 
-std::optional<ExrSelection> motionLayer(const ExrFile& file, const std::string& name) {
+// All that have the name and the channels.
+std::vector<MotionLayer> motionLayers(const ExrFile& file, const std::string& name) {
+  const std::string wanted = name.empty() ? "vector" : plainName(name);
+  std::vector<MotionLayer> found;
   for (size_t part = 0; part < file.parts.size(); ++part)
     for (const ExrLayer& layer : file.parts[part].layers) {
-      const std::string wanted = name.empty() ? "vector" : plainName(name);
-      const bool isNamed = plainName(layer.name) == wanted || ownName(layer.name) == wanted ||
-                           (layer.name.empty() && plainName(file.parts[part].name) == wanted);
+      std::string own = layer.name, view = takeView(file, own), viewLayer;
+      if (const size_t dot = own.rfind('.'); dot != std::string::npos) {
+        viewLayer = own.substr(0, dot);
+        own.erase(0, dot + 1);
+      }
+      if (view.empty()) view = file.parts[part].view;
+      const bool isNamed = plainName(layer.name) == wanted || plainName(own) == wanted ||
+                           (own.empty() && plainName(file.parts[part].name) == wanted);
       std::vector<std::string> channels = isNamed ? motionChannels(layer) : std::vector<std::string>{};
-      if (!channels.empty()) return ExrSelection{part, layer.name, std::move(channels)};
+      if (channels.empty()) continue;
+      if (!isOtherView(file, view)) view.clear();
+      const Box& window = file.parts[part].dataWindow;
+      found.push_back({{part, layer.name, std::move(channels)}, viewLayer, view, window.width() * window.height()});
     }
-  return {};
+  return found;
+}
+
+// Drops what fails the test unless everything does.
+template <class Test>
+void prefer(std::vector<MotionLayer>& layers, const Test& wanted) {
+  if (std::any_of(layers.begin(), layers.end(), wanted)) std::erase_if(layers, std::not_fn(wanted));
+}
+
+// That of the colour's view and view layer, of the largest part, where there are several.
+std::optional<ExrSelection> motionLayer(const ExrFile& file, const std::string& name, const AovPlace& colour) {
+  std::vector<MotionLayer> found = motionLayers(file, name);
+  for (const std::string& view : {colour.view, std::string()})
+    prefer(found, [&](const MotionLayer& layer) { return layer.view == view; });
+  prefer(found, [&](const MotionLayer& layer) { return layer.viewLayer == colour.viewLayer; });
+  int64_t most = 0;
+  for (const MotionLayer& layer : found) most = std::max(most, layer.pixelCount);
+  prefer(found, [&](const MotionLayer& layer) { return layer.pixelCount == most; });
+  if (found.empty()) return {};
+  if (found.size() == 1) return found.front().selection;
+  std::string list;
+  for (const MotionLayer& layer : found)
+    list += (list.empty() ? "" : ", ") + std::to_string(layer.selection.part) + ":" + printable(layer.selection.layer);
+  throw Error("The motion in '" + file.path.string() + "' is ambiguous: expected one layer, found " + list +
+              "; name the one to use with --motion LAYER.");
 }
 
 // Channels x and y of an image as motion, each times its sign.
@@ -50,11 +92,21 @@ std::vector<float> motionOf(const Image& image, std::array<int, 2> channels, std
   return motion;
 }
 
-// Of the first part that has one; nothing if the file cannot be read.
-std::optional<FrameCamera> cameraIn(const std::filesystem::path& file) {
-  try {
-    for (const ExrPart& part : readExrHeader(file).parts)
+// Of the first part that has one, those of the colour's view first.
+std::optional<FrameCamera> cameraIn(const ExrFile& file, const AovPlace& colour) {
+  for (const bool ofView : {true, false})
+    for (const ExrPart& part : file.parts) {
+      const std::string view = isOtherView(file, part.view) ? part.view : "";
+      if ((view == colour.view) != ofView) continue;
       if (auto camera = cameraOf(part)) return camera;
+    }
+  return {};
+}
+
+// Nothing if the file cannot be read.
+std::optional<FrameCamera> cameraIn(const std::filesystem::path& file, const AovPlace& colour) {
+  try {
+    return cameraIn(readExrHeader(file), colour);
   } catch (const Error&) {  // told when its turn comes
   }
   return {};
@@ -68,7 +120,7 @@ FrameMotion cameraMotionOf(const Frame& frame, const FrameCamera& camera, const 
   FrameMotion motion{{}, {}, std::move(depth), true};
   const ExrOutput windows = frame.output(scaleOf(frame));
   const auto towards = [&](const std::filesystem::path& file) {
-    const std::optional<FrameCamera> other = file.empty() ? std::nullopt : cameraIn(file);
+    const std::optional<FrameCamera> other = file.empty() ? std::nullopt : cameraIn(file, frame.colourPlace());
     return other ? cameraMotion(camera, *other, motion.depth, windows.dataWindow, windows.displayWindow)
                  : std::vector<float>{};
   };
@@ -94,11 +146,12 @@ FrameMotion readMotion(const Frame& frame, const MotionRequest& request) {
   const ExrFile& file = frame.auxiliaryFile();
   std::vector<float> depth;
   if (!request.depth.empty() || hasAov(file, AovRole::kDepth))
-    depth = frame.readFull(findAov(file, AovRole::kDepth, request.depth)).pixels;
-  if (const auto layer = motionLayer(file, request.layer)) return layerMotionOf(frame, *layer, std::move(depth));
+    depth = frame.readFull(findAov(file, AovRole::kDepth, request.depth, frame.colourPlace())).pixels;
+  if (const auto layer = motionLayer(file, request.layer, frame.colourPlace()))
+    return layerMotionOf(frame, *layer, std::move(depth));
   if (request.layer.empty() && !depth.empty())
-    for (const ExrPart& part : file.parts)
-      if (const auto camera = cameraOf(part)) return cameraMotionOf(frame, *camera, request, std::move(depth));
+    if (const auto camera = cameraIn(file, frame.colourPlace()))
+      return cameraMotionOf(frame, *camera, request, std::move(depth));
   throw Error("'" + file.path.string() + "' has no motion " +
               (request.layer.empty() ? "layer 'Vector', nor depth and camera (the attribute worldToNDC)"
                                      : "layer '" + printable(request.layer) + "' of two or four channels") +

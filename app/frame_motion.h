@@ -24,9 +24,10 @@ struct MotionRequest {
 
 /// Reads the motion of a frame from its auxiliary file. Of a layer, four channels are Cycles' (X, Y): previous less
 /// present, (Z, W): present less next, in pixels and Y up; two are x to the right and y down from the present to the
-/// previous frame. Without a layer it is that of the camera (cameraMotion()), if this and the file beside it tell where
-/// that stood and there is a depth. Throws Error if there is neither, or the layer does not have the size of the
-/// auxiliary images.
+/// previous frame. Of several layers of that name the one of the colour's view layer and view is taken, and the same
+/// holds for the depth. Without a layer it is that of the camera (cameraMotion()), if this and the file beside it tell
+/// where that stood and there is a depth. Throws Error if there is neither, if several layers fit equally well, or the
+/// layer does not have the size of the auxiliary images.
 FrameMotion readMotion(const Frame& frame, const MotionRequest& request);
 
 }  // namespace xrds

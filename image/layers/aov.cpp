@@ -14,13 +14,6 @@ namespace {
 
 using Candidates = std::vector<AovCandidate>;
 
-std::string optionName(AovRole role) {
-  if (role == AovRole::kFullColor) return "--aux-colour";
-  if (role == AovRole::kColor) return "--color";
-  const std::string words = toString(role);
-  return "--" + words.substr(0, words.find(' '));
-}
-
 bool isColor(AovRole role) { return role == AovRole::kColor || role == AovRole::kFullColor; }
 
 void keepIf(Candidates& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
@@ -120,7 +113,8 @@ Candidates namedBy(const ExrFile& file, Candidates candidates, std::string name)
       [&](const AovCandidate& c) { return plainName(c.selection.layer) == plain; },
       [&](const AovCandidate& c) { return !name.empty() && partName(c) == name; },
       [&](const AovCandidate& c) { return !name.empty() && plainName(c.stem) == plain; },
-      [&](const AovCandidate& c) { return meansUnnamed && (isUnnamed(c) || c.namedByPart); }};
+      [&](const AovCandidate& c) { return meansUnnamed && (isUnnamed(c) || c.namedByPart); },
+      [&](const AovCandidate& c) { return !name.empty() && c.view == name && (isUnnamed(c) || c.namedByPart); }};
   for (const auto& reading : readings) {
     Candidates matching = candidates;
     keepIf(matching, reading);
@@ -189,19 +183,24 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
   return found.front();
 }
 
+// The best names of one view.
+Candidates bestOfView(Candidates candidates, AovRole role, const std::string& view) {
+  keepIf(candidates, [&](const AovCandidate& c) { return c.view == view; });
+  return bestByName(candidates, role);
+}
+
 AovCandidate choose(const ExrFile& file, AovRole role, Candidates candidates, const std::string& name,
-                    const AovCandidate* color, const std::string& option) {
+                    const AovPlace& beside, const std::string& option) {
   if (name.empty()) {
-    keepIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
-    candidates = bestByName(candidates, role);
+    Candidates best = bestOfView(candidates, role, beside.view);
+    candidates = best.empty() ? bestOfView(candidates, role, "") : std::move(best);
   } else {
     candidates = namedBy(file, candidates, name);
-    preferIf(candidates, [](const AovCandidate& c) { return c.view.empty(); });
+    for (const std::string& view : {beside.view, std::string()})
+      preferIf(candidates, [&](const AovCandidate& c) { return c.view == view; });
   }
   preferBySize(candidates, role);
-  if (color != nullptr) {
-    preferIf(candidates, [&](const AovCandidate& c) { return c.prefix == color->prefix; });
-  }
+  if (beside.viewLayer) preferIf(candidates, [&](const AovCandidate& c) { return c.prefix == *beside.viewLayer; });
   return single(file, role, name, candidates, option);
 }
 
@@ -212,7 +211,7 @@ std::optional<ExrSelection> alphaFor(const ExrFile& file, const AovCandidate& co
   }
   for (const AovCandidate& other : aovCandidates(file, AovRole::kColor)) {
     if (namesFinishedRender(other.stem) && other.prefix == color.prefix &&
-        other.selection.part == color.selection.part) {
+        other.selection.part == color.selection.part && other.view == color.view) {
       return other.alpha;
     }
   }
@@ -234,12 +233,25 @@ void noteChoice(Aovs& result, const ExrFile& file, const AovCandidate& color, co
     result.notes.push_back("The colour is '" + printable(color.selection.layer) +
                            "', the only layer that is neither albedo nor normal.");
   }
-  if (std::any_of(all.begin(), all.end(), [](const AovCandidate& c) { return !c.view.empty(); })) {
-    result.notes.push_back("Only the default view of '" + file.path.string() + "' is used.");
-  }
+  const auto isOther = [](const AovCandidate& c) { return !c.view.empty(); };
+  const auto isSameOfOther = [&](const AovCandidate& c) {
+    return isOther(c) && c.prefix == color.prefix && c.stem == color.stem;
+  };
+  auto other = std::find_if(all.begin(), all.end(), isSameOfOther);
+  if (other == all.end()) other = std::find_if(all.begin(), all.end(), isOther);
+  if (other != all.end())
+    result.notes.push_back("Only the default view of '" + file.path.string() + "' is used; '--color " +
+                           printable(isUnnamed(*other) ? other->view : other->selection.layer) + "' takes another.");
 }
 
 }  // namespace
+
+std::string optionName(AovRole role) {
+  if (role == AovRole::kFullColor) return "--aux-colour";
+  if (role == AovRole::kColor) return "--color";
+  const std::string words = toString(role);
+  return "--" + words.substr(0, words.find(' '));
+}
 
 std::string AovRequest::nameOf(AovRole role) const {
   const auto found = names.find(role);
@@ -248,13 +260,13 @@ std::string AovRequest::nameOf(AovRole role) const {
 
 Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request) {
   const AovCandidate color = choose(colorFile, AovRole::kColor, aovCandidates(colorFile, AovRole::kColor),
-                                    request.nameOf(AovRole::kColor), nullptr, optionName(AovRole::kColor));
+                                    request.nameOf(AovRole::kColor), {}, optionName(AovRole::kColor));
   Aovs result;
   result.color = color.selection;
+  result.place = {color.prefix, color.view};
   result.alpha = alphaFor(colorFile, color);
   for (const AovRole role : request.needed) {
-    result.auxiliary[role] =
-        choose(auxFile, role, aovCandidates(auxFile, role), request.nameOf(role), &color, optionName(role)).selection;
+    result.auxiliary[role] = findAov(auxFile, role, request.nameOf(role), result.place);
   }
   noteChoice(result, colorFile, color, request.nameOf(AovRole::kColor));
   return result;
@@ -286,7 +298,11 @@ ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name)
 }
 
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const std::string& option) {
-  return choose(file, role, aovCandidates(file, role), name, nullptr, option).selection;
+  return choose(file, role, aovCandidates(file, role), name, {}, option).selection;
+}
+
+ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const AovPlace& beside) {
+  return choose(file, role, aovCandidates(file, role), name, beside, optionName(role)).selection;
 }
 
 ExrSelection findColourOrNormal(const ExrFile& file, const std::string& name, const std::string& option) {
@@ -297,7 +313,7 @@ ExrSelection findColourOrNormal(const ExrFile& file, const std::string& name, co
           return c.selection.part == normal.selection.part && c.selection.layer == normal.selection.layer;
         }))
       candidates.push_back(normal);
-  return choose(file, AovRole::kColor, std::move(candidates), name, nullptr, option).selection;
+  return choose(file, AovRole::kColor, std::move(candidates), name, {}, option).selection;
 }
 
 }  // namespace xrds

@@ -13,7 +13,8 @@ namespace xrds {
 
 /// Which layers the user named, and which are needed beside the colour. No name means: find it by convention. A name is
 /// a layer's full name ("ViewLayer.Denoising Albedo"), the name of a part, a layer's own name ("albedo"), or any of
-/// them after a part's number and a colon ("1:albedo"); "(unnamed)", "RGB" and "RGBA" also stand for the unnamed layer.
+/// them after a part's number and a colon ("1:albedo"); "(unnamed)", "RGB" and "RGBA" also stand for the unnamed layer,
+/// and the name of a view for that of this view.
 struct AovRequest {
   std::map<AovRole, std::string> names{};
   std::vector<AovRole> needed{AovRole::kAlbedo, AovRole::kNormal};
@@ -22,19 +23,30 @@ struct AovRequest {
   std::string nameOf(AovRole role) const;
 };
 
+/// Where a colour stands among the layers of its file. What belongs to it is looked for there first.
+struct AovPlace {
+  std::optional<std::string> viewLayer{};  ///< What stands before its own name; nothing where that does not count.
+  std::string view{};                      ///< Empty for the default view.
+};
+
+/// The option of the command line that names the layer of a role.
+std::string optionName(AovRole role);
+
 /// The layers to read: colour and alpha from the colour file, the others from the auxiliary file.
 struct Aovs {
   ExrSelection color;
   std::optional<ExrSelection> alpha;          ///< One channel beside the colour, where there is one.
   std::map<AovRole, ExrSelection> auxiliary;  ///< Those that were needed; depth has one channel.
+  AovPlace place;                             ///< That of the colour.
   std::vector<std::string> notes;             ///< Choices a user may want to know of, one sentence each.
 };
 
 /// Finds colour in `colorFile`, the layers that are needed beside it in `auxFile`, which may be the same file with
 /// parts of different sizes. Where names are equally good, colour comes from the smallest part and the others from the
 /// largest, and from the view layer of the colour. Cycles' "Noisy Image" goes before "Combined", which is denoised when
-/// both are there. Views other than the default one are left alone. Throws Error, listing what the file holds, when a
-/// needed layer is absent or several fit equally well.
+/// both are there. Views other than the default one are left alone, unless the colour that the user named is of one:
+/// then the others come from that view, or from the default one where it lacks them. Throws Error, listing what the
+/// file holds, when a needed layer is absent or several fit equally well.
 Aovs findAovs(const ExrFile& colorFile, const ExrFile& auxFile, const AovRequest& request = {});
 
 /// Whether the file holds a layer that goes by one of the role's known names.
@@ -46,6 +58,9 @@ std::optional<ExrSelection> indirectLight(const ExrFile& file, AovRole role, con
 
 /// Finds one layer in one file, by convention or, when `name` is not empty, by that name. Throws as findAovs does.
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name = "");
+
+/// The same for a layer that belongs to a colour there: of its view layer and of its view.
+ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const AovPlace& beside);
 
 /// The same; its messages advise to name the layer with that option, or not at all where it is empty.
 ExrSelection findAov(const ExrFile& file, AovRole role, const std::string& name, const std::string& option);

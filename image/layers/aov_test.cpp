@@ -280,6 +280,38 @@ TEST(Aov, OtherViewsAreLeftAlone) {
   EXPECT_EQ(findAov(parts, AovRole::kColor).part, 0U);
 }
 
+TEST(Aov, WhatBelongsToAColourIsOfItsView) {
+  const auto both = [](const std::string& layer, const char* suffixes) {
+    return triple(layer + ".left", suffixes) + triple(layer + ".right", suffixes);
+  };
+  ExrFile file = fileWith(
+      {partWith(both("L.Combined", "RGB") + both("L.Denoising Albedo", "RGB") + triple("L.Denoising Normal", "XYZ") +
+                Names{"L.Depth.left.Z", "L.Depth.right.Z"} + Names{"L.Combined.left.A", "L.Combined.right.A"})});
+  file.views = {"left", "right"};
+  const Aovs aovs = findAovs(file, file, {.names = {{AovRole::kColor, "L.Combined.right"}}});
+  EXPECT_EQ(aovs.alpha->channelNames, Names{"L.Combined.right.A"});
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).channelNames, triple("L.Denoising Albedo.right", "RGB"));
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kNormal).channelNames, triple("L.Denoising Normal", "XYZ"));  // of no view
+  EXPECT_EQ(findAov(file, AovRole::kFullColor, "", aovs.place).channelNames, triple("L.Combined.right", "RGB"));
+  EXPECT_EQ(findAov(file, AovRole::kDepth, "Depth", aovs.place).channelNames, Names{"L.Depth.right.Z"});
+  const ExrFile one = fileWith({partWith(kCyclesAux)});  // a file for each eye
+  EXPECT_EQ(findAov(one, AovRole::kAlbedo, "", aovs.place).channelNames, triple("ViewLayer.Denoising Albedo", "RGB"));
+}
+
+// Their channels are right.R and so on.
+TEST(Aov, TheUnnamedLayerOfAViewGoesByTheName) {
+  ExrFile file = fileWith({partWith(kRoot + triple("right", "RGB") + triple("albedo.right", "RGB"))});
+  file.views = {"left", "right"};
+  const AovRequest request{.names = {{AovRole::kColor, "right"}}, .needed = {AovRole::kAlbedo}};
+  const Aovs aovs = findAovs(file, file, request);
+  EXPECT_EQ(aovs.color.channelNames, triple("right", "RGB"));
+  EXPECT_EQ(aovs.auxiliary.at(AovRole::kAlbedo).channelNames, triple("albedo.right", "RGB"));
+  const Aovs other = findAovs(file, file, {.names = {}, .needed = {}});
+  EXPECT_EQ(other.color.channelNames, kRoot);
+  ASSERT_EQ(other.notes.size(), 1U);
+  EXPECT_NE(other.notes[0].find("'--color right' takes another"), std::string::npos) << other.notes[0];
+}
+
 TEST(Aov, FullColorIsThatOfTheLargestPart) {
   const ExrFile file = fileWith({partWith(kCycles, kLow, "low"), partWith(kCycles, kHigh, "high")});
   EXPECT_EQ(findAov(file, AovRole::kColor).part, 0U);

@@ -41,6 +41,13 @@ TEST(CliFailure, SizesThatDoNotFit) {
   setAux(30, 24);
   expectFailure(runXrds({"upscale", frame.color, frame.aux, "-o", frame.out}), 4, "no model of this scale",
                 frame.folder, 2);
+  const std::string colour = readBytes(frame.color);
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(40, 32), {colourLayer("", 10)}}});
+  const std::vector<Layer> guides{albedoLayer("albedo", 40), normalLayer("normal", 40)};
+  writeParts(frame.aux, {{boxOf(40, 32), boxOf(40, 32), guides, "guides"},
+                         {boxOf(20, 16), boxOf(40, 32), {colourLayer("", 20)}, "rgba"}});
+  expectFailure(upscaleWith(frame, "xrds-x4-full"), 3, "--albedo and --aux-colour", frame.folder, 2);
+  writeBytes(frame.color, colour);
   setAux(40, 32);
   expectFailure(upscale(frame, {"--reference", frame.color}), 3, "expected the result's 40 x 32", frame.folder, 2);
 }

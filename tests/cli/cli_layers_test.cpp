@@ -248,6 +248,20 @@ TEST(CliLayers, OfSequencesAreThoseOfTheFrames) {
   EXPECT_EQ(readBytes(frame.folder / "o.0002.exr"), readBytes(frame.out));
 }
 
+TEST(CliLayers, AreRefusedBesideAColourOfAnotherView) {
+  const SmallFrame frame;
+  const Box low = boxOf(10, 8);
+  const auto eye = [&](const std::string& view) {
+    FixturePart part{"rgba_" + view, low, low, {"R", "G", "B"}};
+    part.view = view;
+    return part;
+  };
+  writeFixture(frame.color, {eye("left"), eye("right")});
+  EXPECT_EQ(runXrds(frame.arguments({"--color", "right"})).exitCode, 0);
+  expectFailure(runXrds(frame.arguments({"--color", "right", "--layers", "all"})), 3, "is of view 'right'",
+                frame.folder, 3);
+}
+
 // Some renderers store each part's own rectangle.
 TEST(CliLayers, PartsOfAnotherDataWindowAreToldToBeLeftOut) {
   const SmallFrame frame;

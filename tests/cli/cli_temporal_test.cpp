@@ -216,5 +216,37 @@ TEST(CliTemporal, SaysWhatIsMissing) {
   EXPECT_EQ(single.exitCode, 2) << single.error;
 }
 
+TEST(CliTemporal, MotionAndDepthAreOfTheViewLayerOfTheColour) {
+  const UpscaledSequence alone({.depth = true}), beside({.depth = true, .viewLayers = true});
+  ASSERT_EQ(alone.run("out", {"--temporal", "--frames", "3"}).exitCode, 0);
+  const Ended ended = beside.run("out", {"--temporal", "--frames", "3", "--color", "B.Combined"});
+  ASSERT_EQ(ended.exitCode, 0) << ended.error;
+  EXPECT_EQ(beside.bytes("out", 3), alone.bytes("out", 3));
+  // Of a colour that is of no view layer.
+  const MovingSequence unnamed;
+  fs::copy_file(unnamed.at("colour", 3), beside.at("colour", 3), fs::copy_options::overwrite_existing);
+  const Ended unclear = beside.run(
+      "unclear", {"--temporal", "--frames", "3", "--albedo", "B.albedo", "--normal", "B.normal", "--depth", "B.Depth"});
+  EXPECT_EQ(unclear.exitCode, 8);
+  EXPECT_TRUE(contains(unclear.error, "found 0:A.Vector, 0:B.Vector; name the one to use with --motion"))
+      << unclear.error;
+}
+
+// Both renders in one file, each with its passes.
+TEST(CliTemporal, MotionAndDepthAreThoseOfTheLargerRender) {
+  const TemporaryFolder folder;
+  const auto zero = [](int, int, int) { return 0.F; };
+  const auto render = [&](int width, const std::string& name) {
+    return Part{boxOf(width, width), boxOf(64, 64), {{"Vector", "XYZW", zero}, colourLayer("Combined", width)}, name};
+  };
+  Part low = render(16, "low"), full = render(64, "full");
+  full.layers.insert(full.layers.end(), {albedoLayer("albedo", 64), normalLayer("normal", 64)});
+  for (const char* name : {"r.0001.exr", "r.0002.exr"}) writeParts(folder / name, {low, full});
+  const Ended ended =
+      runXrds({"upscale", (folder / "r.####.exr").string(), "-o", (folder / "out").string(), "--temporal", "--frames",
+               "1", "--aux-colour", "never", "--model", goldenModel("s4_guided"), "--quiet"});
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+}
+
 }  // namespace
 }  // namespace xrds::test

@@ -21,7 +21,19 @@ struct MotionTold {
   int frames = kFrames;  // at most 9
   int step = 3;          // pixels of the full resolution to the right, a frame
   bool lights = false;   // layers Emit and Env of the colour, 0.3 and 0.7 of it
+  bool depth = false;
+  bool viewLayers = false;  // all stand in view layer B, beside a view layer A of one grey
 };
+
+inline void addViewLayer(Part& part) {
+  std::vector<Layer> both;
+  for (const Layer& layer : part.layers) {
+    const std::string name = layer.name.empty() ? "Combined" : layer.name;
+    both.push_back({"A." + name, layer.channels, [](int, int, int) { return 0.5F; }});
+    both.push_back({"B." + name, layer.channels, layer.pixels});
+  }
+  part.layers = std::move(both);
+}
 
 /// Frames 1 to 6, or more, of a pattern that moves to the right, under noisy light, as
 /// colour.0001.exr and aux.0001.exr.
@@ -44,6 +56,7 @@ struct MovingSequence {
     Part colour{low, low, {Layer{"", "RGB", light(1)}}};
     if (told.lights)
       colour.layers.insert(colour.layers.end(), {{"Emit", "RGB", light(0.3F)}, {"Env", "RGB", light(0.7F)}});
+    if (told.viewLayers) addViewLayer(colour);
     writeParts(at("colour", frame), {colour});
     const Layer albedo{"albedo", "RGB", [=](int x, int y, int) {
                          return (x - told.step * frame + 30) / 6 % 2 == y / 6 % 2 ? 0.3F : 0.7F;
@@ -61,6 +74,8 @@ struct MovingSequence {
       part.layers.push_back({told.layer, told.channels,
                              [=](int, int, int c) { return c % 2 == 0 ? static_cast<float>(-told.step) : 0.F; }});
     }
+    if (told.depth) part.layers.push_back({"Depth", "Z", [](int x, int, int) { return 5 + 0.1F * float(x); }});
+    if (told.viewLayers) addViewLayer(part);
     writeParts(at("aux", frame), {part});
   }
 };
