@@ -194,6 +194,7 @@ TEST(Conv3x3, ComputesByFoursWhereItMayWithFullWeights) {
     op.weightType = weights;
     DeviceTraits traits = test::traitsOf(KernelFamily::lane);
     traits.shape = {.outputs = 8, .rows = 2};  // no turns
+    traits.bufferAddresses = false;
     return dispatch(op, traits).program;
   };
   for (const uint32_t width : {4u, 36u, 1024u}) EXPECT_EQ(programOf(width, true, DataType::f32), "conv3x3_lane4_f32");
