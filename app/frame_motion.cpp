@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <optional>
 #include <utility>
 
@@ -28,57 +27,33 @@ std::vector<std::string> motionChannels(const ExrLayer& layer) {
   return {};
 }
 
-/// A layer that may be the motion, and where it stands.
-struct MotionLayer {
-  ExrSelection selection;
-  std::string viewLayer, view;
-  int64_t pixelCount = 0;
-};
-
-// All that have the name and the channels.
-std::vector<MotionLayer> motionLayers(const ExrFile& file, const std::string& name) {
+// All layers that have the name and the channels.
+std::vector<AovCandidate> motionLayers(const ExrFile& file, const std::string& name) {
   const std::string wanted = name.empty() ? "vector" : plainName(name);
-  std::vector<MotionLayer> found;
+  std::vector<AovCandidate> found;
   for (size_t part = 0; part < file.parts.size(); ++part)
     for (const ExrLayer& layer : file.parts[part].layers) {
-      std::string own = layer.name, view = takeView(file, own), viewLayer;
-      if (const size_t dot = own.rfind('.'); dot != std::string::npos) {
-        viewLayer = own.substr(0, dot);
-        own.erase(0, dot + 1);
-      }
-      if (view.empty()) view = file.parts[part].view;
-      const bool isNamed = plainName(layer.name) == wanted || plainName(own) == wanted ||
-                           (own.empty() && plainName(file.parts[part].name) == wanted);
-      std::vector<std::string> channels = isNamed ? motionChannels(layer) : std::vector<std::string>{};
-      if (channels.empty()) continue;
-      if (!isOtherView(file, view)) view.clear();
-      const Box& window = file.parts[part].dataWindow;
-      found.push_back({{part, layer.name, std::move(channels)}, viewLayer, view, window.width() * window.height()});
+      AovCandidate candidate = candidateOf(file, part, layer, motionChannels(layer), layer.name);
+      const bool isUnnamed = candidate.stem.empty() && candidate.prefix.empty();
+      const bool isNamed = plainName(layer.name) == wanted || plainName(candidate.stem) == wanted ||
+                           (isUnnamed && plainName(file.parts[part].name) == wanted);
+      if (isNamed && !candidate.selection.channelNames.empty()) found.push_back(std::move(candidate));
     }
   return found;
 }
 
-// Drops what fails the test unless everything does.
-template <class Test>
-void prefer(std::vector<MotionLayer>& layers, const Test& wanted) {
-  if (std::any_of(layers.begin(), layers.end(), wanted)) std::erase_if(layers, std::not_fn(wanted));
-}
-
 // That of the colour's view and view layer, of the largest part, where there are several.
 std::optional<ExrSelection> motionLayer(const ExrFile& file, const std::string& name, const AovPlace& colour) {
-  std::vector<MotionLayer> found = motionLayers(file, name);
+  std::vector<AovCandidate> found = motionLayers(file, name);
   for (const std::string& view : {colour.view, std::string()})
-    prefer(found, [&](const MotionLayer& layer) { return layer.view == view; });
-  prefer(found, [&](const MotionLayer& layer) { return layer.viewLayer == colour.viewLayer; });
+    preferIf(found, [&](const AovCandidate& layer) { return layer.view == view; });
+  preferIf(found, [&](const AovCandidate& layer) { return layer.prefix == colour.viewLayer; });
   int64_t most = 0;
-  for (const MotionLayer& layer : found) most = std::max(most, layer.pixelCount);
-  prefer(found, [&](const MotionLayer& layer) { return layer.pixelCount == most; });
+  for (const AovCandidate& layer : found) most = std::max(most, layer.pixelCount);
+  preferIf(found, [&](const AovCandidate& layer) { return layer.pixelCount == most; });
   if (found.empty()) return {};
   if (found.size() == 1) return found.front().selection;
-  std::string list;
-  for (const MotionLayer& layer : found)
-    list += (list.empty() ? "" : ", ") + std::to_string(layer.selection.part) + ":" + printable(layer.selection.layer);
-  throw Error("The motion in '" + file.path.string() + "' is ambiguous: expected one layer, found " + list +
+  throw Error("The motion in '" + file.path.string() + "' is ambiguous: expected one layer, found " + placesOf(found) +
               "; name the one to use with --motion LAYER.");
 }
 

@@ -16,17 +16,6 @@ using Candidates = std::vector<AovCandidate>;
 
 bool isColor(AovRole role) { return role == AovRole::kColor || role == AovRole::kFullColor; }
 
-void keepIf(Candidates& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
-  std::erase_if(candidates, [&](const AovCandidate& candidate) { return !wanted(candidate); });
-}
-
-// Drops what fails the test unless everything does.
-void preferIf(Candidates& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
-  if (std::any_of(candidates.begin(), candidates.end(), wanted)) {
-    keepIf(candidates, wanted);
-  }
-}
-
 bool isNoisyRender(const AovCandidate& c) { return namesNoisyRender(c.stem); }
 
 // The noisy render of the view layer that a finished render belongs to.
@@ -172,13 +161,8 @@ const AovCandidate& single(const ExrFile& file, AovRole role, const std::string&
                 ", found none" + remedy + ".");
   }
   if (found.size() > 1) {
-    std::string list;
-    for (const AovCandidate& candidate : found) {
-      list += (list.empty() ? "" : ", ") + std::to_string(candidate.selection.part) + ":" +
-              printable(candidate.selection.layer);
-    }
     throw Error("The " + toString(role) + " in '" + file.path.string() + "' is ambiguous: expected one layer, found " +
-                list + remedy + ".");
+                placesOf(found) + remedy + ".");
   }
   return found.front();
 }

@@ -80,37 +80,6 @@ std::vector<std::string> viewsOf(const ExrFile& file) {
   return views;
 }
 
-AovCandidate candidateOf(const ExrFile& file, size_t number, const ExrLayer& layer,
-                         std::vector<std::string> channelNames, const std::string& ownName) {
-  const ExrPart& part = file.parts[number];
-  AovCandidate candidate;
-  std::string name = ownName;
-  candidate.view = takeView(file, name);
-  candidate.namedByPart = name.empty() && file.parts.size() > 1 && part.layers.size() == 1 && !part.name.empty();
-  if (candidate.namedByPart) {
-    name = part.name;
-    takeView(file, name);
-  }
-  candidate.selection = {number, name.empty() ? "(unnamed)" : name, std::move(channelNames)};
-  if (!candidate.view.empty()) {
-    candidate.selection.layer += "." + candidate.view;
-  }
-  std::tie(candidate.prefix, candidate.stem) = splitAtLastDot(name);
-  if (candidate.view.empty()) {
-    candidate.view = part.view;
-  }
-  if (!isOtherView(file, candidate.view)) {
-    candidate.view.clear();
-  }
-  candidate.pixelCount = part.dataWindow.width() * part.dataWindow.height();
-  for (const char* suffix : {"a", "alpha"}) {
-    if (const ExrChannel* alpha = findChannel(layer, suffix); alpha != nullptr && !candidate.alpha) {
-      candidate.alpha = ExrSelection{number, candidate.selection.layer, {alpha->name}};
-    }
-  }
-  return candidate;
-}
-
 // Layers of one channel, as "ViewLayer.Depth.Z", and channels without a layer's name, as "Z".
 std::vector<AovCandidate> depthCandidates(const ExrFile& file, size_t number) {
   std::vector<AovCandidate> result;
@@ -178,6 +147,56 @@ std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role) {
     }
   }
   return result;
+}
+
+AovCandidate candidateOf(const ExrFile& file, size_t number, const ExrLayer& layer,
+                         std::vector<std::string> channelNames, const std::string& ownName) {
+  const ExrPart& part = file.parts[number];
+  AovCandidate candidate;
+  std::string name = ownName;
+  candidate.view = takeView(file, name);
+  candidate.namedByPart = name.empty() && file.parts.size() > 1 && part.layers.size() == 1 && !part.name.empty();
+  if (candidate.namedByPart) {
+    name = part.name;
+    takeView(file, name);
+  }
+  candidate.selection = {number, name.empty() ? "(unnamed)" : name, std::move(channelNames)};
+  if (!candidate.view.empty()) {
+    candidate.selection.layer += "." + candidate.view;
+  }
+  std::tie(candidate.prefix, candidate.stem) = splitAtLastDot(name);
+  if (candidate.view.empty()) {
+    candidate.view = part.view;
+  }
+  if (!isOtherView(file, candidate.view)) {
+    candidate.view.clear();
+  }
+  candidate.pixelCount = part.dataWindow.width() * part.dataWindow.height();
+  for (const char* suffix : {"a", "alpha"}) {
+    if (const ExrChannel* alpha = findChannel(layer, suffix); alpha != nullptr && !candidate.alpha) {
+      candidate.alpha = ExrSelection{number, candidate.selection.layer, {alpha->name}};
+    }
+  }
+  return candidate;
+}
+
+void keepIf(std::vector<AovCandidate>& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
+  std::erase_if(candidates, [&](const AovCandidate& candidate) { return !wanted(candidate); });
+}
+
+void preferIf(std::vector<AovCandidate>& candidates, const std::function<bool(const AovCandidate&)>& wanted) {
+  if (std::any_of(candidates.begin(), candidates.end(), wanted)) {
+    keepIf(candidates, wanted);
+  }
+}
+
+std::string placesOf(const std::vector<AovCandidate>& candidates) {
+  std::string list;
+  for (const AovCandidate& candidate : candidates) {
+    list += (list.empty() ? "" : ", ") + std::to_string(candidate.selection.part) + ":" +
+            printable(candidate.selection.layer);
+  }
+  return list;
 }
 
 }  // namespace xrds

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,8 +12,8 @@
 
 namespace xrds {
 
-/// A layer that could serve a role because it has the channels for it, three or, for depth, one, whatever its name. Of
-/// a grey one the same channel stands for all three.
+/// A layer that could serve a purpose because it has the channels for it, whatever its name: for a role three or, for
+/// depth, one. Of a grey one the same channel stands for all three.
 struct AovCandidate {
   ExrSelection selection;
   std::string prefix;        ///< What stands before the layer's own name: Cycles' view layer.
@@ -40,5 +41,17 @@ bool hasChroma(const ExrLayer& layer);
 /// upper or lower case and any order, as floating-point numbers, one a pixel; for depth those of a single channel, and
 /// the channels Z and depth of the unnamed layer. Deep parts offer none.
 std::vector<AovCandidate> aovCandidates(const ExrFile& file, AovRole role);
+
+/// A layer of that part with these of its channels. `ownName`: its name, or a channel's that goes by its own.
+AovCandidate candidateOf(const ExrFile& file, size_t part, const ExrLayer& layer, std::vector<std::string> channelNames,
+                         const std::string& ownName);
+
+void keepIf(std::vector<AovCandidate>& candidates, const std::function<bool(const AovCandidate&)>& wanted);
+
+/// Drops what fails the test unless everything does.
+void preferIf(std::vector<AovCandidate>& candidates, const std::function<bool(const AovCandidate&)>& wanted);
+
+/// Their parts and names, as "0:A.Vector, 0:B.Vector".
+std::string placesOf(const std::vector<AovCandidate>& candidates);
 
 }  // namespace xrds
