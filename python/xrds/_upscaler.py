@@ -273,8 +273,8 @@ def _options(
         raise ArgumentError(f"The ensemble is {ensemble}, expected 1, 2, 4 or 8.")
     if memory is not None:
         check_numbers([memory], numbers.Real, "memory", "a number of bytes, or None")
-    if memory is not None and not (0 < memory < 2**64 and memory == int(memory)):
-        raise ArgumentError(f"The memory is {memory}, expected a whole number of bytes, or None.")
+        if not (0 < memory < 2**64 and memory == int(memory)):
+            raise ArgumentError(f"The memory is {memory}, expected a whole number of bytes, or None.")
     options.ensemble = int(ensemble)
     options.memory = int(memory or 0)
     return options
