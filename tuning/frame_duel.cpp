@@ -6,6 +6,7 @@
 #include <random>
 
 #include "checks/error_budget.h"
+#include "tuning/timing.h"
 #include "xrds/error.h"
 
 namespace xrds {
@@ -13,15 +14,6 @@ namespace {
 
 constexpr int kLeastRounds = 2, kMostRounds = 9;
 constexpr double kSeconds = 8;  // after which no further round begins
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
-}
 
 /// Random pixels: radiance with highlights, and in [0, 1) what is beside it.
 class RandomFrame {

@@ -8,6 +8,7 @@
 
 #include "engine/parallel.h"
 #include "shaders/common/tolerance.h"
+#include "tuning/timing.h"
 
 namespace xrds {
 namespace {
@@ -15,11 +16,6 @@ namespace {
 constexpr double kLeastMicroseconds = 1500;  // of a timed run: shorter ones are noise
 constexpr uint32_t kMostCopies = 64;
 constexpr int kRuns = 5, kRounds = 7, kRoundsToWin = 5;
-
-double median(std::vector<double> times) {
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-  return times[times.size() / 2];
-}
 
 uint32_t copiesFor(double microseconds) {
   return std::clamp(static_cast<uint32_t>(std::ceil(kLeastMicroseconds / std::max(microseconds, 1.0))), 1u,

@@ -8,6 +8,7 @@
 #include "network/halo.h"
 #include "tuning/frame_duel.h"
 #include "tuning/kernel_trials.h"
+#include "tuning/timing.h"
 
 namespace xrds {
 namespace {
@@ -26,10 +27,6 @@ class ShortPatience {
  private:
   Gpu& gpu_;
 };
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // Those that the device can run, and that are made for its kind.
 std::vector<KernelFamily> familiesOf(const Gpu& gpu, Precision precision) {
