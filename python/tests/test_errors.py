@@ -63,8 +63,13 @@ def test_what_is_no_array(change, words):
     ({"exposure": "auto"}, "exposure is 'auto', expected a number, or None"),
     ({"full_colour": ALBEDO, "samples": 64}, r"samples are 64, expected two numbers, as \(64, 16\)"),
     ({"samples": "64"}, "number of samples is '6', expected two numbers"),
+    ({"skip": (1,)}, r"skip is \(1,\), expected 'safe', 'off', a number, or None"),
+    ({"wrap": "no"}, "wrap is 'no', expected True or False"),
+    ({"merged": 1}, "merged is 1, expected True or False"),
+    ({"layers": [ALBEDO]}, "layers are of type list, expected a dict of arrays by their names, or None"),
+    ({"progress": 3}, "progress is 3, expected a function, or None"),
 ])
-def test_what_is_no_number(change, words):
+def test_what_is_of_another_kind(change, words):
     with pytest.raises(TypeError, match=words):
         xrds.upscale(**{"colour": COLOUR, "albedo": ALBEDO, "normal": NORMAL, "model": MODEL, **change})
 

@@ -11,7 +11,7 @@ import numpy
 
 from . import _native
 from ._arrays import Array, Result, output_for, readable, writable
-from ._errors import ArgumentError, check_numbers
+from ._errors import ArgumentError, check_kind
 
 Samples = tuple[float, float]
 MOST_DIFFERENCE = 0.1  # of colours that are of the same light
@@ -58,7 +58,7 @@ def checked(samples: Optional[Samples]) -> Samples:
         return 0, 0
     if not hasattr(samples, "__len__"):
         raise TypeError(f"The samples are {samples!r}, expected two numbers, as (64, 16).")
-    check_numbers(samples, numbers.Real, "number of samples", "two numbers, as (64, 16)")
+    check_kind(samples, numbers.Real, "number of samples", "two numbers, as (64, 16)")
     if len(samples) != 2 or not all(0 < number < math.inf for number in samples):
         raise ArgumentError(f"The samples are {' and '.join(map(str, samples))}, expected two positive numbers.")
     low, full = samples

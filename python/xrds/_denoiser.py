@@ -11,9 +11,9 @@ from ._errors import ArgumentError
 from ._held import Held, OnDevice
 from ._layers import LayerRun, Layers
 from ._oidn import Path, networks_alone
-from ._progress import Progress, steps
+from ._progress import Progress, heard, steps
 from ._repair import filled, plain
-from ._upscaler import AnyDevice, Upscaler, _listed, _one_of
+from ._upscaler import AnyDevice, Upscaler, _listed, _one_of, flag
 
 _INPUTS = ((), ("albedo",), ("albedo", "normal"))
 
@@ -69,7 +69,7 @@ class Denoiser(Held[_Networks]):
             raise ArgumentError(f"A denoiser takes albedo and normal, albedo, or nothing beside the colour, not {_listed(self.inputs)}.")
         _one_of(guides, "guides", ("prefilter", "noisy", "clean"))
         _one_of(quality, "quality", ("high", "balanced", "fast"))
-        if ldr and exposure is not None:
+        if flag(ldr, "ldr") and exposure is not None:
             raise ArgumentError("The exposure is of radiance without bound: it cannot go with ldr.")
         colour, prefilters = networks_alone(self.inputs, guides, quality, ldr, denoisers)
         self.device = device if isinstance(device, Device) else Device(device, progress=progress)
@@ -129,14 +129,14 @@ class Denoiser(Held[_Networks]):
         run = None if layers is None else LayerRun(layers, colour, readable(colour, "colour"), 1, paired=False)
         noisy = run.noisy() if run else []
         passes = run.passes if run and "albedo" in self._prefilters else []
-        heard = iter(steps(progress, len(self._prefilters) + len(passes) + len(noisy) + 1))
+        told = iter(steps(heard(progress), len(self._prefilters) + len(passes) + len(noisy) + 1))
         for name, prefilter in self._prefilters.items():
-            images[name] = _through(prefilter, images[name], [], next(heard))
+            images[name] = _through(prefilter, images[name], [], next(told))
         if run:
-            clean = [_clean_albedo(self._prefilters["albedo"], image, next(heard)) for image in passes]
+            clean = [_clean_albedo(self._prefilters["albedo"], image, next(told)) for image in passes]
             guides = _guides_of(images)
-            run.put([_through(self._colour, image, guides, next(heard)) for image in noisy], clean or None)
-        picture = self._colour._run(colour, None, images, run, out, next(heard))
+            run.put([_through(self._colour, image, guides, next(told)) for image in noisy], clean or None)
+        picture = self._colour._run(colour, None, images, run, out, next(told))
         return (picture, run.results) if run else picture
 
 

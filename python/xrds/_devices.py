@@ -4,7 +4,7 @@ import dataclasses
 from typing import Optional, Union
 
 from . import _native
-from ._progress import Progress
+from ._progress import Progress, heard
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Device:
         progress: Optional[Progress] = None,
     ) -> None:
         chosen = None if select is None else str(select)
-        self._native = _native.Device(chosen, cache_folder, kernel_family, progress)
+        self._native = _native.Device(chosen, cache_folder, kernel_family, heard(progress))
 
     def description(self) -> DeviceDescription:
         """What this device is."""

@@ -1,6 +1,9 @@
 """What goes wrong, as exceptions; the text of each is one sentence that says what failed and what to do."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
+from typing import Union
 
 
 class Error(RuntimeError):
@@ -23,8 +26,8 @@ class Cancelled(Error):
     """The function that heard the progress returned False."""
 
 
-def check_numbers(values: Iterable[object], kind: type, name: str, expected: str) -> None:
-    """Raises TypeError unless all values are of the kind, numbers.Real or numbers.Integral."""
+def check_kind(values: Iterable[object], kind: Union[type, tuple[type, ...]], name: str, expected: str) -> None:
+    """Raises TypeError unless all values are of the kind, such as numbers.Real."""
     for value in values:
         if not isinstance(value, kind):
             raise TypeError(f"The {name} is {value!r}, expected {expected}.")

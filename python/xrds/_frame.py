@@ -19,7 +19,7 @@ from ._layers import LayerRun, Layers
 from ._models import Model
 from ._oidn import Path
 from ._progress import Progress
-from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given, _named
+from ._upscaler import AnyDevice, AnyModel, Skip, Upscaler, _argument, _given, _named, flag
 
 _lock = threading.Lock()
 _last: Optional[tuple[tuple[Any, ...], AnyDevice, Union[Upscaler, Denoiser]]] = None  # its key, the device asked for, itself
@@ -109,7 +109,7 @@ def upscale(
     arrays = _named(albedo, normal, depth, diffuse, glossy, full_colour)
     given = _given(arrays)
     scale = _scale(low, given)
-    both: Optional[Array] = colour if merged else None
+    both: Optional[Array] = colour if flag(merged, "merged") else None
     if "colour" in given and scale > 1 and not merged:
         both = merged_or_none(low, given["colour"], samples)
     options = {

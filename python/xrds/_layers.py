@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from typing import Mapping, NamedTuple, Optional, Union
+from collections.abc import Mapping
+from typing import NamedTuple, Optional, Union
 
 import numpy
 
@@ -38,6 +39,8 @@ class LayerRun:
 
     def __init__(self, layers: Layers, colour: Array, low: _native.Image, scale: int, paired: bool = True) -> None:
         """colour: what they are part of, where they do not say; low: the same; paired: colour passes are of both renders."""
+        if not isinstance(layers, Mapping):
+            raise TypeError(f"The layers are of type {type(layers).__name__}, expected a dict of arrays by their names, or None.")
         self.results: dict[str, Result] = {}
         self._shape = (scale * low.height, scale * low.width, 3)
         self._whole, self._low = colour, low

@@ -10,6 +10,12 @@ kernels are found, "upscaling". Returning False ends the call with Cancelled; wh
 called in the thread of the call and cannot make another call of this package."""
 
 
+def heard(progress: Optional[Progress]) -> Optional[Progress]:
+    if progress is not None and not callable(progress):
+        raise TypeError(f"The progress is {progress!r}, expected a function, or None.")
+    return progress
+
+
 def steps(progress: Optional[Progress], count: int) -> list[Optional[Progress]]:
     """What so many steps, one after the other, tell of their shares: the share of all of them."""
 

@@ -12,7 +12,7 @@ import numpy.typing
 from . import _native
 from ._arrays import Array, Result, readable, writable
 from ._devices import Device
-from ._errors import ArgumentError, check_numbers
+from ._errors import ArgumentError, check_kind
 from ._held import Held
 from ._upscaler import AnyDevice
 
@@ -62,7 +62,7 @@ class TemporalFilter(Held[_native.TemporalFilter]):
     """Frames before and after that are worth it, and while most of the picture stands still."""
 
     def __init__(self, width: int, height: int, scale: int, *, device: AnyDevice = None) -> None:
-        check_numbers([width, height, scale], numbers.Integral, "size or scale", "a whole number")
+        check_kind([width, height, scale], numbers.Integral, "size or scale", "a whole number")
         if not (0 < width < 2**32 and 0 < height < 2**32 and 0 < scale < 2**32):
             raise ArgumentError(f"There is no frame of {width} x {height} pixels to merge for scale {scale}.")
         self.width, self.height, self.scale = width, height, scale

@@ -4,16 +4,18 @@ import numbers
 import os
 from typing import NamedTuple, Optional, Union, overload
 
+import numpy
+
 from . import _native
 from ._arrays import Array, Result, output_for, readable, refuse_overlap, writable
 from ._colour import Samples, merged_or_none
 from ._devices import Device
-from ._errors import ArgumentError, check_numbers
+from ._errors import ArgumentError, check_kind
 from ._held import Held
 from ._layers import LayerRun, Layers
 from ._models import Model
 from ._oidn import Path, networks_in_front
-from ._progress import Progress
+from ._progress import Progress, heard
 
 AnyModel = Union[Model, str, "os.PathLike[str]"]
 AnyDevice = Union[Device, str, int, None]
@@ -86,10 +88,10 @@ class Upscaler(Held[_native.Upscaler]):
     ) -> None:
         options = _options(precision, exposure, skip, ensemble, memory, tune)
         options.exact_tiles = _one_of(tiles, "tiles", ("bounded", "exact")) == "exact"
-        options.wrap = wrap
-        options.keep_unchanged = keep_unchanged
-        options.denoised_colour = denoised_colour
-        if clean_guides and (denoise_first is False or denoise_first is None):
+        options.wrap = flag(wrap, "wrap")
+        options.keep_unchanged = flag(keep_unchanged, "keep_unchanged")
+        options.denoised_colour = flag(denoised_colour, "denoised_colour")
+        if flag(clean_guides, "clean_guides") and (denoise_first is False or denoise_first is None):
             raise ArgumentError("clean_guides says that albedo and normal have no noise to take out: give denoise_first, too, or leave it out.")
         self.width, self.height = _size(width, "width"), _size(height, "height")
         self.model = model if isinstance(model, Model) else Model(model)
@@ -101,7 +103,7 @@ class Upscaler(Held[_native.Upscaler]):
         options.separate_denoisers = memory is not None
         networks = [network._native if network else None for network in denoisers]
         super().__init__(
-            _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, networks, progress)
+            _native.Upscaler(self.device._native, self.model._native, self.width, self.height, options, networks, heard(progress))
         )
 
     @overload
@@ -144,7 +146,7 @@ class Upscaler(Held[_native.Upscaler]):
         given = _given(arrays)
         low = readable(colour, "colour")
         run = LayerRun(layers, colour, low, self.scale) if layers is not None else None
-        both: Optional[Array] = colour if merged else None
+        both: Optional[Array] = colour if flag(merged, "merged") else None
         if "colour" in given and self.scale > 1 and not merged:
             both = merged_or_none(low, given["colour"], samples)
         picture = self._run(colour, both, arrays, run, out, progress)
@@ -176,6 +178,7 @@ class Upscaler(Held[_native.Upscaler]):
         out: Optional[Array],
         progress: Optional[Progress],
     ) -> Result:
+        heard(progress)
         low = readable(colour, "colour")
         if (low.width, low.height) != (self.width, self.height):
             raise ArgumentError(
@@ -243,7 +246,7 @@ def _listed(names: tuple[str, ...]) -> str:
 
 
 def _size(value: int, name: str) -> int:
-    check_numbers([value], numbers.Integral, name, "a whole number of pixels")
+    check_kind([value], numbers.Integral, name, "a whole number of pixels")
     if not 0 < value < 2**32:
         raise ArgumentError(f"The {name} is {value} pixels, expected 1 to {2**32 - 1}.")
     return value
@@ -261,23 +264,29 @@ def _options(
     options.fp16 = _one_of(precision, "precision", _PRECISIONS) == "fp16"
     options.tune = _TUNE[_one_of(tune, "tune", tuple(_TUNE))]
     if exposure is not None:
-        check_numbers([exposure], numbers.Real, "exposure", "a number, or None")
+        check_kind([exposure], numbers.Real, "exposure", "a number, or None")
         if not exposure > 0:
             raise ArgumentError(f"The exposure is {exposure}, expected a number from 1e-30 to 1e30, or None.")
         options.exposure = exposure
     if isinstance(skip, str):
         options.skip = _SAFE_SKIP if _one_of(skip, "skip", ("safe", "off")) == "safe" else 0
     elif skip is not None:
+        check_kind([skip], numbers.Real, "skip", "'safe', 'off', a number, or None")
         options.skip = skip
     if ensemble not in (1, 2, 4, 8):
         raise ArgumentError(f"The ensemble is {ensemble}, expected 1, 2, 4 or 8.")
     if memory is not None:
-        check_numbers([memory], numbers.Real, "memory", "a number of bytes, or None")
+        check_kind([memory], numbers.Real, "memory", "a number of bytes, or None")
         if not (0 < memory < 2**64 and memory == int(memory)):
             raise ArgumentError(f"The memory is {memory}, expected a whole number of bytes, or None.")
     options.ensemble = int(ensemble)
     options.memory = int(memory or 0)
     return options
+
+
+def flag(value: bool, name: str) -> bool:
+    check_kind([value], (bool, numpy.bool_), name, "True or False")
+    return bool(value)
 
 
 def _one_of(value: str, name: str, known: tuple[str, ...]) -> str:
