@@ -29,16 +29,16 @@ std::vector<std::string> motionChannels(const ExrLayer& layer) {
 
 // All layers that have the name and the channels.
 std::vector<AovCandidate> motionLayers(const ExrFile& file, const std::string& name) {
-  const std::string wanted = name.empty() ? "vector" : plainName(name);
   std::vector<AovCandidate> found;
   for (size_t part = 0; part < file.parts.size(); ++part)
-    for (const ExrLayer& layer : file.parts[part].layers) {
-      AovCandidate candidate = candidateOf(file, part, layer, motionChannels(layer), layer.name);
-      const bool isUnnamed = candidate.stem.empty() && candidate.prefix.empty();
-      const bool isNamed = plainName(layer.name) == wanted || plainName(candidate.stem) == wanted ||
-                           (isUnnamed && plainName(file.parts[part].name) == wanted);
-      if (isNamed && !candidate.selection.channelNames.empty()) found.push_back(std::move(candidate));
-    }
+    for (const ExrLayer& layer : file.parts[part].layers)
+      found.push_back(candidateOf(file, part, layer, motionChannels(layer), layer.name));
+  keepIf(found, [](const AovCandidate& layer) { return !layer.selection.channelNames.empty(); });
+  if (!name.empty()) return namedBy(file, std::move(found), name);
+  keepIf(found, [&](const AovCandidate& layer) {
+    return plainName(layer.stem) == "vector" ||
+           (isUnnamed(layer) && plainName(file.parts[layer.selection.part].name) == "vector");
+  });
   return found;
 }
 

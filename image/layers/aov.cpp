@@ -1,7 +1,6 @@
 #include "image/layers/aov.h"
 
 #include <algorithm>
-#include <charconv>
 #include <functional>
 #include <utility>
 
@@ -81,37 +80,6 @@ void preferBySize(Candidates& candidates, AovRole role) {
     const int64_t wanted = role == AovRole::kColor ? smallest->pixelCount : largest->pixelCount;
     keepIf(candidates, [&](const AovCandidate& c) { return c.pixelCount == wanted; });
   }
-}
-
-bool isUnnamed(const AovCandidate& candidate) { return candidate.stem.empty() && candidate.prefix.empty(); }
-
-// The candidates that a user's name means: the strictest reading of it under which there are any.
-Candidates namedBy(const ExrFile& file, Candidates candidates, std::string name) {
-  size_t part = 0;
-  const char* end = name.data() + name.size();
-  const auto [rest, failure] = std::from_chars(name.data(), end, part);
-  if (failure == std::errc() && rest != end && *rest == ':') {
-    keepIf(candidates, [&](const AovCandidate& c) { return c.selection.part == part; });
-    name.erase(0, static_cast<size_t>(rest - name.data()) + 1);
-  }
-  const std::string plain = plainName(name);
-  const bool meansUnnamed = plain.empty() || plain == "(unnamed)" || plain == "rgb" || plain == "rgba";
-  const auto partName = [&](const AovCandidate& c) { return file.parts[c.selection.part].name; };
-  const std::function<bool(const AovCandidate&)> readings[] = {
-      [&](const AovCandidate& c) { return c.selection.layer == name; },
-      [&](const AovCandidate& c) { return plainName(c.selection.layer) == plain; },
-      [&](const AovCandidate& c) { return !name.empty() && partName(c) == name; },
-      [&](const AovCandidate& c) { return !name.empty() && plainName(c.stem) == plain; },
-      [&](const AovCandidate& c) { return meansUnnamed && (isUnnamed(c) || c.namedByPart); },
-      [&](const AovCandidate& c) { return !name.empty() && c.view == name && (isUnnamed(c) || c.namedByPart); }};
-  for (const auto& reading : readings) {
-    Candidates matching = candidates;
-    keepIf(matching, reading);
-    if (!matching.empty()) {
-      return matching;
-    }
-  }
-  return {};
 }
 
 // What to do where no layer, or not one alone, fits: naming one helps only where there is one that could serve.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <initializer_list>
 #include <utility>
 
@@ -188,6 +189,36 @@ void preferIf(std::vector<AovCandidate>& candidates, const std::function<bool(co
   if (std::any_of(candidates.begin(), candidates.end(), wanted)) {
     keepIf(candidates, wanted);
   }
+}
+
+bool isUnnamed(const AovCandidate& candidate) { return candidate.stem.empty() && candidate.prefix.empty(); }
+
+std::vector<AovCandidate> namedBy(const ExrFile& file, std::vector<AovCandidate> candidates, std::string name) {
+  size_t part = 0;
+  const char* end = name.data() + name.size();
+  const auto [rest, failure] = std::from_chars(name.data(), end, part);
+  if (failure == std::errc() && rest != end && *rest == ':') {
+    keepIf(candidates, [&](const AovCandidate& c) { return c.selection.part == part; });
+    name.erase(0, static_cast<size_t>(rest - name.data()) + 1);
+  }
+  const std::string plain = plainName(name);
+  const bool meansUnnamed = plain.empty() || plain == "(unnamed)" || plain == "rgb" || plain == "rgba";
+  const auto partName = [&](const AovCandidate& c) { return file.parts[c.selection.part].name; };
+  const std::function<bool(const AovCandidate&)> readings[] = {
+      [&](const AovCandidate& c) { return c.selection.layer == name; },
+      [&](const AovCandidate& c) { return plainName(c.selection.layer) == plain; },
+      [&](const AovCandidate& c) { return !name.empty() && partName(c) == name; },
+      [&](const AovCandidate& c) { return !name.empty() && plainName(c.stem) == plain; },
+      [&](const AovCandidate& c) { return meansUnnamed && (isUnnamed(c) || c.namedByPart); },
+      [&](const AovCandidate& c) { return !name.empty() && c.view == name && (isUnnamed(c) || c.namedByPart); }};
+  for (const auto& reading : readings) {
+    std::vector<AovCandidate> matching = candidates;
+    keepIf(matching, reading);
+    if (!matching.empty()) {
+      return matching;
+    }
+  }
+  return {};
 }
 
 std::string placesOf(const std::vector<AovCandidate>& candidates) {

@@ -51,6 +51,13 @@ void keepIf(std::vector<AovCandidate>& candidates, const std::function<bool(cons
 /// Drops what fails the test unless everything does.
 void preferIf(std::vector<AovCandidate>& candidates, const std::function<bool(const AovCandidate&)>& wanted);
 
+/// Whether it has no name, nor one of its view layer.
+bool isUnnamed(const AovCandidate& candidate);
+
+/// Those that a user's name means, by the strictest reading of it under which there are any: the layer's whole name,
+/// that of its part, its own one, or its view's; PART: in front of it, the part's number, leaves those of that part.
+std::vector<AovCandidate> namedBy(const ExrFile& file, std::vector<AovCandidate> candidates, std::string name);
+
 /// Their parts and names, as "0:A.Vector, 0:B.Vector".
 std::string placesOf(const std::vector<AovCandidate>& candidates);
 

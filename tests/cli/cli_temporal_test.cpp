@@ -230,6 +230,9 @@ TEST(CliTemporal, MotionAndDepthAreOfTheViewLayerOfTheColour) {
   EXPECT_EQ(unclear.exitCode, 8);
   EXPECT_TRUE(contains(unclear.error, "found 0:A.Vector, 0:B.Vector; name the one to use with --motion"))
       << unclear.error;
+  const Ended named = beside.run("named", {"--temporal", "--frames", "3", "--albedo", "B.albedo", "--normal",
+                                           "B.normal", "--depth", "B.Depth", "--motion", "0:B.Vector"});
+  EXPECT_EQ(named.exitCode, 0) << named.error;
 }
 
 // Both renders in one file, each with its passes.
