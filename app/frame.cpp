@@ -98,6 +98,9 @@ void Frame::addRepaired(size_t count, const ExrSelection& layer, const char* wha
 void Frame::load() {
   colour_ = readLayer(colorFile_, aovs_.color);
   const RepairCounts repaired = repairRadiance(colour_);
+  if (repaired.nonFinitePixels == colour_.pixelCount())
+    throw Error("No pixel of the colour '" + nameOf(aovs_.color) + "' in '" + colorFile_.path.string() +
+                "' is finite; render it again.");
   addRepaired(repaired.nonFinitePixels, aovs_.color, kFilled);
   addRepaired(repaired.negativePixels, aovs_.color, kNegative);
   if (aovs_.alpha) {

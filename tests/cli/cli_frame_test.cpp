@@ -335,6 +335,15 @@ TEST(CliFrame, RepairsCountsAndReportsWhatIsNotFinite) {
   EXPECT_TRUE(allFinite(readColour(frame.out)));
 }
 
+TEST(CliFrame, ThatHasNoFinitePixelIsRefused) {
+  const SmallFrame frame;
+  writeParts(frame.color, {{boxOf(10, 8), boxOf(10, 8), {{"", "RGB", [](int, int, int) { return std::nanf(""); }}}}});
+  const Ended ended = runXrds(frame.arguments());
+  EXPECT_EQ(ended.exitCode, 3) << ended.error;
+  EXPECT_TRUE(contains(ended.error, "No pixel of the colour '(unnamed)'")) << ended.error;
+  EXPECT_FALSE(std::filesystem::exists(frame.out));
+}
+
 TEST(CliFrame, AModelWithoutAuxiliaryImagesNeedsNone) {
   const SmallFrame frame;
   const std::vector<std::string> rest{"-o", frame.out, "--model", goldenModel("s4_none_noaux")};
