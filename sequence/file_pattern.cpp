@@ -4,12 +4,14 @@
 #include <cctype>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <optional>
 #include <regex>
 #include <system_error>
 #include <tuple>
 
+#include "sequence/frame_range.h"
 #include "xrds/error.h"
 #include "xrds/path_text.h"
 
@@ -35,7 +37,7 @@ std::string digitsOf(long long frame, int digits, bool withSign) {
 std::optional<int> numberOf(const std::string& text, int digits, bool withSign) {
   if (text.empty() || text.size() > 11) return {};
   const long long number = std::strtoll(text.c_str(), nullptr, 10);
-  if (digitsOf(number, digits, withSign) != text || number != static_cast<int>(number)) return {};
+  if (digitsOf(number, digits, withSign) != text || std::abs(number) > kLargestFrame) return {};
   return static_cast<int>(number);
 }
 

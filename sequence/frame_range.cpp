@@ -35,6 +35,8 @@ class Reader {
     if (failure != std::errc() ||
         (end != text_.data() + text_.size() && std::isalpha(static_cast<unsigned char>(*end))))
       fail("expected a number " + where());
+    if (value > kLargestFrame || value < -kLargestFrame)
+      fail("expected numbers of at most " + std::to_string(kLargestFrame) + ", found " + std::to_string(value));
     place_ += static_cast<size_t>(end - begin);
     return value;
   }
