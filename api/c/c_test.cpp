@@ -180,7 +180,7 @@ TEST_F(CApi, RefusesWhatCannotBe) {
   const XrdsHearCheck hear = [](void*, const XrdsCheckRow*) {};
   refused(xrdsCheckFrame(device, model, &colour, auxiliary, 2, &options, hear, nullptr), "The denoiser is not open");
   options.structSize = 4;
-  refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "structSize of 4");
+  refused(xrdsCreateUpscaler(device, model, 5, 5, &options, &made), "XrdsUpscalerOptions has a structSize of 4");
   EXPECT_EQ(made, nullptr);
   XrdsDeviceOptions family = xrdsDeviceOptionsDefault();
   family.kernelFamily = "none";

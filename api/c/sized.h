@@ -4,10 +4,18 @@
 #include <cstring>
 #include <string>
 #include <type_traits>
+#include <typeinfo>
 
 #include "api/c/result.h"
 
 namespace xrds::c {
+
+/// "XrdsUpscalerOptions", of which compilers have more in front.
+template <class T>
+std::string nameOf() {
+  const std::string name = typeid(T).name();
+  return name.substr(name.find("Xrds"));
+}
 
 /// The size that the caller has of a structure. Throws InvalidArgument if there was none of that size: the caller
 /// forgot it, or was built with the header of a later version.
@@ -15,7 +23,7 @@ template <class T>
 size_t checkedSize(const T& structure) {
   const size_t size = structure.structSize;
   if (size <= sizeof(structure.structSize) || size > sizeof(T) || size % alignof(T) != 0)
-    throw InvalidArgument("A structure has a structSize of " + std::to_string(size) + ", expected " +
+    throw InvalidArgument(nameOf<T>() + " has a structSize of " + std::to_string(size) + ", expected " +
                           std::to_string(sizeof(T)) +
                           " or, of an older header, less: set it to its sizeof, or take the library of that header.");
   return size;
@@ -56,7 +64,7 @@ T& at(T* list, uint32_t index, const char* name) {
 template <class T>
 const T& checkSize(const T& structure) {
   if (structure.structSize != sizeof(T))
-    throw InvalidArgument("A structure has a structSize of " + std::to_string(structure.structSize) + ", expected " +
+    throw InvalidArgument(nameOf<T>() + " has a structSize of " + std::to_string(structure.structSize) + ", expected " +
                           std::to_string(sizeof(T)) + ": set it to its sizeof.");
   return structure;
 }
