@@ -33,8 +33,8 @@ fs::path viewerProgram() {
   throw Failure{ExitCode::usage, "The viewer is not built for Windows yet."};
 #else
   throw Failure{ExitCode::usage,
-                "This xrds was built without the viewer: install GLFW and Dear ImGui (Debian: libglfw3-dev, "
-                "libimgui-dev) and build it again."};
+                "This xrds has no viewer, as those of Python's wheels: take one of the packages for Linux, or build it "
+                "where GLFW and Dear ImGui are installed (Debian: libglfw3-dev, libimgui-dev)."};
 #endif
 }
 
