@@ -3,6 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -90,16 +95,24 @@ TEST(AssemblyLine, FewFramesAreInMemoryWhileWritingIsSlow) {
   EXPECT_LE(most, 8);  // 4 threads, and 2 + 2 between them
 }
 
+// Frame 2 is read while 1 is computed and 0 written: each of the three waits for the other two.
 TEST(AssemblyLine, StagesOfDifferentFramesRunAtOnce) {
-  constexpr auto kStep = std::chrono::milliseconds(20);
-  constexpr int kFrames = 20;
-  const auto sleeps = [&] { std::this_thread::sleep_for(kStep); };
-  const Stages stages{.read = [&](size_t) { return sleeps(), std::optional(1); },
-                      .compute = [&](int, size_t) { return sleeps(), 1L; },
-                      .write = [&](long, size_t) { sleeps(); }};
-  const auto begin = std::chrono::steady_clock::now();
-  runLine<int, long>(kFrames, {}, stages, [](const Outcome&) { return true; });
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2 * kFrames * kStep);  // one after the other would be three times
+  std::mutex access;
+  std::condition_variable arrived;
+  int there = 0;
+  const auto meetsOthers = [&] {
+    std::unique_lock lock(access);
+    ++there;
+    arrived.notify_all();
+    return arrived.wait_for(lock, std::chrono::seconds(30), [&] { return there == 3; });
+  };
+  std::atomic<int> met = 0;
+  const auto meet = [&](bool wanted) { met += wanted && meetsOthers() ? 1 : 0; };
+  const Stages stages{.read = [&](size_t frame) { return meet(frame == 2), std::optional(1); },
+                      .compute = [&](int, size_t frame) { return meet(frame == 1), 1L; },
+                      .write = [&](long, size_t frame) { meet(frame == 0); }};
+  runLine<int, long>(4, {}, stages, [](const Outcome&) { return true; });
+  EXPECT_EQ(met, 3);
 }
 
 TEST(AssemblyLine, StopsWhenItIsTold) {
