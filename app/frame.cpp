@@ -128,7 +128,10 @@ bool Frame::mayHaveFullColour() const { return isFullColourNamed() || hasAov(aux
 ExrSelection Frame::findFullColour() const {
   try {
     return findAov(auxFile_, AovRole::kFullColor, fullColourName_, aovs_.place);
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (merge_.samples && fullColourName_.empty() && !hasAov(auxFile_, AovRole::kFullColor))
+      throw Error(std::string(error.what()) +
+                  "\n--samples LOW,HIGH asks for it: where there is none, --aux-colour never goes with it.");
     if (isFullColourNamed()) throw;
     return findAov(auxFile_, AovRole::kFullColor, aovs_.color.layer);
   }

@@ -141,6 +141,13 @@ TEST(CliMerge, TellsOfAColourThatDoesNotCoverTheFrame) {
   expectFailure(runXrds(frame.arguments({"--samples", "64,16"})), 3, "does not cover the frame", frame.folder, 4);
 }
 
+TEST(CliMerge, SaysWhatSamplesNeedWhereThereIsNoColour) {
+  const SmallFrame frame;
+  expectFailure(runXrds(frame.arguments({"--samples", "64,16"})), 3, "--aux-colour never goes with it", frame.folder,
+                2);
+  EXPECT_EQ(runXrds(frame.arguments({"--samples", "64,16", "--aux-colour", "never"})).exitCode, 0);
+}
+
 // Golden models under the names of the shipped ones.
 TEST(CliMerge, TakesTheModelThatSuitsWhatTheFilesHold) {
   const SmallFrame frame;
