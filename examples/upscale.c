@@ -1,7 +1,11 @@
 /* Upscales a render with albedo and normals, all as portable float maps (PFM):
  *
  *     cc upscale.c $(pkg-config --cflags --libs xrds) -o upscale
- *     ./upscale xrds-x4-compact colour.pfm albedo.pfm normal.pfm result.pfm */
+ *     ./upscale xrds-x4-compact colour.pfm albedo.pfm normal.pfm result.pfm
+ *
+ * With an xrds of scripts/install.sh first:
+ *
+ *     export PKG_CONFIG_PATH=~/.local/lib/pkgconfig LD_LIBRARY_PATH=~/.local/lib */
 #include <stdio.h>
 #include <stdlib.h>
 #include <xrds/xrds.h>
