@@ -10,6 +10,7 @@
 #include "image/aux_check.h"
 #include "image/edge_check.h"
 #include "image/repair.h"
+#include "image/shift_check.h"
 #include "xrds/denoised_first.h"
 
 namespace xrds {
@@ -168,6 +169,7 @@ void Frame::mergeColour() {
                         " %: it is of other light, and is not used; --samples LOW,HIGH uses it.");
     return;
   }
+  addWarnings(checkShift(colour_, {nameOf(*layer), &full}));
   chooseShare(*layer, full);
   colour_.pixels = mergedColour(viewOf(colour_), viewOf(full), merged_->share);
   colour_.channels = 3;

@@ -127,6 +127,26 @@ TEST(CliMerge, LeavesTheColourOfOtherLightAlone) {
   EXPECT_DOUBLE_EQ(jsonOf(frame, {"--samples", "16,1"})["mergedColour"]["share"], 0.5);
 }
 
+// As those of LuxCore, whose pictures are one pixel too low at every size: 3 of the full resolution between them.
+TEST(CliMerge, TellsOfRendersThatDoNotLineUp) {
+  const SmallFrame frame;
+  for (const int down : {0, 3}) {
+    const auto bright = [](int x, int y) { return (x / 11 + (y + 80) / 10) % 2 == 0 ? 1.0F : 0.2F; };
+    const Layer low{"", "RGB", [&](int x, int y, int) {
+                      float sum = 0;
+                      for (int i = 0; i < 16; ++i) sum += bright(4 * x + i % 4, 4 * y + i / 4 - down);
+                      return sum / 16;
+                    }};
+    const Layer full{"Combined", "RGB", [&](int x, int y, int) { return bright(x, y); }};
+    writeParts(frame.color, {{boxOf(20, 16), boxOf(20, 16), {low}}});
+    writeParts(frame.aux,
+               {{boxOf(80, 64), boxOf(80, 64), {full, albedoLayer("albedo", 80), normalLayer("normal", 80)}}});
+    const std::string warned = jsonOf(frame, {"--samples", "64,16"})["warned"];
+    EXPECT_EQ(contains(warned, "moved by 3 pixels down, 'Combined' fits"), down == 3) << warned;
+    EXPECT_EQ(contains(warned, "part of the picture"), down == 3) << warned;
+  }
+}
+
 TEST(CliMerge, TellsOfAColourThatDoesNotCoverTheFrame) {
   const SmallFrame frame;
   writeColours(frame, 1);
