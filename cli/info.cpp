@@ -10,8 +10,10 @@
 #include "cli/commands.h"
 #include "cli/device_choice.h"
 #include "cli/json_text.h"
+#include "cli/layer_list.h"
 #include "cli/output_file.h"
 #include "image/exr/file.h"
+#include "xrds/path_text.h"
 #include "xrds/xrds.hpp"
 
 namespace xrds {
@@ -147,7 +149,22 @@ void listModels(const InfoOptions& options) {
   writeJson(options.json, {{"version", XRDS_VERSION}, {"models", shippedModels()}});
 }
 
-void run(const InfoOptions& options) {
+bool isExr(const std::string& name) {
+  return name.size() >= 4 && CLI::detail::to_lower(name.substr(name.size() - 4)) == ".exr";
+}
+
+// Of an EXR file all options but --help say nothing.
+void requireModelOptions(const CLI::App& verb) {
+  for (const CLI::Option* option : verb.get_options())
+    if (option->count() > 0 && !option->get_positional() && !option->check_lname("help"))
+      throw Failure{ExitCode::usage, option->get_name() + " is of models; an EXR file goes without it."};
+}
+
+void run(const CLI::App& verb, const InfoOptions& options) {
+  if (isExr(options.model)) {
+    requireModelOptions(verb);
+    return printLayers(pathOf(options.model));
+  }
   requireOutput(options.json, ".json", "--json");
   if (options.model.empty()) return listModels(options);
   const PixelSize size = parseOutputSize(options.size);
@@ -163,9 +180,12 @@ void run(const InfoOptions& options) {
 
 void addInfo(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App* verb =
-      app.add_subcommand("info", "Show what a model is and what it costs; without MODEL, list the shipped ones");
-  verb->add_option("MODEL", options->model, "A shipped model's name or a .safetensors file");
+  CLI::App* verb = app.add_subcommand(
+      "info",
+      "Show what a model is and what it costs, or the layers of an EXR file; without MODEL, list the "
+      "shipped ones");
+  verb->add_option("MODEL", options->model, "A shipped model's name or a .safetensors file; or an .exr file")
+      ->type_name("TEXT");
   verb->add_option("--size", options->size, "Size of the output in pixels (default 1024x1024)")->type_name("WxH");
   verb->add_option("--memory", options->memory, "Tell the tiles that fit so much device memory, such as 256M")
       ->check(CLI::Validator(validBytes, "BYTES"));
@@ -184,8 +204,9 @@ void addInfo(CLI::App& app) {
       "linear maps and convolutions as papers count them, without the token pairs of attention. MACs executed are\n"
       "those of a run: maps in a row are made as one, and the token pairs count.\n\nExamples:\n  xrds info\n  xrds "
       "info "
-      "xrds-x4-compact --size 1920x1080\n  xrds info xrds-x4-compact --size 8192x8192 --memory 512M");
-  verb->callback([options] { run(*options); });
+      "xrds-x4-compact --size 1920x1080\n  xrds info xrds-x4-compact --size 8192x8192 --memory 512M\n  xrds info "
+      "full.exr");
+  verb->callback([verb, options] { run(*verb, *options); });
 }
 
 }  // namespace xrds

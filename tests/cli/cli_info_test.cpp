@@ -45,6 +45,21 @@ TEST(CliInfo, FindsModelsInTheFolderOfTheEnvironment) {
   EXPECT_TRUE(contains(runXrds({"info"}, options).output, "mine\n"));
 }
 
+TEST(CliInfo, ListsTheLayersOfAnExrFile) {
+  const SmallFrame frame;
+  const Ended ended = runXrds({"info", frame.aux});
+  EXPECT_EQ(ended.exitCode, 0) << ended.error;
+  for (const char* line :
+       {"part 0, 40 x 32", "\ncolour                     none", "\nalbedo                     albedo",
+        "\nnormal                     normal", "\ndepth                      none"})
+    EXPECT_TRUE(contains(ended.output, line)) << line << "\nin\n" << ended.output;
+  const Ended ofColour = runXrds({"info", frame.color});
+  EXPECT_TRUE(contains(ofColour.output, "\ncolour                     (unnamed)")) << ofColour.output;
+  EXPECT_TRUE(contains(ofColour.output, "\nsamples a pixel            not in the file")) << ofColour.output;
+  expectFailure(runXrds({"info", frame.color, "--size", "64x64"}), 2, "--size", frame.folder, 2);
+  expectFailure(runXrds({"info", (frame.folder / "none.EXR").string()}), 3, "there is no such file", frame.folder, 2);
+}
+
 using test::PrintTo;
 
 /// A row of the paper's Tables 9 and 10.
