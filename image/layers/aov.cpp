@@ -82,11 +82,37 @@ void preferBySize(Candidates& candidates, AovRole role) {
   }
 }
 
+// Whether a layer has channels such as ch00, ch01, as Mitsuba names those of an array.
+bool hasNumberedChannels(const ExrFile& file) {
+  const auto isNumbered = [](const ExrChannel& channel) {
+    return channel.suffix.size() > 2 && channel.suffix.starts_with("ch") &&
+           std::all_of(channel.suffix.begin() + 2, channel.suffix.end(), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  return std::any_of(file.parts.begin(), file.parts.end(), [&](const ExrPart& part) {
+    return std::any_of(part.layers.begin(), part.layers.end(), [&](const ExrLayer& layer) {
+      return std::all_of(layer.channels.begin(), layer.channels.end(), isNumbered);
+    });
+  });
+}
+
+// A guide that is asked for of a file of one image.
+bool isOneOfSeveralFiles(const ExrFile& file, AovRole role) {
+  return !isColor(role) && file.parts.size() == 1 && file.parts[0].layers.size() == 1;
+}
+
 // What to do where no layer, or not one alone, fits: naming one helps only where there is one that could serve.
 std::string remedyFor(const ExrFile& file, AovRole role, const std::string& option) {
+  if (aovCandidates(file, role).empty() && hasNumberedChannels(file))
+    return "; channels without names, as of an array that Mitsuba's write_bitmap() wrote, tell nothing: write "
+           "film().bitmap(), which has them; " +
+           describe(file);
   if (aovCandidates(file, role).empty()) return "; render it with this layer; " + describe(file);
   if (option.empty()) return "; take a file with one such layer; " + describe(file);
-  return "; name the one to use with " + option + " LAYER; " + describe(file);
+  return "; name the one to use with " + option + " LAYER" +
+         (isOneOfSeveralFiles(file, role)
+              ? ", or, where each image has a file of its own, as LuxCore writes them, join these (docs/renderers.md); "
+              : "; ") +
+         describe(file);
 }
 
 // What a layer must hold to serve.

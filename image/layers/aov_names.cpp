@@ -72,6 +72,7 @@ constexpr RankedName kNormalNames[] = {
 constexpr RankedName kDepthNames[] = {
     {"denoising_depth", 0},  // Cycles, through mirrors and glass as the other denoising passes
     {"depth", 1},            // Cycles, LuxCore, plain word
+    {"dd", 2},               // Mitsuba's manual
     {"z", 2},                // Arnold, RenderMan, Karma, Redshift and most others
 };
 

@@ -91,5 +91,32 @@ TEST(Aov, GivesNoHintThatWouldFail) {
   EXPECT_NE(ofColour.find("--albedo LAYER"), std::string::npos) << ofColour;
 }
 
+// Mitsuba's mi.util.write_bitmap(path, mi.render(...)).
+TEST(Aov, TellsHowToNameTheChannelsOfAnArray) {
+  const ExrFile array = fileWith({partWith({"ch00", "ch01", "ch02", "ch03", "ch10"})});
+  for (const AovRole role : {AovRole::kColor, AovRole::kAlbedo}) {
+    const std::string message = refusal([&] { static_cast<void>(findAov(array, role)); });
+    EXPECT_NE(message.find("film().bitmap()"), std::string::npos) << message;
+    EXPECT_NE(message.find("ch03"), std::string::npos) << message;
+  }
+  for (const Names& names : {Names{"ch", "ch1"}, Names{"ch0", "chalk"}, Names{"V"}}) {
+    const ExrFile other = fileWith({partWith(names)});
+    const std::string message = refusal([&] { static_cast<void>(findAov(other, AovRole::kColor)); });
+    EXPECT_EQ(message.find("film().bitmap()"), std::string::npos) << message;
+  }
+}
+
+// LuxCore writes an unnamed R, G, B into a file for each image.
+TEST(Aov, TellsThatFilesOfOneImageAreJoined) {
+  const auto isToldOf = [](const ExrFile& file, AovRole role) {
+    return refusal([&] { static_cast<void>(findAov(file, role)); }).find("join these") != std::string::npos;
+  };
+  const ExrFile one = fileWith({partWith(kRoot)});
+  EXPECT_TRUE(isToldOf(one, AovRole::kAlbedo));
+  EXPECT_TRUE(isToldOf(one, AovRole::kNormal));
+  EXPECT_FALSE(isToldOf(fileWith({partWith({"V"})}), AovRole::kColor));
+  EXPECT_FALSE(isToldOf(fileWith({partWith(kRoot + triple("diffuse", "RGB"))}), AovRole::kAlbedo));
+}
+
 }  // namespace
 }  // namespace xrds::test

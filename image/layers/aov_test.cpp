@@ -71,6 +71,12 @@ INSTANTIATE_TEST_SUITE_P(
                  {"A"},
                  triple("albedo", "RGB"),
                  triple("sh_normal", "XYZ")},
+        Renderer{"Mitsuba3FilmBitmap",  // 3.9: hdrfilm of rgb, aovs "albedo:albedo,nn:sh_normal,dd:depth"
+                 kRoot + triple("img", "RGB") + Names{"img.A", "dd.T"} + triple("albedo", "RGB") + triple("nn", "XYZ"),
+                 kRoot,
+                 {},
+                 triple("albedo", "RGB"),
+                 triple("nn", "XYZ")},
         Renderer{"Mitsuba3NamedIntegrator",
                  triple("my_image", "RGB") + triple("albedo", "RGB") + triple("nn", "XYZ"),
                  triple("my_image", "RGB"),
@@ -196,6 +202,7 @@ TEST(Aov, FindsDepthAmongLayersOfOneChannel) {
   EXPECT_EQ(depthOf(kCycles, "Depth"), Names{"ViewLayer.Depth.Z"});
   EXPECT_EQ(depthOf(kRoot + Names{"A", "Z"}), Names{"Z"});
   EXPECT_EQ(depthOf(kRoot + Names{"depth.V", "mist.V"}), Names{"depth.V"});
+  EXPECT_EQ(depthOf(kRoot + triple("nn", "XYZ") + Names{"dd.T"}), Names{"dd.T"});
   EXPECT_EQ(depthOf(kRoot + Names{"mist.V"}, "mist"), Names{"mist.V"});
   EXPECT_NE(refusal([&] { depthOf(kRoot + triple("N", "XYZ") + Names{"mist.V"}); }).find("No depth"),
             std::string::npos);
