@@ -8,7 +8,7 @@ namespace xrds {
 namespace {
 
 constexpr int kLeastSide = 12;         // Of the low-resolution image, without which an edge says little.
-constexpr int kMostFullSide = 2048;    // What is looked at of large images, in the middle.
+constexpr int kMostFullSide = 1024;    // What is looked at of large images, in the middle.
 constexpr double kClearlyLess = 0.7;   // Of the squared difference; noise alone changes it by a few per cent.
 constexpr double kMostOfMean = 16.0;   // Single bright samples count as so many times the mean.
 constexpr double kLeastError = 1e-12;  // Below, mean of squares, the two are the same.
