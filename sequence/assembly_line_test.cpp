@@ -108,8 +108,8 @@ TEST(AssemblyLine, StagesOfDifferentFramesRunAtOnce) {
   };
   std::atomic<int> met = 0;
   const auto meet = [&](bool wanted) { met += wanted && meetsOthers() ? 1 : 0; };
-  const Stages stages{.read = [&](size_t frame) { return meet(frame == 2), std::optional(1); },
-                      .compute = [&](int, size_t frame) { return meet(frame == 1), 1L; },
+  const Stages stages{.read = [&](size_t frame) { return meet(frame == 2), std::optional(static_cast<int>(frame)); },
+                      .compute = [&](int frame, size_t) { return meet(frame == 1), 1L; },
                       .write = [&](long, size_t frame) { meet(frame == 0); }};
   runLine<int, long>(4, {}, stages, [](const Outcome&) { return true; });
   EXPECT_EQ(met, 3);
