@@ -313,10 +313,15 @@ def main():
     parser.add_argument("--size", type=int, default=1024, help="side of the output in pixels, a multiple of 32")
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
+    configs = arguments.configs.split(",")
+    if unknown := [name for name in configs if name not in CONFIGS and name not in training("architectures").PAPER]:
+        parser.error(f"--configs: there is no network {unknown[0]!r}; {', '.join({**CONFIGS, **training('architectures').PAPER})} are known")
+    if unknown := [name for name in arguments.peers.split(",") if name not in FRAMES]:
+        parser.error(f"--peers: there is no peer {unknown[0]!r}; {', '.join(FRAMES)} are known")
     print("Python " + platform.python_version() + "".join(
         f", {package} {importlib.metadata.version(package)}" for package in ("numpy", "torch", "onnx", "onnxruntime", "ncnn", "pnnx")
         if importlib.util.find_spec(package)))
-    for config in arguments.configs.split(","):
+    for config in configs:
         with tempfile.TemporaryDirectory() as folder:
             measure(config, arguments, pathlib.Path(folder))
 

@@ -14,14 +14,15 @@ KernelFamily chosenFamily(const DeviceDescription& device, const std::string& as
   const std::string wanted = asked.empty() ? wantedKernelFamily() : asked;
   if (wanted.empty()) return suitableFamily(device);
   const KernelFamily family = kernelFamilyOf(wanted);
+  const std::string without = device.kind == DeviceKind::cpu ? "lane, plain or tile" : "plain or tile";
   if (family == KernelFamily::lane && device.kind != DeviceKind::cpu)
     throw Error("The kernel family 'lane' is for CPU devices, and " + device.name + " is none; choose plain or tile.");
   if (usesMatrixUnits(family) && device.matrixUnits == MatrixUnits::none)
     throw Error("The kernel family '" + wanted + "' needs matrix units that multiply 16-bit floats, and " +
-                device.name + " offers none to Vulkan, or has too few registers for them; choose plain or tile.");
+                device.name + " offers none to Vulkan, or has too few registers for them; choose " + without + ".");
   if (family == KernelFamily::fused && !device.matrixSize.halfSums)
     throw Error("The kernel family 'fused' needs matrix units that add up in 16 bits, too, and those of " +
-                device.name + " do not; choose matrix, plain or tile.");
+                device.name + " do not; choose matrix, " + without + ".");
   return family;
 }
 
