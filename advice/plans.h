@@ -14,6 +14,7 @@ namespace xrds {
 struct StepSeconds {
   std::map<std::string, double> models{};  // of the full frame; ways whose model is not here are left out
   std::optional<double> denoiser{};        // of a full-resolution image; empty: there is none, as are its ways
+  bool denoiserIsImported = false;         // xrds denoise runs it, else the user does
   std::optional<double> freeGuides{};      // to make clean albedo and normal; empty: ways with them are left out
 };
 

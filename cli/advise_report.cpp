@@ -39,10 +39,15 @@ Row rowOf(const Advice& advice, const Plan& plan) {
           text("%.1f", plan.way.spread)};
 }
 
-std::string upscaleCommand(const Way& way) {
-  if (way.model.empty())
+std::string denoiseCommand(const Way& way, bool isImported) {
+  const bool ownGuides = way.guides == Guides::rendered;
+  if (!isImported)
     return std::string("denoise it with Open Image Denoise and ") +
-           (way.guides == Guides::free ? "the albedo and normal of guides.exr" : "its albedo and normal");
+           (ownGuides ? "its albedo and normal" : "the albedo and normal of guides.exr");
+  return ownGuides ? "xrds denoise full.exr -o out.exr" : "xrds denoise full.exr guides.exr -o out.exr --guides clean";
+}
+
+std::string upscaleCommand(const Way& way) {
   const bool ownGuides = way.guides == Guides::rendered;
   const char* files = way.scale > 1 ? "low.exr full.exr" : ownGuides ? "full.exr" : "full.exr guides.exr";
   std::string command = std::string("xrds upscale ") + files + " -o out.exr --model " + way.model;
@@ -64,7 +69,8 @@ std::vector<std::string> stepsOf(const Advice& advice, const Plan& plan) {
   if (plan.way.guides == Guides::free)
     steps.push_back("make clean albedo and normal of " + size(advice, 1) +
                     (plan.samples.full > 0 ? ": guides.exr" : ": full.exr"));
-  steps.push_back(upscaleCommand(plan.way));
+  steps.push_back(plan.way.model.empty() ? denoiseCommand(plan.way, advice.steps.denoiserIsImported)
+                                         : upscaleCommand(plan.way));
   return steps;
 }
 

@@ -55,20 +55,20 @@ double secondsPerPixelOf(ImageDenoiser& denoiser) {
   });
 }
 
-// Of the networks on the device where they were imported, as --denoise-first runs them, else of the library.
-std::optional<double> denoiserSeconds(Device& device, size_t pixels) {
+// The networks on the device where they were imported, as --denoise-first runs them, else the library.
+void measureDenoiser(Device& device, size_t pixels, StepSeconds& steps) {
   NetworkDenoiser networks({.staysPrepared = true});
-  if (networks.has(2, false, true)) {
+  steps.denoiserIsImported = networks.has(2, false, true);
+  if (steps.denoiserIsImported) {
     DeviceDenoiser denoiser(networks, device);
-    const double seconds = static_cast<double>(pixels) * secondsPerPixelOf(denoiser);
+    steps.denoiser = static_cast<double>(pixels) * secondsPerPixelOf(denoiser);
     networks.release();
-    return seconds;
+    return;
   }
   try {
     Denoiser library;
-    return static_cast<double>(pixels) * secondsPerPixelOf(library);
-  } catch (const Error&) {
-    return {};  // none is installed
+    steps.denoiser = static_cast<double>(pixels) * secondsPerPixelOf(library);
+  } catch (const Error&) {  // none is installed
   }
 }
 
@@ -84,7 +84,7 @@ StepSeconds measureSteps(Device& device, const std::vector<Way>& ways, size_t pi
     steps.models[way.model] =
         static_cast<double>(pixels) * secondsPerPixel([&](int side) { return modelSeconds(device, model, side); });
   }
-  steps.denoiser = denoiserSeconds(device, pixels);
+  measureDenoiser(device, pixels, steps);
   return steps;
 }
 

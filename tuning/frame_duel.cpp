@@ -1,6 +1,5 @@
 #include "tuning/frame_duel.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <random>

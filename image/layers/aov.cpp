@@ -1,7 +1,6 @@
 #include "image/layers/aov.h"
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
 #include "image/layers/aov_candidates.h"

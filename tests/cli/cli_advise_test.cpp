@@ -152,6 +152,39 @@ TEST_F(CliAdvise, OneRenderWithItsOwnGuidesOrCleanOnes) {
   EXPECT_EQ(last["free"]["steps"][2], "xrds upscale full.exr guides.exr -o out.exr --model xrds-x1-compact");
 }
 
+// Networks of random weights in the place of Open Image Denoise's.
+TEST_F(CliAdvise, NamesTheCommandThatDenoisesWhereThereAreNetworks) {
+  Json all;
+  for (const char* guides : {"rendered", "free"}) {
+    Json one = way(guides, -1);
+    one.update({{"model", ""}, {"scale", 1}, {"guides", guides}, {"ratios", Json::array()}});
+    all["ways"].push_back(one);
+  }
+  all["ways"][1]["coefficients"]["constant"] = 20.5;
+  std::ofstream(ways) << all;
+  const auto lastSteps = [&](const std::map<std::string, std::string>& denoiser) {
+    auto environment = kQuickly;
+    for (const auto& [name, value] : denoiser) environment[name] = value;
+    const Ended ended = advise({"--render-seconds", "4,16", "--guide-seconds", "0.25"}, environment);
+    EXPECT_EQ(ended.exitCode, 0) << ended.error;
+    std::map<std::string, std::string> last;
+    const Json advice = written();
+    for (const Json& plan : advice["plans"]) last[plan["way"]] = plan["steps"].back();
+    return last;
+  };
+  for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
+                                 {"albedo_small", "rt_alb"},
+                                 {"normal_small", "rt_nrm"}})
+    std::filesystem::copy_file(std::string(XRDS_GOLDEN_FOLDER "/unet/") + from + ".model.safetensors",
+                               folder / (std::string(to) + ".safetensors"));
+  std::map<std::string, std::string> last = lastSteps({{"XRDS_DENOISERS", (folder / "").string()}});
+  EXPECT_EQ(last["rendered"], "xrds denoise full.exr -o out.exr");
+  EXPECT_EQ(last["free"], "xrds denoise full.exr guides.exr -o out.exr --guides clean");
+  last = lastSteps({{"XRDS_OIDN", XRDS_FAKE_OIDN}});
+  EXPECT_EQ(last["rendered"], "denoise it with Open Image Denoise and its albedo and normal");
+  EXPECT_EQ(last["free"], "denoise it with Open Image Denoise and the albedo and normal of guides.exr");
+}
+
 TEST_F(CliAdvise, PlansForAnErrorAndSaysWhereThereIsNone) {
   EXPECT_EQ(advise({"--render-seconds", "4,16", "--reach", "20"}).exitCode, 0);
   EXPECT_GE(written()["advised"]["psnr"], 20);
