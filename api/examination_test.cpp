@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <set>
 
 #include "checks/known_frame.h"
@@ -53,9 +52,7 @@ TEST(Examination, TrustsTheDevice) {
       EXPECT_TRUE(kernel.withinBound()) << kernel.program << " " << kernel.node << " " << kernel.rms;
       EXPECT_TRUE(kernel.repeatable) << kernel.program;
       EXPECT_GT(kernel.microseconds, 0);
-      const size_t units = kernel.program.find("_matrix_");
-      const size_t end = std::min(units, kernel.program.rfind('_', kernel.program.rfind('_') - 1));
-      operators.insert(kernel.program.substr(0, end));
+      operators.insert(operatorOf(kernel.program));
     }
     const KernelFamily family = test::gpu().traits().family;
     const bool layersFused = family == KernelFamily::fused && precision == Precision::fp16;

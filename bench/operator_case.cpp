@@ -14,11 +14,6 @@ namespace {
 // Sides of the low-resolution frame on which kernels are checked: with padding, and with several windows.
 constexpr FrameShape kSmallFrame{13, 15};
 
-// "conv3x3" of "conv3x3_lane_f32".
-std::string operatorName(const std::string& program) {
-  return program.substr(0, program.rfind('_', program.rfind('_') - 1));
-}
-
 using Signature = std::tuple<std::string, std::vector<uint32_t>, std::string, std::vector<uint32_t>>;
 
 // Equal for nodes that run the same kernels on tensors of the same sizes and strides.
@@ -50,7 +45,7 @@ std::vector<OperatorCase> distinctOperators(const std::string& network, const Ne
     const auto [at, added] = known.try_emplace(signatureOf(one, first), cases.size());
     if (added)
       cases.push_back(
-          {.name = operatorName(first.program) + "/" + network + "/" + nameOf(precision) + "/" + full.nodes[i].name,
+          {.name = operatorOf(first.program) + "/" + network + "/" + nameOf(precision) + "/" + full.nodes[i].name,
            .shapes = shapesText(viewsOf(full.nodes[i])),
            .graph = std::move(one),
            .smallGraph = single(small, small.nodes[i])});

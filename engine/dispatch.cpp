@@ -1,5 +1,7 @@
 #include "engine/dispatch.h"
 
+#include <algorithm>
+
 namespace xrds {
 
 std::string programName(const char* op, KernelFamily family, DataType stored) {
@@ -8,6 +10,12 @@ std::string programName(const char* op, KernelFamily family, DataType stored) {
 
 std::string matrixProgramName(const char* op, MatrixUnits units, DataType stored) {
   return std::string(op) + "_matrix_" + nameOf(units) + (stored == DataType::f32 ? "_f32" : "_f16");
+}
+
+std::string operatorOf(const std::string& program) {
+  size_t end = program.size();
+  for (const char* family : kernelFamilyNames()) end = std::min(end, program.find(std::string("_") + family));
+  return program.substr(0, end);
 }
 
 Dispatch copyRows(std::string program, const TensorView& from, const TensorView& to, RowRange rows) {

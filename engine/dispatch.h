@@ -107,4 +107,7 @@ std::string programName(const char* op, KernelFamily family, DataType stored);
 /// The same for the matrix family: "linear_matrix_nv_f16".
 std::string matrixProgramName(const char* op, MatrixUnits units, DataType stored);
 
+/// The operator of a program so named: "conv3x3" of "conv3x3_lane4_turns_f32".
+std::string operatorOf(const std::string& program);
+
 }  // namespace xrds

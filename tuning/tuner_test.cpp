@@ -163,7 +163,8 @@ TEST_F(Tuner, AKernelThatEndedTheProcessIsStruckOff) {
 }
 
 TEST_F(Tuner, AFixedChoiceThatWasTriedWhenAProcessEndedIsTriedAgain) {
-  const std::string fixed = std::string("conv3x3_") + nameOf(gpu_->traits().family) + "_f32";
+  const bool isLane = gpu_->traits().family == KernelFamily::lane;
+  const std::string fixed = programName("fold", isLane ? KernelFamily::lane : KernelFamily::plain, DataType::f32);
   TuningRecord before;
   before.trying = stampOf(*gpu_, fixed);
   before.isFixedTried = true;
