@@ -65,6 +65,18 @@ struct CliAdvise : testing::Test {
             {"coefficients", {{"constant", 20}, {"noise", perNoise}, {"detail", 0}, {"guideNoise", 0}}}};
   }
 
+  /// With the render's own guides, and, half a decibel better, with free ones. No model: a denoiser alone.
+  void writeWaysOfOneRender(const std::string& model) const {
+    Json all;
+    for (const char* guides : {"rendered", "free"}) {
+      Json one = way(guides, -1);
+      one.update({{"model", model}, {"scale", 1}, {"guides", guides}, {"ratios", Json::array()}});
+      all["ways"].push_back(one);
+    }
+    all["ways"][1]["coefficients"]["constant"] = 20.5;
+    std::ofstream(ways) << all;
+  }
+
   void writeRenders(const std::map<std::string, std::string>& lowTexts,
                     const std::map<std::string, std::string>& fullTexts, float fullLight = 1) const {
     const Box small = boxOf(kWidth, kHeight), large = boxOf(kScale * kWidth, kScale * kHeight);
@@ -128,14 +140,7 @@ TEST_F(CliAdvise, PlansWithinATime) {
 }
 
 TEST_F(CliAdvise, OneRenderWithItsOwnGuidesOrCleanOnes) {
-  Json all;
-  for (const char* guides : {"rendered", "free"}) {
-    Json one = way(guides, -1);
-    one.update({{"model", "xrds-x1-compact"}, {"scale", 1}, {"guides", guides}, {"ratios", Json::array()}});
-    all["ways"].push_back(one);
-  }
-  all["ways"][1]["coefficients"]["constant"] = 20.5;
-  std::ofstream(ways) << all;
+  writeWaysOfOneRender("xrds-x1-compact");
   std::filesystem::create_directory(folder / "models");  // a small one of that name
   std::filesystem::copy_file(std::filesystem::path(XRDS_GOLDEN_FOLDER) / "s1_kernels_aux_skip.model.safetensors",
                              folder / "models" / "xrds-x1-compact.safetensors");
@@ -152,16 +157,8 @@ TEST_F(CliAdvise, OneRenderWithItsOwnGuidesOrCleanOnes) {
   EXPECT_EQ(last["free"]["steps"][2], "xrds upscale full.exr guides.exr -o out.exr --model xrds-x1-compact");
 }
 
-// Networks of random weights in the place of Open Image Denoise's.
 TEST_F(CliAdvise, NamesTheCommandThatDenoisesWhereThereAreNetworks) {
-  Json all;
-  for (const char* guides : {"rendered", "free"}) {
-    Json one = way(guides, -1);
-    one.update({{"model", ""}, {"scale", 1}, {"guides", guides}, {"ratios", Json::array()}});
-    all["ways"].push_back(one);
-  }
-  all["ways"][1]["coefficients"]["constant"] = 20.5;
-  std::ofstream(ways) << all;
+  writeWaysOfOneRender("");
   const auto lastSteps = [&](const std::map<std::string, std::string>& denoiser) {
     auto environment = kQuickly;
     for (const auto& [name, value] : denoiser) environment[name] = value;
@@ -172,12 +169,8 @@ TEST_F(CliAdvise, NamesTheCommandThatDenoisesWhereThereAreNetworks) {
     for (const Json& plan : advice["plans"]) last[plan["way"]] = plan["steps"].back();
     return last;
   };
-  for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
-                                 {"albedo_small", "rt_alb"},
-                                 {"normal_small", "rt_nrm"}})
-    std::filesystem::copy_file(std::string(XRDS_GOLDEN_FOLDER "/unet/") + from + ".model.safetensors",
-                               folder / (std::string(to) + ".safetensors"));
-  std::map<std::string, std::string> last = lastSteps({{"XRDS_DENOISERS", (folder / "").string()}});
+  writeDenoisers(folder / "networks");
+  std::map<std::string, std::string> last = lastSteps({{"XRDS_DENOISERS", (folder / "networks").string()}});
   EXPECT_EQ(last["rendered"], "xrds denoise full.exr -o out.exr");
   EXPECT_EQ(last["free"], "xrds denoise full.exr guides.exr -o out.exr --guides clean");
   last = lastSteps({{"XRDS_OIDN", XRDS_FAKE_OIDN}});

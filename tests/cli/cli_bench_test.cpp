@@ -126,11 +126,7 @@ TEST(CliBenchQuality, MeasuresTheDenoisersNetworks) {
                                            scenes.model, "--denoiser", "--json",   json};
   const Ended missing = runXrds(arguments, there);
   EXPECT_EQ(missing.exitCode, 4) << missing.error;
-  for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
-                                 {"albedo_small", "rt_alb"},
-                                 {"normal_small", "rt_nrm"}})
-    std::filesystem::copy_file(std::string(XRDS_GOLDEN_FOLDER "/unet/") + from + ".model.safetensors",
-                               out / (std::string(to) + ".safetensors"));
+  writeDenoisers(out / "");
   const Ended ended = runXrds(arguments, there);
   ASSERT_EQ(ended.exitCode, 0) << ended.error;
   EXPECT_TRUE(contains(ended.output, "Open Image Denoise, 16 spp")) << ended.output;

@@ -40,13 +40,7 @@ struct NoisyFrame {
            {"ViewLayer.Denoising Albedo", "RGB", colour},
            {"ViewLayer.Denoising Normal", "XYZ", normalLayer("", 40).pixels},
            {"ViewLayer.Depth", "Z", [](int x, int y, int) { return float(x + y); }}});
-    std::filesystem::create_directory(networks);
-    const std::string golden = XRDS_GOLDEN_FOLDER "/unet/";
-    for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
-                                   {"hdr_small", "rt_hdr"},
-                                   {"albedo_small", "rt_alb"},
-                                   {"normal_small", "rt_nrm"}})
-      std::filesystem::copy_file(golden + from + ".model.safetensors", networks + "/" + to + ".safetensors");
+    writeDenoisers(networks);
   }
   void write(const std::vector<Layer>& layers) const { writeParts(render, {{boxOf(40, 32), boxOf(40, 32), layers}}); }
   Ended denoise(const std::vector<std::string>& more) const {

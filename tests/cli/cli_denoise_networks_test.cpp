@@ -18,14 +18,7 @@ using Json = nlohmann::json;
 struct DenoisedFrame : SmallFrame {
   std::string networks = (folder / "networks").string();
 
-  DenoisedFrame() {
-    fs::create_directory(networks);
-    const std::string golden = XRDS_GOLDEN_FOLDER "/unet/";
-    for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
-                                   {"albedo_small", "rt_alb"},
-                                   {"normal_small", "rt_nrm"}})
-      fs::copy_file(golden + from + ".model.safetensors", fs::path(networks) / (std::string(to) + ".safetensors"));
-  }
+  DenoisedFrame() { writeDenoisers(networks); }
   /// With the networks where `xrds import oidn` puts them, and a library, which halves radiance.
   StartOptions both() const { return {.environment = {{"XRDS_DENOISERS", networks}, {"XRDS_OIDN", XRDS_FAKE_OIDN}}}; }
   Ended upscale(const std::vector<std::string>& more, const StartOptions& start = {}) const {

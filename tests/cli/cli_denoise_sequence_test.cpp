@@ -20,13 +20,7 @@ struct RenderedSequence {
   TemporaryFolder folder;
 
   RenderedSequence() {
-    fs::create_directories(folder / "networks");
-    for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
-                                   {"albedo_small", "rt_alb"},
-                                   {"normal_small", "rt_nrm"},
-                                   {"hdr_small", "rt_hdr"}})
-      fs::copy_file(std::string(XRDS_GOLDEN_FOLDER "/unet/") + from + ".model.safetensors",
-                    folder / "networks" / (std::string(to) + ".safetensors"));
+    writeDenoisers(folder / "networks");
     for (int frame = 1; frame <= kFrames; ++frame) write(frame);
   }
 

@@ -122,6 +122,15 @@ std::vector<std::string> SmallFrame::arguments(const std::vector<std::string>& m
 
 std::string goldenModel(const std::string& name) { return XRDS_GOLDEN_FOLDER "/" + name + ".model.safetensors"; }
 
+void writeDenoisers(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  for (const auto& [from, to] : {std::pair{"hdr_albedo_normal_large", "rt_hdr_calb_cnrm"},
+                                 {"hdr_small", "rt_hdr"},
+                                 {"albedo_small", "rt_alb"},
+                                 {"normal_small", "rt_nrm"}})
+    std::filesystem::copy_file(goldenModel(std::string("unet/") + from), folder / (std::string(to) + ".safetensors"));
+}
+
 ExrPart headerOf(const std::string& path) { return readExrHeader(path).parts.front(); }
 
 Image readColour(const std::string& path) {

@@ -65,6 +65,9 @@ struct SmallFrame {
 };
 
 std::string goldenModel(const std::string& name);
+/// Networks of random weights in the place of those that `xrds import oidn` puts into such a folder, which is made:
+/// of the colour alone, the colour with guides, albedo and normal.
+void writeDenoisers(const std::filesystem::path& folder);
 ExrPart headerOf(const std::string& path);
 Image readColour(const std::string& path);
 
