@@ -94,12 +94,13 @@ std::vector<std::string> checkShift(const Image& low, const NamedLayer& full) {
     return sum / double(wanted.size());
   };
   const double inPlace = errorOf(0, 0);
+  if (inPlace < kLeastError) return {};
   double least = inPlace;
   int right = 0, down = 0;
   for (int dy = -scale; dy <= scale; ++dy)
     for (int dx = -scale; dx <= scale; ++dx)
       if (const double error = errorOf(dx, dy); error < least) least = error, right = dx, down = dy;
-  if (inPlace < kLeastError || least > kClearlyLess * inPlace) return {};
+  if (least > kClearlyLess * inPlace) return {};
   return {"The two renders do not show the same part of the picture: moved by " + stepText(right, down) + ", " +
           (full.name.empty() ? "the full-resolution colour" : "'" + full.name + "'") +
           " fits the other one better. Some renderers move their pictures by a part of a pixel, whatever its size "
