@@ -55,7 +55,7 @@ void warnOfOtherLight(const Frame& frame) {
                    " %: they are of other light, and what is told of noise and plans is wrong; render both alike."});
 }
 
-RenderSamples samplesOf(const AdviseOptions& options, const Frame& frame) {
+RenderSamples samplesAskedFor(const AdviseOptions& options, const Frame& frame) {
   if (const auto given = parsePair(options.samples)) return {given->first, given->second};
   if (const auto told = samplesOf(frame.colourLayer(), frame.fullColourLayer())) return *told;
   throw Failure{ExitCode::usage, "The files do not say how many samples their renders have: --samples LOW,FULL does."};
@@ -123,7 +123,7 @@ void run(AdviseOptions options) {
   const auto& auxiliary = frame.auxiliary();
   advice.width = auxiliary[0].width;
   advice.height = auxiliary[0].height;
-  advice.samples = samplesOf(options, frame);
+  advice.samples = samplesAskedFor(options, frame);
   advice.scene = failingWith(ExitCode::input, [&] {
     return sceneFeatures({frame.colour(), auxiliary[2], auxiliary[0], auxiliary[1], advice.samples});
   });

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::add_excess_test {
 namespace {
 
 using test::PrintTo;
@@ -62,4 +62,4 @@ TEST(AddExcess, RefusesOtherSizes) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::add_excess_test

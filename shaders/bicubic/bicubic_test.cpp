@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::bicubic_test {
 namespace {
 
 using test::PrintTo;
@@ -77,4 +77,4 @@ TEST(Bicubic, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::bicubic_test

@@ -8,7 +8,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::binned_exposure_test {
 namespace {
 
 using test::PrintTo;
@@ -76,4 +76,4 @@ TEST(BinnedExposure, RefusesWhatIsNoImage) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::binned_exposure_test

@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::blend_colour_test {
 namespace {
 
 using test::PrintTo;
@@ -103,4 +103,4 @@ TEST(BlendColour, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::blend_colour_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::box_mean_test {
 namespace {
 
 using test::PrintTo;
@@ -74,4 +74,4 @@ TEST(BoxMean, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::box_mean_test

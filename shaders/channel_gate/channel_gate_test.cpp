@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::channel_gate_test {
 namespace {
 
 using test::PrintTo;
@@ -74,4 +74,4 @@ TEST(ChannelGate, RefusesWeightsOfOtherShapes) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::channel_gate_test

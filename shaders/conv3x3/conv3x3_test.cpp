@@ -9,7 +9,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::conv3x3_test {
 namespace {
 
 using test::PrintTo;
@@ -397,4 +397,4 @@ TEST(Conv3x3, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::conv3x3_test

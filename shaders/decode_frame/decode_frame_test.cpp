@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::decode_frame_test {
 namespace {
 
 using test::PrintTo;
@@ -63,4 +63,4 @@ TEST(DecodeFrame, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::decode_frame_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::decode_radiance_test {
 namespace {
 
 using test::PrintTo;
@@ -237,4 +237,4 @@ TEST(DecodeRadiance, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::decode_radiance_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::dilated_mean_test {
 namespace {
 
 using test::PrintTo;
@@ -78,4 +78,4 @@ TEST(DilatedMean, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::dilated_mean_test

@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::encode_frame_test {
 namespace {
 
 using test::PrintTo;
@@ -76,4 +76,4 @@ TEST(EncodeFrame, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::encode_frame_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::encode_radiance_test {
 namespace {
 
 using test::PrintTo;
@@ -131,4 +131,4 @@ TEST(EncodeRadiance, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::encode_radiance_test

@@ -9,7 +9,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::exposure_test {
 namespace {
 
 using test::PrintTo;
@@ -136,4 +136,4 @@ TEST(Exposure, RefusesAHalfFloatResult) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::exposure_test

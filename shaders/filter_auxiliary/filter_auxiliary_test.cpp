@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::filter_auxiliary_test {
 namespace {
 
 using test::PrintTo;
@@ -104,4 +104,4 @@ TEST(FilterAuxiliary, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::filter_auxiliary_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::fold_test {
 namespace {
 
 using test::PrintTo;
@@ -67,4 +67,4 @@ TEST(Fold, RefusesWhatIsNoPatch) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::fold_test

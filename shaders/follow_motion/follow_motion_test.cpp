@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::follow_motion_test {
 namespace {
 
 using test::PrintTo;
@@ -83,4 +83,4 @@ TEST(FollowMotion, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::follow_motion_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::gated_sum_test {
 namespace {
 
 using test::PrintTo;
@@ -71,4 +71,4 @@ TEST(GatedSum, RefusesGatesOfOtherShapes) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::gated_sum_test

@@ -6,7 +6,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::joint_bilateral_test {
 namespace {
 
 using test::PrintTo;
@@ -165,4 +165,4 @@ TEST(JointBilateral, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::joint_bilateral_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::layer_norm_test {
 namespace {
 
 using test::PrintTo;
@@ -122,4 +122,4 @@ TEST(LayerNorm, RefusesWeightsOfAnotherWidth) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::layer_norm_test

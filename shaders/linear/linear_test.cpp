@@ -8,7 +8,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::linear_test {
 namespace {
 
 using test::PrintTo;
@@ -357,4 +357,4 @@ TEST(Linear, RefusesViewsOfAnotherShape) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::linear_test

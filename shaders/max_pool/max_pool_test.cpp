@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::max_pool_test {
 namespace {
 
 using test::PrintTo;
@@ -58,4 +58,4 @@ TEST(MaxPool, RefusesOddSides) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::max_pool_test

@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::merge_history_test {
 namespace {
 
 using test::PrintTo;
@@ -146,4 +146,4 @@ TEST(MergeHistory, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::merge_history_test

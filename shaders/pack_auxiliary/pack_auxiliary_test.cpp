@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::pack_auxiliary_test {
 namespace {
 
 using test::PrintTo;
@@ -126,4 +126,4 @@ TEST(PackAuxiliary, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::pack_auxiliary_test

@@ -8,7 +8,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::prefilter_test {
 namespace {
 
 using test::PrintTo;
@@ -140,4 +140,4 @@ TEST(Prefilter, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::prefilter_test

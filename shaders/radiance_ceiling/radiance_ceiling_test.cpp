@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::radiance_ceiling_test {
 namespace {
 
 using test::PrintTo;
@@ -91,4 +91,4 @@ TEST(RadianceCeiling, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::radiance_ceiling_test

@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::resolve_history_test {
 namespace {
 
 using test::PrintTo;
@@ -66,4 +66,4 @@ TEST(ResolveHistory, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::resolve_history_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::row_mean_test {
 namespace {
 
 using test::PrintTo;
@@ -54,4 +54,4 @@ TEST(RowMean, RefusesResultsOfOtherShapesAndTypes) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::row_mean_test

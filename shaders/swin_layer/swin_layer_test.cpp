@@ -8,7 +8,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::swin_layer_test {
 namespace {
 
 using test::PrintTo;
@@ -127,4 +127,4 @@ TEST(SwinLayer, RefusesWeightsOfOtherSizes) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::swin_layer_test

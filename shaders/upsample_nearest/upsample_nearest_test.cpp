@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::upsample_nearest_test {
 namespace {
 
 using test::PrintTo;
@@ -54,4 +54,4 @@ TEST(UpsampleNearest, RefusesOtherSizes) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::upsample_nearest_test

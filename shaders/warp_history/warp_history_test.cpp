@@ -7,7 +7,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::warp_history_test {
 namespace {
 
 using test::PrintTo;
@@ -118,4 +118,4 @@ TEST(WarpHistory, KeepsTheEdgesOfGuides) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::warp_history_test

@@ -8,7 +8,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::window_attention_test {
 namespace {
 
 using test::PrintTo;
@@ -254,4 +254,4 @@ TEST(WindowAttention, RefusesSizesThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::window_attention_test

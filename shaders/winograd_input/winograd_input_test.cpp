@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::winograd_input_test {
 namespace {
 
 using test::PrintTo;
@@ -93,4 +93,4 @@ TEST(WinogradInput, LeavesTheWidestRowsToThePlainKernel) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::winograd_input_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::winograd_output_test {
 namespace {
 
 using test::PrintTo;
@@ -123,4 +123,4 @@ TEST(WinogradOutput, LeavesTheWidestRowsToThePlainKernel) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::winograd_output_test

@@ -5,7 +5,7 @@
 #include "tests/harness.h"
 #include "tests/print_case.h"
 
-namespace xrds {
+namespace xrds::winograd_products_test {
 namespace {
 
 using test::PrintTo;
@@ -115,4 +115,4 @@ TEST(WinogradProducts, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace xrds
+}  // namespace xrds::winograd_products_test
