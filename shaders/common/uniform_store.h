@@ -44,6 +44,14 @@ inline bool gainsByTurns(const DeviceTraits& device) {
   return device.subgroupSize == kLanes;
 }
 
+/// The same for `subgroups` whose lanes each hold `inputs` numbers. Where all of them take more than a seventh of the
+/// second-level cache, those that wait for their turn leave it, which is worse: measured with 512 KiB and 1 MiB.
+inline bool gainsByTurns(const DeviceTraits& device, uint32_t subgroups, uint32_t inputs) {
+  constexpr uint64_t kShare = 7;
+  return gainsByTurns(device) &&
+         kShare * subgroups * device.subgroupSize * inputs * byteSize(DataType::f32) <= device.secondCacheBytes;
+}
+
 /// The largest divisor of `count` up to `limit`.
 inline uint32_t evenShare(uint64_t count, uint32_t limit) {
   while (count % limit != 0) --limit;

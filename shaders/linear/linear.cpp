@@ -47,14 +47,9 @@ uint32_t laneRows(const Linear& op, uint64_t subgroups) {
   return subgroupShare(subgroups, kMaxRows);
 }
 
-// Whether the subgroups of a workgroup of the lane kernel may take turns. Where the tokens of all of them take more
-// than a seventh of the second-level cache, those that wait for their turn leave it, which is worse: measured with 512
-// KiB and 1 MiB.
+// Whether the subgroups of a workgroup of the lane kernel may take turns.
 bool mayTakeTurns(const Linear& op, const DeviceTraits& device) {
-  constexpr uint32_t kTokenShare = 7;
-  const uint64_t subgroupBytes = uint64_t{inputChannels(op)} * byteSize(DataType::f32) * device.subgroupSize;
-  return gainsByTurns(device) && !readsWeightsByAddress(op, device) &&
-         kTokenShare * kMaxRows * subgroupBytes <= device.secondCacheBytes;
+  return gainsByTurns(device, kMaxRows, inputChannels(op)) && !readsWeightsByAddress(op, device);
 }
 
 // Outputs of a workgroup of the lane kernel: the largest divisor of N that fits and is a multiple of tileStep(N); 0:

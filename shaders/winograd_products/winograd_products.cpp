@@ -58,6 +58,12 @@ uint32_t groupSubgroups(uint32_t subgroups) {
   return best;
 }
 
+// Whether the subgroups of a workgroup of the lane kernel take turns, eight outputs each.
+bool takesTurns(const WinogradProducts& op, const DeviceTraits& device) {
+  const uint32_t tile = laneTile(op, device);
+  return tile > 8 && device.laneCode == LaneCode::shuffles && gainsByTurns(device, kMaxSubgroups, inputs(op));
+}
+
 std::array<double, 9> tapsOf(const WinogradProducts& op, uint32_t n, uint32_t k) {
   std::array<double, 9> taps{};
   const uint32_t part = outputs(op) / 4, first = op.firstOutput;
@@ -100,7 +106,8 @@ Dispatch dispatch(const WinogradProducts& op, const DeviceTraits& device) {
     const uint32_t subgroups = groupSubgroups(ceilDivide(squares, device.subgroupSize));
     const uint32_t inEights = (params.target.offset | params.target.stride | params.storeOrigin | tile / 4) % 2 == 0;
     launch.program = programName("winograd_products", KernelFamily::lane, op.output.type);
-    launch.specialization = {device.subgroupSize, subgroups, inputs(op), tile, inEights, op.firstInputs};
+    launch.specialization = {device.subgroupSize,   subgroups, inputs(op), tile, inEights, op.firstInputs,
+                             takesTurns(op, device)};
     launch.pushConstants = pushBytesWithDigits(params);
     if (readsWeightsByAddress(op, device)) readWeightsByAddress(launch);
     launch.groupCount = {op.output.channels / tile, ceilDivide(squares, device.subgroupSize * subgroups), 1};

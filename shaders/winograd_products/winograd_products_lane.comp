@@ -13,10 +13,18 @@ layout(constant_id = 2) const uint kInputs = 4;  // of a plane
 layout(constant_id = 3) const uint kTile = 4;
 layout(constant_id = 4) const bool kStoresEights = false;  // the target begins and steps in eights
 layout(constant_id = 5) const uint kFirst = 0;             // inputs whose planes lie before the others'
+layout(constant_id = 6) const bool kInTurns = false;       // as in linear_lane.comp
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
 const uint kTexels = kInputs * kTile / 4;
 #include "shaders/common/lane_products.glsl"
+
+uint laneTarget[kLanes];  // of a lane's square in the target
+
+void findLanes(uint firstSquare, uint firstTarget) {
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    laneTarget[l] = min(firstSquare + l, p.squareEnd - 1) * p.target.stride + firstTarget;
+}
 
 void main() {
   STAGE_TILE(weights);
@@ -25,19 +33,25 @@ void main() {
   const uint square = min(p.squareBegin + row * kLanes + gl_LocalInvocationID.x, p.squareEnd - 1);
   const uint firstSquare = p.squareBegin + uniformOf(row, 6) * kLanes;
   const uint firstTarget = p.target.offset + uniformOf(gl_WorkGroupID.x, 4) * kTileQuads - p.storeOrigin;
-  uint laneTarget[kLanes];
-  [[unroll]] for (uint l = 0; l < kLanes; l++)
-    laneTarget[l] = min(firstSquare + l, p.squareEnd - 1) * p.target.stride + firstTarget;
+  findLanes(firstSquare, firstTarget);
   const uint plane = gl_WorkGroupID.x * kTileQuads / p.outputQuads;
   const uint start = square * p.source.stride + p.source.offset;
   const uint firsts = start + plane * (kFirst / 4);
   const uint others = start + kWinogradPlanes * (kFirst / 4) + plane * (kInputs - kFirst) / 4;
-  [[unroll]] for (uint k = 0; k < kInputs / 4; k++)
-    x[k] = texelFetch(source, int(k < kFirst / 4 ? firsts + k : others + k - kFirst / 4));
+  // One texel of each cache line first, so that the processor waits for all of them at the same time.
+  [[unroll]] for (uint part = 0; part < 4; part++)
+    [[unroll]] for (uint line = 0; line < (kInputs + 15) / 16; line++) {
+      const uint k = 4 * line + part;
+      if (k < kInputs / 4) x[k] = texelFetch(source, int(k < kFirst / 4 ? firsts + k : others + k - kFirst / 4));
+    }
 
   EVERY_PAIR for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
     const uint n = 2 * m;
     const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
+    if (kInTurns && m > 0) {
+      waitForTurn();
+      findLanes(firstSquare, firstTarget);
+    }
     vec4 a = vec4(0), b = vec4(0);
     addProducts(a, b, n, isPair);
     const WIDE4 first = wide4(a), second = wide4(b);
