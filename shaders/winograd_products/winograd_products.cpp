@@ -13,7 +13,8 @@ namespace {
 constexpr uint32_t kPlanes = shader::kWinogradPlanes;
 // Of the lane kernel: multiply-adds of a lane, of which more take long to compile, and outputs.
 constexpr uint32_t kMaxBody = 8192, kMaxTile = 64;
-constexpr uint32_t kMaxSubgroups = 32;  // of a workgroup of the lane kernel
+constexpr uint32_t kMaxSubgroups = 32;         // of a workgroup of the lane kernel
+constexpr uint32_t kAtOnce = 1, kInTurns = 2;  // KernelShape::rows of the lane kernel
 
 // Channels of a plane.
 uint32_t inputs(const WinogradProducts& op) { return op.input.channels / kPlanes; }
@@ -58,10 +59,12 @@ uint32_t groupSubgroups(uint32_t subgroups) {
   return best;
 }
 
-// Whether the subgroups of a workgroup of the lane kernel take turns, eight outputs each.
+// Whether the subgroups of a workgroup of the lane kernel take turns, eight outputs each, by which Mesa 25.0 gains
+// nothing.
 bool takesTurns(const WinogradProducts& op, const DeviceTraits& device) {
-  const uint32_t tile = laneTile(op, device);
-  return tile > 8 && device.laneCode == LaneCode::shuffles && gainsByTurns(device, kMaxSubgroups, inputs(op));
+  if (laneTile(op, device) <= 8) return false;  // one turn
+  if (device.shape.rows > 0) return device.shape.rows == kInTurns;
+  return device.laneCode == LaneCode::shuffles && gainsByTurns(device, kMaxSubgroups, inputs(op));
 }
 
 std::array<double, 9> tapsOf(const WinogradProducts& op, uint32_t n, uint32_t k) {
@@ -123,6 +126,7 @@ std::vector<KernelShape> shapesToTry(const WinogradProducts& op, const DeviceTra
   if (laneTile(op, device) == 0) return shapes;
   for (const uint32_t tile : {8U, 12U, 16U, 20U, 32U, 36U, 48U, 64U})
     if (outputs(op) % tile == 0) shapes.push_back({.outputs = tile});
+  if (!readsWeightsByAddress(op, device)) shapes.push_back({.rows = takesTurns(op, device) ? kAtOnce : kInTurns});
   return shapes;
 }
 

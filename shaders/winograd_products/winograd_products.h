@@ -36,7 +36,7 @@ TensorShape outputShape(const WinogradProducts& op);
 /// The kernel launch for the rows. Throws std::logic_error on misuse. Pure.
 Dispatch dispatch(const WinogradProducts& op, const DeviceTraits& device);
 
-/// Shapes of the device's family that are worth a try beside the rule's own: outputs of a lane.
+/// Shapes of the device's family that are worth a try beside the rule's own: outputs of a lane, the other order.
 std::vector<KernelShape> shapesToTry(const WinogradProducts& op, const DeviceTraits& device);
 
 /// Made in double precision. For each plane and each tile of T outputs of it [K][T]; T: all of a plane for the plain

@@ -57,6 +57,10 @@ TEST_P(WinogradProductsCases, MatchesReference) {
   const auto weight = test::randomNumbers(size_t{outputsOfWeight(c)} * c.inputs * 9, 1);
   test::expectMatchesReference(productsOf(c, weight), test::traitsOf(family), toleranceOf(DataType::f32));
   if (family == KernelFamily::lane) test::expectMatchesReferenceByAddress(productsOf(c, weight), c.inputs <= 16);
+  if (family != KernelFamily::lane || c.outputs < 20 || c.inputs > 64) return;
+  DeviceTraits inTurns = test::traitsOf(family);
+  inTurns.shape.rows = 2;
+  test::expectMatchesReference(productsOf(c, weight), inTurns, toleranceOf(DataType::f32));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, WinogradProductsCases,
@@ -97,6 +101,24 @@ TEST(WinogradProducts, ReadsWeightsByAddressInOneTile) {
   EXPECT_EQ(launch.program, "winograd_products_lane_f32_addressed");
   EXPECT_TRUE(launch.weightsByAddress);
   EXPECT_EQ(launch.groupCount[0], 36u);
+}
+
+TEST(WinogradProducts, TakesTurnsOnVectorsOf256Bits) {
+  const std::vector<float> weight(size_t{160} * 64 * 9);
+  const auto takesTurns = [&](uint32_t inputs, uint32_t outputs, DeviceTraits device) {
+    device.family = KernelFamily::lane;
+    device.shaderInt64 = true;
+    const std::span<const float> used = std::span(weight).first(size_t{inputs} * outputs * 9);
+    return dispatch(productsOf({3, 5, inputs, outputs}, used), device).specialization[6] == 1;
+  };
+  EXPECT_TRUE(takesTurns(64, 64, {.subgroupSize = 8}));
+  EXPECT_FALSE(takesTurns(64, 64, {.subgroupSize = 16}));
+  EXPECT_FALSE(takesTurns(64, 8, {.subgroupSize = 8})) << "eight outputs are one turn";
+  EXPECT_FALSE(takesTurns(160, 32, {.subgroupSize = 8})) << "the squares leave a second-level cache of 512 KiB";
+  EXPECT_TRUE(takesTurns(128, 32, {.subgroupSize = 8, .secondCacheBytes = uint64_t{1} << 20}));
+  EXPECT_FALSE(takesTurns(64, 64, {.subgroupSize = 8, .laneCode = LaneCode::broadcasts}));
+  EXPECT_TRUE(takesTurns(64, 64, {.shape = {.rows = 2}, .subgroupSize = 16}));
+  EXPECT_FALSE(takesTurns(64, 64, {.shape = {.rows = 1}, .subgroupSize = 8}));
 }
 
 TEST(WinogradProducts, RefusesWhatDoesNotFit) {
