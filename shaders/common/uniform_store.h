@@ -37,6 +37,9 @@ inline uint32_t subgroupShare(uint64_t count, uint32_t limit) {
   return count % limit == 0 ? limit : count % 4 == 0 ? 4 : 1;
 }
 
+/// KernelShape::rows of a lane kernel whose subgroups may take turns.
+constexpr uint32_t kAtOnce = 1, kInTurns = 2;
+
 /// Whether it pays that the subgroups of a workgroup take turns with long code, so that it is read from the instruction
 /// cache. AVX2 reads a weight by an instruction of its own, so its code is longer than that of AVX-512.
 inline bool gainsByTurns(const DeviceTraits& device) {

@@ -18,8 +18,7 @@ namespace {
 // fetched input.
 constexpr uint32_t kMaxBody = 7200, kGoodBody = 2048;
 constexpr uint32_t kMaxTile = 64, kGoodTile = 48, kMaxTurnsTile = 128;
-constexpr uint32_t kMaxRows = 32;              // subgroups in a workgroup of the lane kernel
-constexpr uint32_t kAtOnce = 1, kInTurns = 2;  // KernelShape::rows of the lane kernel
+constexpr uint32_t kMaxRows = 32;  // subgroups in a workgroup of the lane kernel
 
 uint32_t outputChannels(const Linear& op) { return ceilDivide(op.bias.size(), 4) * 4; }
 

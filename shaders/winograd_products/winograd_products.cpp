@@ -13,8 +13,7 @@ namespace {
 constexpr uint32_t kPlanes = shader::kWinogradPlanes;
 // Of the lane kernel: multiply-adds of a lane, of which more take long to compile, and outputs.
 constexpr uint32_t kMaxBody = 8192, kMaxTile = 64;
-constexpr uint32_t kMaxSubgroups = 32;         // of a workgroup of the lane kernel
-constexpr uint32_t kAtOnce = 1, kInTurns = 2;  // KernelShape::rows of the lane kernel
+constexpr uint32_t kMaxSubgroups = 32;  // of a workgroup of the lane kernel
 
 // Channels of a plane.
 uint32_t inputs(const WinogradProducts& op) { return op.input.channels / kPlanes; }
@@ -126,7 +125,8 @@ std::vector<KernelShape> shapesToTry(const WinogradProducts& op, const DeviceTra
   if (laneTile(op, device) == 0) return shapes;
   for (const uint32_t tile : {8U, 12U, 16U, 20U, 32U, 36U, 48U, 64U})
     if (outputs(op) % tile == 0) shapes.push_back({.outputs = tile});
-  if (!readsWeightsByAddress(op, device)) shapes.push_back({.rows = takesTurns(op, device) ? kAtOnce : kInTurns});
+  if (laneTile(op, device) > 8 && !readsWeightsByAddress(op, device))
+    shapes.push_back({.rows = takesTurns(op, device) ? kAtOnce : kInTurns});
   return shapes;
 }
 
