@@ -41,6 +41,32 @@ void findLanes(uint firstToken) {
     laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
 }
 
+// Outputs of quad n of the tile, and of n + 1 if there is one.
+void makeOutputs(uint n, const bool isPair, uint token, uint firstToken, uint firstTarget) {
+  if (kInTurns && n > 0) {
+    waitForTurn();
+    findLanes(firstToken);  // a compiler would compute those from before the barrier again for each store
+  }
+  vec4 a = weightAt(n, kInputs * kTileQuads), b = isPair ? weightAt(n, kInputs * kTileQuads + 1) : vec4(0);
+  addProducts(a, b, n, isPair);
+#ifdef XRDS_F16
+  // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
+  // would compute one after the other, waiting for each addition, in three times the time.
+  if (!kHasResidual)
+    target[firstTarget + n + laneOffset[0]] = handedOut(word64(floatBitsToUint(vec2(a.x, b.x))), 0);
+#endif
+  const uint quad = gl_WorkGroupID.x * kTileQuads + n;
+  const WIDE4 first = wide4(finished(a, token, quad)), second = isPair ? wide4(finished(b, token, quad + 1)) : first;
+  const WIDE8 both = WIDE8(first, second);
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    if (isPair && kStoresEights) {
+      storeLane8((firstTarget + n + laneOffset[l]) / 2, both, l);
+    } else {
+      storeLane(firstTarget + n + laneOffset[l], first, l);
+      if (isPair) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
+    }
+}
+
 void main() {
   STAGE_TILE(weights);
 
@@ -76,30 +102,6 @@ void main() {
       [[unroll]] for (uint k = 0; k < kInputs / 4; k++) x[k] = kept(x[k]);
   }
 
-  EVERY_PAIR for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
-    const uint n = 2 * m;
-    const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
-    if (kInTurns && m > 0) {
-      waitForTurn();
-      findLanes(firstToken);  // a compiler would compute those from before the barrier again for each store
-    }
-    vec4 a = weightAt(n, kInputs * kTileQuads), b = isPair ? weightAt(n, kInputs * kTileQuads + 1) : vec4(0);
-    addProducts(a, b, n, isPair);
-#ifdef XRDS_F16
-    // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
-    // would compute one after the other, waiting for each addition, in three times the time.
-    if (!kHasResidual)
-      target[firstTarget + n + laneOffset[0]] = handedOut(word64(floatBitsToUint(vec2(a.x, b.x))), 0);
-#endif
-    const uint quad = gl_WorkGroupID.x * kTileQuads + n;
-    const WIDE4 first = wide4(finished(a, token, quad)), second = isPair ? wide4(finished(b, token, quad + 1)) : first;
-    const WIDE8 both = WIDE8(first, second);
-    [[unroll]] for (uint l = 0; l < kLanes; l++)
-      if (isPair && kStoresEights) {
-        storeLane8((firstTarget + n + laneOffset[l]) / 2, both, l);
-      } else {
-        storeLane(firstTarget + n + laneOffset[l], first, l);
-        if (isPair) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
-      }
-  }
+  EVERY_PAIR for (uint m = 0; m < kTileQuads / 2; m++) makeOutputs(2 * m, true, token, firstToken, firstTarget);
+  if (kTileQuads % 2 == 1) makeOutputs(kTileQuads - 1, false, token, firstToken, firstTarget);
 }

@@ -26,6 +26,25 @@ void findLanes(uint firstSquare, uint firstTarget) {
     laneTarget[l] = min(firstSquare + l, p.squareEnd - 1) * p.target.stride + firstTarget;
 }
 
+// Outputs of quad n of the tile, and of n + 1 if there is one.
+void makeOutputs(uint n, const bool isPair, uint firstSquare, uint firstTarget) {
+  if (kInTurns && n > 0) {
+    waitForTurn();
+    findLanes(firstSquare, firstTarget);
+  }
+  vec4 a = vec4(0), b = vec4(0);
+  addProducts(a, b, n, isPair);
+  const WIDE4 first = wide4(a), second = wide4(b);
+  const WIDE8 both = WIDE8(first, second);
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    if (isPair && kStoresEights) {
+      storeLane8((laneTarget[l] + n) / 2, both, l);
+    } else {
+      storeLane(laneTarget[l] + n, first, l);
+      if (isPair) storeLane(laneTarget[l] + n + 1, second, l);
+    }
+}
+
 void main() {
   STAGE_TILE(weights);
 
@@ -45,23 +64,6 @@ void main() {
       if (k < kInputs / 4) x[k] = texelFetch(source, int(k < kFirst / 4 ? firsts + k : others + k - kFirst / 4));
     }
 
-  EVERY_PAIR for (uint m = 0; m < (kTileQuads + 1) / 2; m++) {
-    const uint n = 2 * m;
-    const bool isPair = kTileQuads % 2 == 0 || n + 1 < kTileQuads;  // else the last four outputs of an odd number
-    if (kInTurns && m > 0) {
-      waitForTurn();
-      findLanes(firstSquare, firstTarget);
-    }
-    vec4 a = vec4(0), b = vec4(0);
-    addProducts(a, b, n, isPair);
-    const WIDE4 first = wide4(a), second = wide4(b);
-    const WIDE8 both = WIDE8(first, second);
-    [[unroll]] for (uint l = 0; l < kLanes; l++)
-      if (isPair && kStoresEights) {
-        storeLane8((laneTarget[l] + n) / 2, both, l);
-      } else {
-        storeLane(laneTarget[l] + n, first, l);
-        if (isPair) storeLane(laneTarget[l] + n + 1, second, l);
-      }
-  }
+  EVERY_PAIR for (uint m = 0; m < kTileQuads / 2; m++) makeOutputs(2 * m, true, firstSquare, firstTarget);
+  if (kTileQuads % 2 == 1) makeOutputs(kTileQuads - 1, false, firstSquare, firstTarget);
 }
