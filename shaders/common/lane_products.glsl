@@ -1,5 +1,6 @@
-// The products of lane kernels whose workgroups have a tile of the weights, [K][kTile], at texel gl_WorkGroupID.x * kTexels
-// of the binding `weights`. The kernel defines K = kInputs, kTile and kTexels and includes uniform_store.glsl before it.
+// The products of lane kernels whose workgroups have a tile of the weights at texel gl_WorkGroupID.x * kTexels of the
+// binding `weights`, in the order in which they are read: kRows rows of eight outputs, then of the next eight
+// (lane_products.h). The kernel defines kInputs, kTile and kRows and includes uniform_store.glsl before it.
 //
 // The tile lies in shared memory and is read at constant offsets, outside of any branch or loop that survives compilation:
 // only then is a read a broadcast operand of the multiplication. With XRDS_ADDRESSED it is read by address
@@ -8,6 +9,7 @@
 #define XRDS_SHADERS_COMMON_LANE_PRODUCTS_GLSL
 #include "shaders/common/lane_weights.glsl"
 const uint kTileQuads = kTile / 4;
+const uint kTexels = kRows * kTileQuads;
 vec4 x[kInputs / 4];  // the inputs of the lane
 #ifdef XRDS_ADDRESSED
 #define STAGE_TILE(weights)
@@ -18,29 +20,24 @@ shared vec4 tile[kTexels];
 #define EVERY_PAIR [[unroll]]
 #endif
 
-// Texel n + at of the tile. `at` is constant.
-vec4 weightAt(uint n, const uint at) {
+// The weights of row k for the outputs of quad n, or of n + 1: its second, of a pair. All but n is constant.
+vec4 weightAt(uint n, const uint k, const bool isPair, const uint second) {
+  const uint at = k * (isPair ? 2 : 1) + second;
 #ifdef XRDS_ADDRESSED
-  return weightsFrom(gl_WorkGroupID.x * kTexels + n).texel[at];
+  return weightsFrom(gl_WorkGroupID.x * kTexels + n * kRows).texel[at];
 #else
-  return tile[n + at];
+  return tile[n * kRows + at];
 #endif
 }
 
 // Adds to the sums of quad n, and of n + 1 if there is one, the products of x.
-void addProducts(inout vec4 a, inout vec4 b, uint n, bool isPair) {
+void addProducts(inout vec4 a, inout vec4 b, uint n, const bool isPair) {
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
-    const vec4 v = x[k];
-    const uint at = 4 * k * kTileQuads;
     if (k > 0) endBlock(a, b);
-    a = plusProduct(a, v.x, weightAt(n, at));
-    if (isPair) b = plusProduct(b, v.x, weightAt(n, at + 1));
-    a = plusProduct(a, v.y, weightAt(n, at + kTileQuads));
-    if (isPair) b = plusProduct(b, v.y, weightAt(n, at + kTileQuads + 1));
-    a = plusProduct(a, v.z, weightAt(n, at + 2 * kTileQuads));
-    if (isPair) b = plusProduct(b, v.z, weightAt(n, at + 2 * kTileQuads + 1));
-    a = plusProduct(a, v.w, weightAt(n, at + 3 * kTileQuads));
-    if (isPair) b = plusProduct(b, v.w, weightAt(n, at + 3 * kTileQuads + 1));
+    [[unroll]] for (uint i = 0; i < 4; i++) {
+      a = plusProduct(a, x[k][i], weightAt(n, 4 * k + i, isPair, 0));
+      if (isPair) b = plusProduct(b, x[k][i], weightAt(n, 4 * k + i, isPair, 1));
+    }
   }
 }
 

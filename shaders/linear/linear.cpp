@@ -5,6 +5,7 @@
 
 #include "shaders/common/example.h"
 #include "shaders/common/groups.h"
+#include "shaders/common/lane_products.h"
 #include "shaders/common/matrix.h"
 #include "shaders/common/moments.h"
 #include "shaders/common/tile.h"
@@ -256,7 +257,6 @@ std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device) {
   // Outputs above N have weights of 0.
   const auto weightAt = [&](size_t n, size_t k) { return n < bias.size() ? weight[n * inputs + k] : 0; };
   const auto biasAt = [&](size_t n) { return n < bias.size() ? bias[n] : 0; };
-  const uint32_t tile = laneOutputs ? laneOutputs : outputs;
   std::vector<float> packed;
   if (const MatrixShape shape = matrixShapeOf(op, device); !laneOutputs && shape.subgroups) {
     const uint32_t rows = alignUp(outputs, 16 * shape.outputs), columns = alignUp(inputs, kMatrixStep);
@@ -265,12 +265,12 @@ std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device) {
     for (uint32_t n = 0; n < rows; ++n) packed.push_back(biasAt(n));
     return packed;
   }
-  packed.reserve(size_t{inputs + 1} * outputs);
-  for (uint32_t first = 0; first < outputs; first += tile) {
-    for (uint32_t k = 0; k < inputs; ++k)
-      for (uint32_t n = first; n < first + tile; ++n) packed.push_back(weightAt(n, k));
-    for (uint32_t n = first; n < first + tile; ++n) packed.push_back(biasAt(n));
-  }
+  const uint32_t rows = inputs + 1;
+  packed.resize(size_t{rows} * outputs);
+  for (uint32_t k = 0; k < rows; ++k)
+    for (uint32_t n = 0; n < outputs; ++n)
+      packed[laneOutputs > 0 ? laneWeightAt(n, k, rows, laneOutputs) : size_t{k} * outputs + n] =
+          k < inputs ? weightAt(n, k) : biasAt(n);
   return packed;
 }
 

@@ -1,5 +1,5 @@
 // y = activation(x W^T + b) + residual as in linear.comp, norm included, for CPU devices.
-// A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x), whose weights are [K][kTile] then bias[kTile]. Eight
+// A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Eight
 // outputs at a time, four inputs written out, as drivers are slow to unroll. kInTurns: all subgroups of the workgroup make
 // the same eight before the next, so that their code is read from the instruction cache. Lanes behind the last token
 // repeat it. fp32.
@@ -25,7 +25,7 @@ layout(constant_id = 8) const uint kSourceQuads = 1;  // those behind them are o
 const uint kAppendedQuads = kInputs / 4 - kSourceQuads;
 layout(constant_id = 9) const bool kInTurns = false;
 layout(binding = 4) uniform samplerBuffer appended;
-const uint kTexels = (kInputs + 1) * kTile / 4;
+const uint kRows = kInputs + 1;  // the last one is the bias
 #include "shaders/common/lane_products.glsl"
 
 vec4 finished(vec4 sum, uint token, uint quad) {
@@ -47,7 +47,7 @@ void makeOutputs(uint n, const bool isPair, uint token, uint firstToken, uint fi
     waitForTurn();
     findLanes(firstToken);  // a compiler would compute those from before the barrier again for each store
   }
-  vec4 a = weightAt(n, kInputs * kTileQuads), b = isPair ? weightAt(n, kInputs * kTileQuads + 1) : vec4(0);
+  vec4 a = weightAt(n, kInputs, isPair, 0), b = isPair ? weightAt(n, kInputs, isPair, 1) : vec4(0);
   addProducts(a, b, n, isPair);
 #ifdef XRDS_F16
   // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it

@@ -4,6 +4,7 @@
 
 #include "shaders/common/example.h"
 #include "shaders/common/groups.h"
+#include "shaders/common/lane_products.h"
 #include "shaders/common/moments.h"
 #include "shaders/common/uniform_store.h"
 
@@ -132,12 +133,11 @@ std::vector<KernelShape> shapesToTry(const WinogradProducts& op, const DeviceTra
 
 std::vector<float> packedWeights(const WinogradProducts& op, const DeviceTraits& device) {
   const uint32_t laneOutputs = laneTile(op, device), n = outputs(op), k = inputs(op);
-  const uint32_t tile = laneOutputs > 0 ? laneOutputs : n;
   std::vector<float> packed(size_t{kPlanes} * n * k);
   for (uint32_t o = 0; o < n; ++o)
     for (uint32_t i = 0; i < k; ++i) {
       const std::array<double, kPlanes> made = winogradWeights(tapsOf(op, o, i));
-      const size_t at = (size_t{o / tile} * k + i) * tile + o % tile;
+      const size_t at = laneOutputs > 0 ? laneWeightAt(o, i, k, laneOutputs) : size_t{i} * n + o;
       for (uint32_t e = 0; e < kPlanes; ++e) packed[size_t{e} * n * k + at] = static_cast<float>(made[e]);
     }
   return packed;

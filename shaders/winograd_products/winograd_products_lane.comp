@@ -16,7 +16,7 @@ layout(constant_id = 5) const uint kFirst = 0;             // inputs whose plane
 layout(constant_id = 6) const bool kInTurns = false;       // as in linear_lane.comp
 layout(binding = 0) uniform samplerBuffer source;
 layout(binding = 1) uniform samplerBuffer weights;
-const uint kTexels = kInputs * kTile / 4;
+const uint kRows = kInputs;
 #include "shaders/common/lane_products.glsl"
 
 uint laneTarget[kLanes];  // of a lane's square in the target
