@@ -1,8 +1,7 @@
 // y = activation(x W^T + b) + residual as in linear.comp, norm included, for CPU devices.
-// A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Eight
-// outputs at a time, four inputs written out, as drivers are slow to unroll. kInTurns: all subgroups of the workgroup make
-// the same eight before the next, so that their code is read from the instruction cache. Lanes behind the last token
-// repeat it. fp32.
+// A token a lane, kTile outputs a workgroup (gl_WorkGroupID.x). Eight outputs at a time, four inputs written out, as
+// drivers are slow to unroll. kInTurns: all subgroups of the workgroup make the same eight before the next, so that their
+// code is read from the instruction cache. Lanes behind the last token repeat it. fp32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
