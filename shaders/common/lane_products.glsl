@@ -34,10 +34,15 @@ vec4 weightAt(uint n, const uint k, const bool isPair, const uint second) {
 void addProducts(inout vec4 a, inout vec4 b, uint n, const bool isPair) {
   [[unroll]] for (uint k = 0; k < kInputs / 4; k++) {
     if (k > 0) endBlock(a, b);
-    [[unroll]] for (uint i = 0; i < 4; i++) {
-      a = plusProduct(a, x[k][i], weightAt(n, 4 * k + i, isPair, 0));
-      if (isPair) b = plusProduct(b, x[k][i], weightAt(n, 4 * k + i, isPair, 1));
-    }
+    const vec4 v = x[k];
+    a = plusProduct(a, v.x, weightAt(n, 4 * k, isPair, 0));
+    if (isPair) b = plusProduct(b, v.x, weightAt(n, 4 * k, isPair, 1));
+    a = plusProduct(a, v.y, weightAt(n, 4 * k + 1, isPair, 0));
+    if (isPair) b = plusProduct(b, v.y, weightAt(n, 4 * k + 1, isPair, 1));
+    a = plusProduct(a, v.z, weightAt(n, 4 * k + 2, isPair, 0));
+    if (isPair) b = plusProduct(b, v.z, weightAt(n, 4 * k + 2, isPair, 1));
+    a = plusProduct(a, v.w, weightAt(n, 4 * k + 3, isPair, 0));
+    if (isPair) b = plusProduct(b, v.w, weightAt(n, 4 * k + 3, isPair, 1));
   }
 }
 
