@@ -1,6 +1,6 @@
 // The products of lane kernels whose workgroups have a tile of the weights at texel gl_WorkGroupID.x * kTexels of the
 // binding `weights`, in the order in which they are read: kRows rows of eight outputs, then of the next eight
-// (lane_products.h). The kernel defines kInputs, kTile and kRows and includes uniform_store.glsl before it.
+// (lane_products.h). The kernel defines kInputs, kTile, kRows and kStoresEights and includes uniform_store.glsl before it.
 //
 // The tile lies in shared memory and is read at constant offsets, outside of any branch or loop that survives compilation:
 // only then is a read a broadcast operand of the multiplication. With XRDS_ADDRESSED it is read by address
@@ -10,7 +10,8 @@
 #include "shaders/common/lane_weights.glsl"
 const uint kTileQuads = kTile / 4;
 const uint kTexels = kRows * kTileQuads;
-vec4 x[kInputs / 4];  // the inputs of the lane
+vec4 x[kInputs / 4];     // the inputs of the lane
+uint laneTarget[kLanes];  // of a lane's token or square, in the target
 #ifdef XRDS_ADDRESSED
 #define STAGE_TILE(weights)
 #define EVERY_PAIR [[dont_unroll]]
@@ -44,6 +45,18 @@ void addProducts(inout vec4 a, inout vec4 b, uint n, const bool isPair) {
     a = plusProduct(a, v.w, weightAt(n, 4 * k + 3, isPair, 0));
     if (isPair) b = plusProduct(b, v.w, weightAt(n, 4 * k + 3, isPair, 1));
   }
+}
+
+// Stores the outputs of all lanes, the first four `at` behind laneTarget, and the second of a pair.
+void storeOutputs(uint at, const bool isPair, WIDE4 first, WIDE4 second) {
+  const WIDE8 both = WIDE8(first, second);
+  [[unroll]] for (uint l = 0; l < kLanes; l++)
+    if (isPair && kStoresEights) {
+      storeLane8((at + laneTarget[l]) / 2, both, l);
+    } else {
+      storeLane(at + laneTarget[l], first, l);
+      if (isPair) storeLane(at + 1 + laneTarget[l], second, l);
+    }
 }
 
 #endif

@@ -59,8 +59,8 @@ std::vector<KernelShape> shapesToTry(const Linear& op, const DeviceTraits& devic
 std::vector<float> joinedWeight(const Linear& op);
 std::vector<float> joinedBias(const Linear& op);
 
-/// What the chosen kernel reads as its weights, of the joined ones. Plain, tile: [K][N], then bias[N]. Lane: for each
-/// tile of T outputs [K][T], then bias[T].
+/// What the chosen kernel reads as its weights, of the joined ones. Plain, tile: [K][N], then bias[N]. Lane: the same
+/// K + 1 rows as laneWeightAt() says.
 std::vector<float> packedWeights(const Linear& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.

@@ -33,11 +33,9 @@ vec4 finished(vec4 sum, uint token, uint quad) {
   return y;
 }
 
-uint laneOffset[kLanes];  // of a lane's token in the target
-
 void findLanes(uint firstToken) {
   [[unroll]] for (uint l = 0; l < kLanes; l++)
-    laneOffset[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
+    laneTarget[l] = (min(firstToken + l, p.tokenEnd - 1) - firstToken) * p.target.stride;
 }
 
 // Outputs of quad n of the tile, and of n + 1 if there is one.
@@ -52,18 +50,11 @@ void makeOutputs(uint n, const bool isPair, uint token, uint firstToken, uint fi
   // A first store, which the rounded sums overwrite, keeps the compiler from rounding each sum as soon as it has it: it
   // would compute one after the other, waiting for each addition, in three times the time.
   if (!kHasResidual)
-    target[firstTarget + n + laneOffset[0]] = handedOut(word64(floatBitsToUint(vec2(a.x, b.x))), 0);
+    target[firstTarget + n + laneTarget[0]] = handedOut(word64(floatBitsToUint(vec2(a.x, b.x))), 0);
 #endif
   const uint quad = gl_WorkGroupID.x * kTileQuads + n;
   const WIDE4 first = wide4(finished(a, token, quad)), second = isPair ? wide4(finished(b, token, quad + 1)) : first;
-  const WIDE8 both = WIDE8(first, second);
-  [[unroll]] for (uint l = 0; l < kLanes; l++)
-    if (isPair && kStoresEights) {
-      storeLane8((firstTarget + n + laneOffset[l]) / 2, both, l);
-    } else {
-      storeLane(firstTarget + n + laneOffset[l], first, l);
-      if (isPair) storeLane(firstTarget + n + 1 + laneOffset[l], second, l);
-    }
+  storeOutputs(firstTarget + n, isPair, first, second);
 }
 
 void main() {

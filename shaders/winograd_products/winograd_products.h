@@ -39,8 +39,7 @@ Dispatch dispatch(const WinogradProducts& op, const DeviceTraits& device);
 /// Shapes of the device's family that are worth a try beside the rule's own: outputs of a lane, the other order.
 std::vector<KernelShape> shapesToTry(const WinogradProducts& op, const DeviceTraits& device);
 
-/// Made in double precision. For each plane and each tile of T outputs of it [K][T]; T: all of a plane for the plain
-/// kernel.
+/// Made in double precision. For each plane [K][N], for the lane kernel as laneWeightAt() says.
 std::vector<float> packedWeights(const WinogradProducts& op, const DeviceTraits& device);
 
 /// Double precision, in the order of the formula.

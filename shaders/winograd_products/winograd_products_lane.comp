@@ -19,8 +19,6 @@ layout(binding = 1) uniform samplerBuffer weights;
 const uint kRows = kInputs;
 #include "shaders/common/lane_products.glsl"
 
-uint laneTarget[kLanes];  // of a lane's square in the target
-
 void findLanes(uint firstSquare, uint firstTarget) {
   [[unroll]] for (uint l = 0; l < kLanes; l++)
     laneTarget[l] = min(firstSquare + l, p.squareEnd - 1) * p.target.stride + firstTarget;
@@ -34,15 +32,7 @@ void makeOutputs(uint n, const bool isPair, uint firstSquare, uint firstTarget) 
   }
   vec4 a = vec4(0), b = vec4(0);
   addProducts(a, b, n, isPair);
-  const WIDE4 first = wide4(a), second = wide4(b);
-  const WIDE8 both = WIDE8(first, second);
-  [[unroll]] for (uint l = 0; l < kLanes; l++)
-    if (isPair && kStoresEights) {
-      storeLane8((laneTarget[l] + n) / 2, both, l);
-    } else {
-      storeLane(laneTarget[l] + n, first, l);
-      if (isPair) storeLane(laneTarget[l] + n + 1, second, l);
-    }
+  storeOutputs(n, isPair, wide4(a), wide4(b));
 }
 
 void main() {
